@@ -1,7 +1,7 @@
-// An implicit tree of bounding boxes over the sorted seeds and their images: level 0 holds the boxes of groups of
-// consecutive seeds, each box of level k+1 covers eight of level k, the top level has one. Seeds follow a Hilbert
-// curve, so boxes are compact at any density. In a power diagram each box knows the largest weight in it, so that one
-// heavy seed does not widen every search.
+// An implicit tree of bounding boxes over the sorted seeds and their images. Level 0 holds the boxes of groups of
+// consecutive seeds; each box of level k+1 covers eight of level k; the top level has one box. Seeds follow a Hilbert
+// curve, so boxes are compact at any density. In a power diagram each box stores its largest weight, so that one heavy
+// seed does not widen every search.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,12 @@ class Hierarchy {
 public:
     static constexpr std::size_t fan = box_fan;
     static_assert(fan == 8);  // first_seed()
-    // A search in depth never has as many nodes before it, in a tree of any size.
+    // Bound on the pending nodes of a depth-first search, in a tree of any size.
     static constexpr std::size_t max_nodes = 256;
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
-    // Gives much memory back to the system until the next build().
+    // Returns large memory to the system until the next build().
     void release_pages() {
         for (auto& level : levels_) level.release_pages();
         for (auto& level : weights_) level.release_pages();
@@ -46,7 +46,7 @@ public:
     [[nodiscard]] double largest_weight(int level, std::size_t node) const {
         return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;
     }
-    // The same of all boxes of a block.
+    // Returns the largest weight of all boxes of a block.
     [[nodiscard]] double largest_weight_of_block(int level, std::size_t index) const {
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }
@@ -54,7 +54,7 @@ public:
 private:
     void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
 
-    std::vector<Buffer<BoxBlock>> levels_;  // those beyond counts_ keep memory for the next build
+    std::vector<Buffer<BoxBlock>> levels_;  // levels beyond counts_ keep memory for the next build
     std::vector<Buffer<double>> weights_;   // by level and box, in a power diagram
     bool has_weights_ = false;
     std::vector<std::size_t> counts_;

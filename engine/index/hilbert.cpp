@@ -5,8 +5,8 @@
 namespace votess::cpu {
 namespace {
 
-// One octant of the curve: where it enters (a corner) and the axis along which it leaves. Hamilton, Compact Hilbert
-// indices, Dalhousie University CS-2006-07, 2006; the names of his functions in comments.
+// One octant of the curve: the corner where it enters and the axis along which it leaves. After Hamilton, Compact
+// Hilbert indices, Dalhousie University CS-2006-07, 2006; comments name his functions.
 struct Orientation {
     unsigned corner = 0, axis = 0;
     bool operator==(const Orientation&) const = default;
@@ -46,7 +46,7 @@ constexpr Step step(const Orientation& o, unsigned octant) {
 
 constexpr HilbertTables make_tables() {
     constexpr int orientations = HilbertTables::orientations;
-    // Numbered in the order in which they are met; one level for each.
+    // Orientations are numbered in the order of discovery; single has one level for each.
     std::array<Orientation, orientations> met{};
     unsigned count = 1;
     std::array<std::array<std::uint16_t, 8>, orientations> single{};

@@ -1,4 +1,4 @@
-// Position along a Hilbert curve through a cube of 1024^3 blocks, by tables: three levels of octants a step.
+// Position along a Hilbert curve through a cube of 1024^3 blocks, by tables of three levels of octants each.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@ namespace votess::cpu {
 inline constexpr int hilbert_levels = 10;
 
 struct HilbertTables {
-    static constexpr int orientations = 12;  // that the curve takes within its octants
+    static constexpr int orientations = 12;  // of the curve within its octants
     // Entries: the position among the 8 or 512 parts of an octant, plus 512 times the orientation within that part.
     std::array<std::uint16_t, 8> first;                     // one level, from the whole cube
     std::array<std::uint16_t, orientations * 512> deeper;   // three levels
@@ -17,7 +17,7 @@ struct HilbertTables {
 };
 extern const HilbertTables hilbert_tables;
 
-// 30 bits; coordinates are below 1024. Blocks that follow each other along the curve share a face.
+// Returns 30 bits. Coordinates must be below 1024. Consecutive blocks along the curve share a face.
 inline std::uint32_t hilbert_index(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     static_assert(hilbert_levels == 1 + 3 * 3);
     const auto& [first, deeper, spread] = hilbert_tables;

@@ -1,5 +1,5 @@
-// Images of seeds that are not among the sorted ones: a node of the hierarchy together with a range of shifts, which a
-// search splits until it has one image of one seed.
+// Images of seeds that are not among the sorted ones: a node of the hierarchy with a range of shifts. A search splits
+// it until one image of one seed remains.
 #pragma once
 
 #include <algorithm>
@@ -19,14 +19,14 @@ struct ImageNode {
     [[nodiscard]] bool is_single() const { return level < 0 && shifts.is_single(); }
 };
 
-// The box of the seeds of a node, without their images.
+// Returns the box of the seeds of a node, without their images.
 inline Box box_of(const ImageNode& node, const SortedSeeds& seeds, const Hierarchy& hierarchy) {
     if (node.level >= 0) return hierarchy.box(node.level, node.node);
     const std::array<double, 3> x{seeds.x[node.node], seeds.y[node.node], seeds.z[node.node]};
     return {x, x};
 }
 
-// Calls visit for the parts of a node that is not single: halves the range of shifts or opens the box, whichever
+// Calls visit for the parts of a node that is not single. Halves the range of shifts or opens the box, whichever
 // extends farther, so that a thin or long domain costs little more than a cube.
 template <class Visit>
 void for_each_part(const ImageNode& node, const Domain& domain, const SortedSeeds& seeds, const Hierarchy& hierarchy,
@@ -43,7 +43,7 @@ void for_each_part(const ImageNode& node, const Domain& domain, const SortedSeed
     const std::size_t end =
         node.level > 0 ? std::min(begin + Hierarchy::fan, hierarchy.count(node.level - 1)) : seeds.group_end(begin);
     for (std::size_t child = begin; child < end; ++child)
-        if (node.level == 0 || Hierarchy::first_seed(node.level - 1, child) < seeds.size())  // others hold images
+        if (node.level == 0 || Hierarchy::first_seed(node.level - 1, child) < seeds.size())  // the others hold images
             visit(ImageNode{node.level - 1, static_cast<std::uint32_t>(child), node.shifts});
 }
 

@@ -10,12 +10,11 @@
 namespace votess::cpu {
 namespace {
 
-// Margin around the box in units of the mean spacing: most cells of uniform seeds need less.
+// Margin around the box in units of the mean spacing. Most cells of uniform seeds need less.
 constexpr double margin_spacings = 2.5;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
-// Images beyond the margin are searched for by each cell that needs them; in thin or long boxes there would be too
-// many.
+// Thin or long boxes would have too many images. Cells search for images beyond the margin.
 constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 
 exact::Point point_of(const Points& points, std::size_t i, double scale) {
@@ -85,7 +84,7 @@ exact::Differences SeedImages::position(std::size_t input, const exact::Shift& s
     return all ? at : exact::differences({}, exact::Plane::bisector(x, shift, domain_->lattice));
 }
 
-// In a straight box no place is too far to tell.
+// Axis-aligned boxes need no distance limit.
 bool SeedImages::surely_inside(const exact::Point& x) const {
     for (int k = 0; k < 3; ++k)
         if (!axis_aligned_ && !(std::abs(x[k]) <= domain_size_)) return false;
@@ -95,7 +94,7 @@ bool SeedImages::surely_inside(const exact::Point& x) const {
     return true;
 }
 
-// outside: as in the job; such seeds stay where they are.
+// outside: as in the job; such seeds stay in place.
 void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool) {
     const std::size_t count = points_.count();
     domain_size_ = 0;
@@ -128,7 +127,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
     });
     if (const auto first = std::ranges::min_element(too_far); first != too_far.end() && *first < count)
         throw Error(ErrorCode::invalid_argument,
-                    "point " + std::to_string(*first) + " lies more than 500 million periods away from the box");
+                    "point " + std::to_string(*first) +
+                        " lies more than 500 million periods away from the box: wrap it into the box first");
     wrapped_.clear();
     wrapped_low_.clear();
     wrapped_rough_.clear();
@@ -149,8 +149,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
     });
 }
 
-// The sorter takes seeds for equal whose rounded positions are. Those that are not equal go to the end, behind each
-// other where their positions are near; the lowest index of each place keeps it for its duplicates.
+// The sorter drops seeds whose rounded positions are equal. Those that differ exactly are appended at the end, sorted
+// by position. The lowest index of each place keeps it for its duplicates.
 void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
     if (out.duplicates == 0 || wraps_.empty()) return;
     struct Member {
@@ -186,7 +186,7 @@ void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
                                               exact::Plane::bisector(point_of(points_, j, scale_), shift,
                                                                      domain_->lattice)) == std::array<exact::Quad, 3>{};
     };
-    std::vector<const Member*> first, apart;  // of each place with these rounded coordinates and lows; of all to keep
+    std::vector<const Member*> first, apart;  // of each place with these rounded coordinates and lows; all to append
     out.duplicates = 0;
     for (const Member& member : members) {
         if (!first.empty() && (first[0]->at != member.at || first[0]->low != member.low)) first.clear();
@@ -312,7 +312,8 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     const std::size_t images = begin.back();
     const std::size_t padded = round_up(seeds, group_size);
     if (padded + images > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()) - group_size)
-        throw Error(ErrorCode::unsupported, "seeds and their periodic images are too many: at most 2147483647");
+        throw Error(ErrorCode::unsupported,
+                    "seeds and their periodic images are more than 2147483647: tessellate in blocks");
 
     Buffer<Image> unsorted;
     Buffer<double> coordinates;
@@ -337,7 +338,7 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
         }
     });
     sorter.sort(std::span<const double>(coordinates), 1, 0, pool, sorted_images_);
-    // Images that are rounded to the same coordinates stay apart: behind the others, in no order.
+    // Images that are rounded to the same coordinates are appended, in no particular order.
     std::vector<std::int32_t> order(sorted_images_.input.begin(), sorted_images_.input.end());
     for (std::size_t i = 0; i < sorted_images_.duplicate_of.size(); ++i)
         if (sorted_images_.duplicate_of[i] >= 0) order.push_back(static_cast<std::int32_t>(i));

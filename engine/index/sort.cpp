@@ -12,21 +12,23 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t bucket_seeds = 512;   // wanted in a bucket: the records fit the first-level cache
-constexpr int max_bucket_bits = 12;         // more buckets than that are slow to scatter to
-constexpr std::size_t crowded_min = 4096;   // seeds in a bucket before it is split: many buckets for all threads,
-constexpr std::size_t crowded_max = 32768;  // and in the second-level cache; more only of some 100 million
-constexpr std::size_t chunk_seeds = 16384;  // at least, in a parallel task
+constexpr std::size_t bucket_seeds = 512;  // desired seeds in a bucket: the records fit the first-level cache
+constexpr int max_bucket_bits = 12;        // scattering to more buckets is slow
+// A bucket with more seeds than count / 32 is split, clamped to this range: many buckets for all threads, each in the
+// second-level cache. Clouds above 33 million seeds may have larger buckets.
+constexpr std::size_t crowded_min = 4096;
+constexpr std::size_t crowded_max = 32768;
+constexpr std::size_t chunk_seeds = 16384;  // minimum in a parallel task
 constexpr std::size_t chunks_per_thread = 4;
-constexpr std::size_t bucket_task = 1024;  // buckets per parallel task
-constexpr std::size_t sort_task = 8192;    // seeds per parallel task
+constexpr std::size_t bucket_task = 1024;  // buckets in a parallel task
+constexpr std::size_t sort_task = 8192;    // seeds in a parallel task
 
 static_assert(std::bit_width(crowded_min / bucket_seeds) >= 3, "a split has to separate octants");
 
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
 
-// Without allocation, and without waking threads for a single task.
+// Runs tasks without allocation, and without waking threads for a single one.
 template <class Task>
 void run(ThreadPool& pool, std::size_t count, const Task& task) {
     if (count == 1)
@@ -37,7 +39,7 @@ void run(ThreadPool& pool, std::size_t count, const Task& task) {
 
 }  // namespace
 
-// task(chunk, begin, end): all of 0 .. count - 1, a part for each chunk.
+// Calls task(chunk, begin, end) for the parts of 0 .. count - 1.
 template <class Task>
 void SeedSorter::for_chunks(ThreadPool& pool, std::size_t count, const Task& task) const {
     run(pool, chunks_,
@@ -84,7 +86,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     const int levels =
         resolution == 0 ? Grid::max_levels : std::clamp<int>(std::bit_width(resolution - 1), 1, Grid::max_levels);
     add_split(measure(cloud, pool), levels, count);
-    // Keys live in x until the coordinates come.
+    // x holds the keys until the coordinates are written.
     Buffer<double>& keys = out.x;
     make_keys(cloud, pool, keys);
     count_buckets(pool);
@@ -97,7 +99,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     scatter(cloud, pool, keys);
     sort_buckets(pool, out);
     if (out.duplicates > 0) remove_duplicates(count, pool, out);
-    // Padding lies infinitely far away, so that the last group is full.
+    // Padding is infinitely far away, so that the last group is full.
     for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(round_up(out.size(), group_size));
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
@@ -146,7 +148,7 @@ void SeedSorter::make_keys(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<do
     });
 }
 
-// Gives each crowded bucket a grid of its own; false when there is none.
+// Gives each crowded bucket its own grid. Returns false if none is crowded.
 template <class Real>
 bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffer<double>& keys) {
     const std::size_t crowded = std::clamp(cloud.count / 32, crowded_min, std::max(crowded_max, cloud.count / 1024));
@@ -194,7 +196,7 @@ bool SeedSorter::split_crowded(const Cloud<Real>& cloud, ThreadPool& pool, Buffe
     return true;
 }
 
-// Sums over chunks; each count becomes the number of seeds that earlier chunks bring to the bucket.
+// Sums over chunks. Each count becomes the number of seeds that earlier chunks put into the bucket.
 void SeedSorter::count_buckets(ThreadPool& pool) {
     const std::size_t buckets = split_of_.size();
     totals_.resize(buckets);
@@ -207,7 +209,7 @@ void SeedSorter::count_buckets(ThreadPool& pool) {
     });
 }
 
-// Along the curve, the parts of a split bucket in its place.
+// Lists buckets along the curve, the parts of a split bucket in its place.
 void SeedSorter::order_buckets(const Split& split, std::uint32_t& begin) {
     for (std::uint32_t b = split.first_bucket; b < split.first_bucket + split.buckets; ++b) {
         const std::uint32_t count = totals_[b];
@@ -229,7 +231,7 @@ void SeedSorter::scatter(const Cloud<Real>& cloud, ThreadPool& pool, const Buffe
         for (std::size_t b = 0; b < buckets; ++b) next[b] += totals_[b];
         const auto key_at = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(keys[i]); };
         for (std::size_t i = begin; i < end; ++i) {
-            // The processor cannot guess where this goes.
+            // The processor cannot predict this address.
             __builtin_prefetch(&records_[next[key_at(std::min(i + 16, end - 1)) >> 32]], 1);
             const auto [x, y, z] = cloud[i];
             const std::uint64_t key = key_at(i);
@@ -246,7 +248,7 @@ void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
     for (BlockSorter& worker : workers_) worker.reserve(most);
     std::atomic<std::size_t> duplicates = 0;
     run(pool, ceil_div(records_.size(), sort_task), [&](std::size_t task, unsigned worker) {
-        // The buckets that begin within this part.
+        // Buckets that begin within this part.
         const auto at = [&](std::size_t begin) { return std::ranges::lower_bound(filled_, begin, {}, &Bucket::begin); };
         std::size_t dropped = 0;
         for (auto s = at(task * sort_task), end = at((task + 1) * sort_task); s != end; ++s) {
@@ -259,7 +261,7 @@ void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
     out.duplicates = duplicates;
 }
 
-// Closes the gaps that dropped seeds left, through the records, which are not needed any more.
+// Closes the gaps of dropped seeds. The records serve as scratch.
 void SeedSorter::remove_duplicates(std::size_t count, ThreadPool& pool, SortedSeeds& out) {
     out.duplicate_of.assign(count, -1);
     kept_.assign(chunks_ + 1, 0);

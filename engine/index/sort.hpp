@@ -1,6 +1,6 @@
-// Seeds in memory order = order in space. The seeds are binned in a grid whose blocks follow a Hilbert curve; a block
-// that stays crowded is binned again within its own bounds, so any clustering is resolved. Equal seeds always share a
-// block, which is how duplicates are found.
+// Sorts seeds so that memory order follows space. They are binned in a grid whose blocks follow a Hilbert curve. A
+// crowded block is binned again within its own bounds, which resolves any clustering. Equal seeds always share a block;
+// so duplicates are found.
 #pragma once
 
 #include <cstdint>
@@ -16,12 +16,12 @@
 
 namespace votess::cpu {
 
-// Sorts by scattering the seeds into buckets, stretches of the curve that fit a cache, and each bucket on its own.
-// Needs 36 bytes a seed and keeps them for the next call, but lets the pages of large ones go.
+// Scatters the seeds into buckets (stretches of the curve that fit a cache) and sorts each bucket. Needs 36 bytes a
+// seed. It keeps the addresses for the next call, but releases the pages of large buffers.
 class SeedSorter {
 public:
     // points: 3N; each coordinate is multiplied by `scale`, a power of two. resolution: grid blocks along the longest
-    // axis (more than 1024 are as 1024), 0 = automatic. Reuses the memory of `out`. The order is the same for any
+    // axis, 1 to 1024 (more count as 1024), 0 = automatic. Reuses the memory of `out`. The order does not depend on the
     // number of threads.
     void sort(std::span<const double> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
     void sort(std::span<const float> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
@@ -29,7 +29,7 @@ public:
 private:
     template <class Real>
     struct Cloud;
-    // Buckets of one grid, or of a bucket that is binned again.
+    // The buckets of one grid, or of a bucket that is binned again.
     struct Split {
         Grid grid;
         int shift;  // from a key to its bucket
@@ -58,13 +58,13 @@ private:
     void sort_buckets(ThreadPool& pool, SortedSeeds& out);
     void remove_duplicates(std::size_t count, ThreadPool& pool, SortedSeeds& out);
 
-    // The input is cut in chunks, one task each; each counts its seeds in each bucket.
+    // The input is cut in chunks, one task each. Each chunk counts its seeds in each bucket.
     std::size_t chunks_ = 1;
     std::vector<Bounds> bounds_;          // by chunk, and by crowded bucket
     std::vector<Split> splits_;           // the first is of all seeds
     std::vector<std::int32_t> split_of_;  // by bucket: its split, or a negative number
-    Buffer<std::uint32_t> counts_;        // by chunk and bucket; then where the chunk writes next
-    std::vector<std::uint32_t> totals_;   // by bucket: seeds; then where it begins
+    Buffer<std::uint32_t> counts_;        // by chunk and bucket; later the next place to write
+    std::vector<std::uint32_t> totals_;   // by bucket: seeds; later its begin
     std::vector<std::size_t> crowded_;    // seeds in each bucket that is being split
     std::vector<Bucket> filled_;
     Buffer<SeedRecord> records_{Buffer<SeedRecord>::Pages::huge};
@@ -72,7 +72,7 @@ private:
     std::vector<std::size_t> kept_;  // by chunk
 };
 
-// Sorts the seeds of a job, except those outside of the domain, which have no cell. outside: as in the job. Indices in
+// Sorts the seeds of a job except those outside of the domain, which have no cell. outside: as in the job. Indices in
 // `out` are those of the points. See SeedSorter::sort() for the rest.
 void sort_inside(const Points& points, double scale, unsigned resolution, std::span<const CellStatus> outside,
                  SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);

@@ -9,7 +9,7 @@ namespace votess::cpu {
 namespace {
 
 constexpr std::size_t crowded = 8;  // seeds in one block of a grid before it is binned again
-constexpr std::size_t few = 24;     // items that are fastest sorted by insertion
+constexpr std::size_t few = 24;     // items that insertion sorts fastest
 constexpr int max_digit_bits = 11;  // counters of a pass stay in the first-level cache
 constexpr std::uint64_t drop_mark = 1ull << 63;
 
@@ -119,7 +119,7 @@ void BlockSorter::resolve(std::span<Item> items) {
 
 void BlockSorter::resolve_run(std::span<Item> run) {
     if (run.size() <= crowded) {
-        // The loop begins with the last one, for the items before it must not be marked yet.
+        // From the last item on, because earlier items must not be marked yet.
         for (std::size_t i = run.size() - 1; i > 0; --i)
             for (std::size_t j = 0; j < i; ++j)
                 if (equal(record(run[i]), record(run[j]))) {
@@ -143,7 +143,7 @@ void BlockSorter::resolve_run(std::span<Item> run) {
     resolve(run);
 }
 
-// The key is of no use any more.
+// Replaces the key, which is no longer needed.
 void BlockSorter::drop(Item& item, Item first) {
     item = drop_mark | Item{static_cast<std::uint32_t>(first)} << 32 | static_cast<std::uint32_t>(item);
     ++dropped_;

@@ -16,25 +16,25 @@ struct SeedRecord {
     std::uint32_t key;  // along the curve; below 2^30
 };
 
-// A seed that equals another keeps its place among the sorted seeds until all are sorted, with this in place of `input`
-// and, in place of x, the input index of the seed that keeps the cell.
+// Marks a seed that equals another until all are sorted: this replaces `input`, and the input index of the seed that
+// keeps the cell replaces x.
 constexpr std::int32_t dropped(std::int32_t input) {
     return ~input;
 }
 
-// One per thread; holds scratch memory.
+// One for each thread; holds scratch memory.
 class BlockSorter {
 public:
-    // Room for blocks of so many seeds.
+    // Makes room for blocks of so many seeds.
     void reserve(std::size_t seeds);
 
-    // Writes the records in order to out[begin ..]; they come in the order of the input. Returns how many are dropped.
+    // Sorts records, which are in input order, and writes them to out[begin ..]. Returns the number of dropped seeds.
     std::size_t sort(std::span<const SeedRecord> records, SortedSeeds& out, std::size_t begin);
-    // For records that all lie at one point, any number of them.
+    // For any number of records at one point.
     static std::size_t drop_all_but_first(std::span<const SeedRecord> records, SortedSeeds& out, std::size_t begin);
 
 private:
-    // The key, then the place among the records, so that all differ and ties keep the order of the input.
+    // The key, then the index among the records, so that all differ and ties keep the input order.
     using Item = std::uint64_t;
 
     void sort_items(std::span<Item> items);

@@ -1,4 +1,4 @@
-// The grid that turns coordinates into positions along a Hilbert curve.
+// The grid that maps coordinates to positions along a Hilbert curve.
 #pragma once
 
 #include <algorithm>
@@ -41,7 +41,7 @@ public:
         // The inverse of a subnormal extent would overflow.
         const double enlarged = longest < 0x1p-1000 ? 0x1p1000 : 1;
         enlarge_ = enlarged;
-        // A little less than the number of blocks, so that the upper end lies in the last one.
+        // Slightly less than the number of blocks, so that the upper end lies in the last one.
         blocks_ = (1 << max_levels) * (1 - 0x1p-40) / (longest * enlarged);
     }
 

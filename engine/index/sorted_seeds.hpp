@@ -14,20 +14,20 @@ inline constexpr std::size_t group_size = 8;  // consecutive seeds that share a 
 class SeedImages;
 
 struct SortedSeeds {
-    // Scaled coordinates, M seeds without duplicates, padded to whole groups; of a periodic domain those of images
-    // follow, padded too. Read and written everywhere at once.
+    // Scaled coordinates of M seeds without duplicates, padded to whole groups. In a periodic domain those of images
+    // follow, padded too. Accessed at random, hence huge pages.
     static constexpr auto pages = Buffer<double>::Pages::huge;
     Buffer<double> x{pages}, y{pages}, z{pages};
     Buffer<std::int32_t> input;              // M: index in the input
-    std::vector<std::int32_t> duplicate_of;  // N when there are duplicates, else empty; -1 for the others
+    std::vector<std::int32_t> duplicate_of;  // N if there are duplicates, else empty; -1 for seeds that have a cell
     std::size_t duplicates = 0;
-    const SeedImages* images = nullptr;  // of a periodic domain
+    const SeedImages* images = nullptr;  // of a periodic domain, else null
     std::size_t images_end = 0;          // behind the last image, in a periodic domain
     std::vector<double> weights;         // M in a power diagram, else empty
 
     [[nodiscard]] std::size_t size() const { return input.size(); }  // M
     [[nodiscard]] std::size_t places() const { return x.size(); }
-    // Behind the last seed of the group that begins at `begin`.
+    // Returns the end of the group that begins at `begin`.
     [[nodiscard]] std::size_t group_end(std::size_t begin) const {
         const std::size_t end = begin + group_size;
         return begin < size() ? std::min(end, size()) : std::min(end, images_end);
