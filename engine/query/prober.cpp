@@ -24,7 +24,7 @@ void Prober::begin_job(const Domain& domain, Star::Keep keep) {
 // Returns how many of the probes lie near enough to the first to look around together: in a box no longer than what a
 // vertex reaches.
 std::size_t Prober::look_around(std::span<const Probe> probes) {
-    const double longest = star_->usual_reach();
+    const double longest = star_->typical_reach();
     Box box{probes[0].place.at, probes[0].place.at};
     double lightest = probes[0].weight;
     std::size_t count = 1;

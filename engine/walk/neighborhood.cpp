@@ -8,9 +8,9 @@ namespace votess::cpu {
 namespace {
 
 constexpr std::size_t min_table = 1 << 14;
-constexpr std::size_t usual_vertices = 16;  // more than a cell of a stretch finds by itself
+constexpr std::size_t reserved_vertices = 16;  // more than a cell of a stretch finds by itself
 constexpr std::size_t min_positions = 1 << 14;
-constexpr std::size_t usual_slabs = 2048;  // cells at the front of a stretch
+constexpr std::size_t initial_slabs = 2048;  // cells at the front of a stretch
 
 std::size_t hash(std::int32_t id) {
     return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(id)) * 0x9e3779b97f4a7c15ull) >> 32;
@@ -36,18 +36,18 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     ties_.clear();
     tie_powers_.clear();
     spill_.clear();
-    if (known_.empty()) known_.resize(usual_slabs * slab_size);
+    if (known_.empty()) known_.resize(initial_slabs * slab_size);
     next_.assign(count + 1, 0);
     free_slabs_.clear();
     slabs_ = 1;
-    forget_strangers();
+    clear_foreign();
     spilled_.assign(count + 1, -1);
     done_.assign(count, 0);
     group_done_.assign(count / group_size + 1, 0);
     if (!positions) return;
-    if (positions_.size() < usual_vertices * count) {  // so that later jobs allocate nothing
-        positions_.resize(usual_vertices * count);
-        owners_.resize(usual_vertices * count);
+    if (positions_.size() < reserved_vertices * count) {  // so that later jobs allocate nothing
+        positions_.resize(reserved_vertices * count);
+        owners_.resize(reserved_vertices * count);
     }
     seeds_.resize(count);
     for (std::size_t s = 0; s < count; ++s)
@@ -87,9 +87,9 @@ void Neighborhood::grow_positions() {
     owners_.resize(positions_.size());
 }
 
-bool Neighborhood::take_slab(std::size_t s) {
+bool Neighborhood::allocate_slab(std::size_t s) {
     if (s == own_count_) {
-        forget_strangers();
+        clear_foreign();
         return true;
     }
     if (next_[s] != 0) return false;
@@ -122,7 +122,7 @@ void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t v
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
     for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, tie, 0, vertex);
-    forget_strangers();
+    clear_foreign();
 }
 
 }  // namespace votess::cpu

@@ -77,7 +77,7 @@ public:
         give(a, p, c, b, vertex);
         give(b, p, a, c, vertex);
         give(c, p, b, a, vertex);
-        forget_strangers();
+        clear_foreign();
     }
     // The same for a vertex of more than four cells, which have no order. power: its squared distance from a seed, less
     // the weight of the seed.
@@ -125,7 +125,7 @@ private:
         // Cells that are not of the stretch share a place behind it.
         const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
         std::uint32_t& next = next_[s];
-        if (next % slab_size == 0 && !take_slab(s)) return spill(s, {{a, b, c}, vertex});
+        if (next % slab_size == 0 && !allocate_slab(s)) return spill(s, {{a, b, c}, vertex});
         KnownVertex& known = known_[next++];
         known.cells[0] = a;
         known.cells[1] = b;
@@ -133,9 +133,9 @@ private:
         known.vertex = vertex;
     }
     // Their slab is the first; it is never full.
-    void forget_strangers() { next_[own_count_] = 1; }
+    void clear_foreign() { next_[own_count_] = 1; }
     // False when the seed has a slab, which is full.
-    bool take_slab(std::size_t s);
+    bool allocate_slab(std::size_t s);
     void release(std::size_t s) {
         if (next_[s] > 0) free_slabs_.push_back((next_[s] - 1) / slab_size);
     }

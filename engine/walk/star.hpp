@@ -59,7 +59,7 @@ public:
     // False also where a seed may lie at the same place, or leave no cell.
     virtual bool build(const Probe& probe) = 0;
     // The security radius that vertices of late needed.
-    [[nodiscard]] virtual double usual_reach() const = 0;
+    [[nodiscard]] virtual double typical_reach() const = 0;
 
     // These are the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ... There are
     // none where the cell of a power diagram is empty.

@@ -21,7 +21,7 @@ public:
     void begin_probes(std::size_t group, Keep keep) override;
     void look_around(const Box& box, double lightest) override;
     bool build(const Probe& probe) override;
-    [[nodiscard]] double usual_reach() const override { return std::sqrt(typical_reach_); }
+    [[nodiscard]] double typical_reach() const override { return std::sqrt(typical_reach_); }
     CellShape* shape(std::span<const std::uint32_t> ranks) override;
     [[nodiscard]] bool knows_vertices() const override;
     void polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const override;
@@ -37,7 +37,7 @@ private:
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
     static constexpr int max_picks = 256;             // planes tried for one vertex
-    static constexpr int max_beginnings = 8;
+    static constexpr int max_starts = 8;
     static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
     static constexpr int max_new_seeds = 24;     // seeds taken at once from beyond the window
     static constexpr int max_ties = 64;
@@ -114,9 +114,9 @@ private:
     template <Star::Keep Kept>
     [[gnu::noinline]] bool find_first();
     template <Star::Keep Kept>
-    [[gnu::always_inline]] inline bool take_known();
-    [[gnu::always_inline]] inline void take_position(const KnownVertex& known, int vertex);
-    bool take_tie(const KnownVertex& known, int vertex);
+    [[gnu::always_inline]] inline bool read_known();
+    [[gnu::always_inline]] inline void read_position(const KnownVertex& known, int vertex);
+    bool read_tie(const KnownVertex& known, int vertex);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
@@ -162,13 +162,13 @@ private:
                                   int lane, int count);
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
-    [[gnu::always_inline]] inline void keep_position(const Third& third, const Four& x);
+    [[gnu::always_inline]] inline void store_position(const Third& third, const Four& x);
     template <Star::Keep Kept>
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
-    void forget_planes();
+    void clear_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     template <Star::Keep Kept>
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
@@ -293,8 +293,8 @@ private:
     double more_ = 0;          // by which any weight may exceed it, in squared units
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
-    bool begun_badly_ = false;  // the edge to begin with has no end
-    std::int32_t own_x_ = 0;    // in the window
+    bool start_failed_ = false;  // the edge to begin with has no end
+    std::int32_t own_x_ = 0;     // in the window
     CandidatePlanes candidates_;
     int near_walls_end_ = 0;                        // candidates up to here are walls
     int extras_ = 0;                                // candidates from here on are no seeds of the window

@@ -23,7 +23,7 @@ void StarWalk<Isa>::guess_reach(std::size_t group) {
 
 template <class Isa>
 void StarWalk<Isa>::begin(std::size_t first, std::size_t last, Keep keep) {
-    forget_planes();
+    clear_planes();
     cells_.begin(seeds_, first, last, static_cast<std::int32_t>(wall_places_.size()), keep == Keep::places);
     make_room(cells_.locals());
     keep_ = keep;
@@ -447,7 +447,7 @@ void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
 }
 
 template <class Isa>
-void StarWalk<Isa>::forget_planes() {
+void StarWalk<Isa>::clear_planes() {
     for (int p = 0; p < planes_; ++p) {
         slot_[static_cast<std::size_t>(local_[p])] = no_slot;
         out_[p] = in_[p] = 0;
@@ -495,7 +495,7 @@ bool StarWalk<Isa>::build(const Probe& probe) {
 template <class Isa>
 template <bool Alone>
 bool StarWalk<Isa>::build_cell() {
-    forget_planes();
+    clear_planes();
     own_local_ = cells_.local(own_id_);
     vertices_ = ends_ = open_begin_ = open_end_ = 0;
     planes_known_ = facings_known_ = 0;
@@ -513,7 +513,7 @@ template <class Isa>
 template <Star::Keep Kept, bool Alone>
 bool StarWalk<Isa>::complete() {
     if constexpr (!Alone)
-        if (!take_known<Kept>()) return false;
+        if (!read_known<Kept>()) return false;
     empty_ = false;
     reached_ = 0;
     if (vertices_ == 0 && !find_first<Kept>()) {
@@ -552,22 +552,22 @@ template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
     int candidates = 0;
-    for (int tries = 0; tries < max_beginnings; ++tries) {
+    for (int tries = 0; tries < max_starts; ++tries) {
         open_begin_ = open_end_ = 0;
-        begun_badly_ = false;
+        start_failed_ = false;
         if (!begin_anywhere() || empty_ || candidates_.count == candidates) return false;
         candidates = candidates_.count;
         const OpenEdge edge = open_edges_[open_begin_++];
         Ray ray;
         aim(edge, ray);
         if (close<Kept>(edge, ray, -1)) return true;
-        if (!begun_badly_) return false;
+        if (!start_failed_) return false;
     }
     return false;
 }
 
 template <class Isa>
-void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
+void StarWalk<Isa>::read_position(const KnownVertex& known, int vertex) {
     numbers_[vertex] = known.vertex;
     const std::size_t owner = cells_.owner(known.vertex);
     Wide from = wide(cells_.seed_position(owner)) - Wide{p_[0], p_[1], p_[2], 0};
@@ -577,7 +577,7 @@ void StarWalk<Isa>::take_position(const KnownVertex& known, int vertex) {
 
 template <class Isa>
 template <Star::Keep Kept>
-bool StarWalk<Isa>::take_known() {
+bool StarWalk<Isa>::read_known() {
     make_room(cells_.locals());
     const auto handed = cells_.known(seed_);
     if (handed.size() > max_vertices - 4) return false;
@@ -589,12 +589,12 @@ bool StarWalk<Isa>::take_known() {
         }
         if (known.is_tie()) {
             planes_ = planes;
-            if (!take_tie(known, vertices++)) return false;
+            if (!read_tie(known, vertices++)) return false;
             planes = planes_;
             ++ties;
             continue;
         }
-        if constexpr (Kept == Keep::places) take_position(known, vertices);
+        if constexpr (Kept == Keep::places) read_position(known, vertices);
         const int a = slot_of(known.cells[0], planes), b = slot_of(known.cells[1], planes),
                   c = slot_of(known.cells[2], planes);
         link_corner<Kept>(a, b, c, vertices++);
@@ -608,8 +608,8 @@ bool StarWalk<Isa>::take_known() {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::take_tie(const KnownVertex& known, int vertex) {
-    if (keep_ == Keep::places) take_position(known, vertex);
+bool StarWalk<Isa>::read_tie(const KnownVertex& known, int vertex) {
+    if (keep_ == Keep::places) read_position(known, vertex);
     power_found_ = std::max(power_found_, cells_.power_of_tie(known));
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
@@ -705,7 +705,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         alignas(32) Four x;
         plane_through(id, third.n, third.h, third.square);
         if (!solve(line, third, x)) {
-            begun_badly_ = true;
+            start_failed_ = true;
             return false;
         }
         const double x2 = dot(wide(x), wide(x));
@@ -824,7 +824,7 @@ int StarWalk<Isa>::sure_side(std::int32_t id, const Third& third, double relativ
 }
 
 template <class Isa>
-void StarWalk<Isa>::keep_position(const Third& third, const Four& x) {
+void StarWalk<Isa>::store_position(const Third& third, const Four& x) {
     Wide position = wide(x) * unscale_;
     position[3] = third.norms2 / third.determinant2 * third.length2 * unscale_ * unscale_;
     wide(position_[vertices_]) = position;
@@ -845,7 +845,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
         square_[c] = third.square;
         face(c);
     }
-    if constexpr (Kept == Keep::places) keep_position(third, x);
+    if constexpr (Kept == Keep::places) store_position(third, x);
     cells_.give({own_local_, local_[edge.b], local_[edge.a], local_[c]},
                 Kept == Keep::places ? numbers_[vertices_] : 0);
     link_corner<Kept>(edge.b, edge.a, c, vertices_++);
@@ -859,7 +859,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > max_vertices - 4) return false;
-    if (keep_ == Keep::places) keep_position(third, x);
+    if (keep_ == Keep::places) store_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
     const double square = (1 + 4 * margin) * max_distance_squared(dot(wide(x), wide(x)), third);
