@@ -1,8 +1,8 @@
-// A stretch of the sorted seeds whose cells are built by one thread. Cells of the stretch hand the Voronoi vertices
-// that they have found to the other cells that share them, so each vertex is computed once.
+// A stretch of the sorted seeds whose cells are built by one thread. Its cells hand their new Voronoi vertices to the
+// other cells that share them, so each vertex is computed once.
 //
-// Vertices refer to cells by local ids: the walls (0..5 those of the box), the seeds of the stretch, then other seeds
-// as they are met.
+// Vertices refer to cells by local ids: first the walls (0..5 those of the box), then the seeds of the stretch, then
+// other seeds in order of use.
 #pragma once
 
 #include <algorithm>
@@ -19,11 +19,11 @@ struct alignas(32) Four {
     double x[4];
 };
 
-// A vertex as a cell sees it: the three neighbors that it shares the vertex with, the outward normals of whose faces
-// are positively oriented. Or more than three, which stand in Neighborhood::tie().
+// A vertex as seen by a cell: the three neighbors at the vertex, the outward normals of whose faces are positively
+// oriented. A vertex with more neighbors refers to Neighborhood::tie().
 struct KnownVertex {
-    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 names a tie, cells[1] its number
-    std::uint32_t vertex;               // its position, see Neighborhood::position()
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 refers to a tie, and cells[1] is its number
+    std::uint32_t vertex;               // number of its position, see Neighborhood::position()
 
     [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
 };
@@ -38,14 +38,14 @@ public:
     }
     // Whether the stretch holds any of these seeds.
     [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
-    // id: a sorted seed, or a wall below 0.
+    // Returns the local id. id: a sorted seed, or a wall below 0.
     [[nodiscard, gnu::always_inline]] std::int32_t local(std::int32_t id) {
         if (id < 0) return -1 - id;
         if (holds(id)) return walls_ + id - static_cast<std::int32_t>(first_);
         return foreign(id);
     }
     [[nodiscard]] std::int32_t id(std::int32_t local) const { return ids_[static_cast<std::size_t>(local)]; }
-    // Whether a local id is a wall's or a seed's of the stretch.
+    // Whether a local id is a wall or a seed of the stretch.
     [[nodiscard]] bool is_own(std::int32_t local) const { return local < own_end_; }
     [[nodiscard]] std::int32_t locals() const { return static_cast<std::int32_t>(ids_.size()); }
 
@@ -69,7 +69,7 @@ public:
         owners_[vertices_] = owner - walls_;
         return vertices_++;
     }
-    // Hands a vertex of cells[0], a seed of the stretch, to the others, which it meets in faces whose normals are
+    // Hands a vertex of cells[0], a seed of the stretch, to the other three cells. The normals of their faces are
     // positively oriented.
     [[gnu::always_inline]] void give(const std::array<std::int32_t, 4>& cells, std::uint32_t vertex) {
         // Even permutations of the four keep the orientation.
@@ -79,17 +79,17 @@ public:
         give(c, p, b, a, vertex);
         clear_foreign();
     }
-    // The same for a vertex of more than four cells, which have no order. power: its squared distance from a seed, less
+    // Does the same for a vertex of more than four cells, in any order. power: its squared distance from a seed, minus
     // the weight of the seed.
     void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power);
 
-    // What was handed to a seed of the stretch.
+    // Returns the vertices that a seed of the stretch was given.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
         const std::uint32_t next = next_[seed - first_], count = next % slab_size;
         if (count == 0 && next != 0) return with_spilled(seed - first_);
         return {known_.data() + (next - count + 1), count == 0 ? 0 : count - 1};
     }
-    // All cells of a tie.
+    // Returns all cells of a tie.
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
         const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
         return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
@@ -99,8 +99,8 @@ public:
         return tie_powers_[static_cast<std::size_t>(known.cells[1])];
     }
 
-    // When positions are kept: a vertex, relative to its owner, in x[0..3), and in x[3] what bounds its error; and the
-    // place of a seed of the stretch in the stretch. Seeds are sums of two doubles where they have been moved.
+    // When positions are kept: a vertex relative to its owner in x[0..3), with a bound on its error in x[3]; its owner,
+    // as an index in the stretch; and the position of a seed by this index. Moved seeds are sums of two doubles.
     [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
     [[nodiscard]] std::size_t owner(std::uint32_t vertex) const { return static_cast<std::size_t>(owners_[vertex]); }
     [[nodiscard]] const Four& seed_position(std::size_t place) const { return seeds_[place]; }
@@ -108,9 +108,9 @@ public:
     [[nodiscard]] const Four& seed_low(std::size_t place) const { return lows_[place]; }
 
 private:
-    // What was handed to a seed stands in a slab of known_, behind its first place, and then in a linked list. It has
-    // the slab from the first vertex on and until it is done: only the front of the cells at hand needs memory, which
-    // stays in the cache.
+    // The vertices given to a seed are in a slab of known_, behind its first place, then in a linked list. A seed has a
+    // slab from its first vertex until it is done. So only cells at the front of the stretch need memory, which stays
+    // in the cache.
     static constexpr std::uint32_t slab_size = 32;
     struct Spill {
         KnownVertex vertex;
@@ -132,9 +132,9 @@ private:
         known.cells[2] = c;
         known.vertex = vertex;
     }
-    // Their slab is the first; it is never full.
+    // Empties the slab of foreign cells, the first one. It is never full.
     void clear_foreign() { next_[own_count_] = 1; }
-    // False when the seed has a slab, which is full.
+    // Returns false when the seed has a slab, which is full.
     bool allocate_slab(std::size_t s);
     void release(std::size_t s) {
         if (next_[s] > 0) free_slabs_.push_back((next_[s] - 1) / slab_size);
@@ -157,7 +157,7 @@ private:
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;
     std::vector<KnownVertex> gathered_;
-    std::vector<std::int32_t> ties_;  // their number, then the cells
+    std::vector<std::int32_t> ties_;  // of each, the number of cells, then the cells
     std::vector<double> tie_powers_;  // by tie
     std::vector<std::uint8_t> done_, group_done_;
 };

@@ -1,12 +1,12 @@
-// The walk of star.hpp. Vectors have four lanes, of which the last is free.
+// The walk of star.hpp. Vectors have four lanes; the last is free.
 #pragma once
 
 #include "walk/star_context.hpp"
 
 namespace votess::cpu {
 
-// Isa has the functions of StarKernels in one instruction set; the file that includes this one compiles all else for
-// it, too.
+// Isa has the functions of StarKernels in one instruction set. The file that includes this compiles the rest for it
+// too.
 template <class Isa>
 class StarWalk final : public Star, private ExactCorners {
 public:
@@ -32,18 +32,18 @@ private:
     static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;       // of the squared security radius that is typical
-    static constexpr int max_candidates = 160;        // at first; room for others is left
+    static constexpr double reach_margin = 1.7;       // of the typical squared security radius
+    static constexpr int max_candidates = 160;        // at first; leaves room for others
     static constexpr double near_share = 0.6;         // of the squared reach
-    static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer is near
+    static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer seeds may cancel
     static constexpr int max_picks = 256;             // planes tried for one vertex
     static constexpr int max_starts = 8;
-    static constexpr float parallel = 0x1p-18f;  // rays nearly along a plane do not leave it
-    static constexpr int max_new_seeds = 24;     // seeds taken at once from beyond the window
+    static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
+    static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
     static constexpr std::int16_t no_slot = -1;
 
-    // Attributes stand behind the name: elsewhere Clang does not see a lesser alignment.
+    // Attributes follow the name; elsewhere Clang ignores a smaller alignment.
     using Wide __attribute__((vector_size(32), aligned(8), may_alias)) = double;
     static_assert(alignof(Wide) == 8);
 
@@ -84,7 +84,7 @@ private:
         floats(out) = __builtin_convertvector(w, Floats);
     }
 
-    // An edge on two planes, by their slots, one of whose ends is known: the vertex that has a -> b.
+    // An edge on two planes, by their slots, with one known end: the vertex that has a -> b.
     struct OpenEdge {
         std::uint8_t a, b;
     };
@@ -102,7 +102,7 @@ private:
         Four n;
         double h, square;             // square = |n|^2
         double norms2, determinant2;  // |na|^2 |nb|^2 |nc|^2 and det(na, nb, nc)^2
-        double length2;               // of the vertex, or more: what its error is measured by, see star_bounds.hpp
+        double length2;               // square of `length` in star_bounds.hpp, which scales the error of the vertex
         [[nodiscard]] double condition() const { return std::sqrt(norms2 / determinant2); }
     };
 
@@ -120,31 +120,31 @@ private:
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
-    // The candidate that the ray meets first, a guess; walls become candidates if there is none. -1 if there still is
-    // none.
+    // Returns the candidate that the ray hits first, a guess. If there is none, adds the walls as candidates. Returns
+    // -1 if there still is none.
     [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
-    // How many candidates may come near to a vertex of that squared security radius. Walls and seeds that were added
-    // later lie farther away than all seeds of the window.
+    // Returns how many candidates may come near a vertex of that squared security radius. Walls and seeds that were
+    // added later lie farther away than all seeds of the window.
     [[nodiscard]] int in_reach(double reach2) const {
         return reach2 < near_covered_ ? candidates_.near : candidates_.count;
     }
-    // At least the squared distance within which a seed may cut off a vertex of squared length x2.
+    // Returns a bound on the squared distance of seeds that cut off a vertex of squared length x2.
     [[nodiscard]] double reach_squared(double x2) const {
         return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : bounds::widest_reach_squared(x2, more_);
     }
-    // The square of `length` in star_bounds.hpp, for a vertex of squared length x2.
+    // Returns the square of `length` in star_bounds.hpp, for a vertex of squared length x2.
     [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
         if (plain_ || !weighted_) return x2;
         const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
         return length * length;
     }
-    // At least |X|^2 of a vertex, up to a factor of 1 + 4 margin.
+    // Returns an upper bound of |X|^2 of a vertex, up to a factor of 1 + 4 margin.
     [[nodiscard]] double max_distance_squared(double x2, const Third& third) const {
         if (!weighted_) return x2;
         const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
         return most * most;
     }
-    // Turns a distance in window units into one between places. size: the largest of their coordinates, which are
+    // Converts a distance in window units to one between places. size: the largest of their coordinates, which are
     // rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
         return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
@@ -152,10 +152,10 @@ private:
     [[nodiscard]] double weight_of(std::int32_t id) const {
         return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
     }
-    // What the rounding of h is measured by.
+    // Scales the rounding of h.
     [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
-    // Finds the vertex at the other end of an edge; `lane` is the candidate to begin with, or -1.
+    // Finds the vertex at the other end of an edge. lane: the candidate to begin with, or -1.
     template <Star::Keep Kept>
     [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
@@ -181,7 +181,7 @@ private:
     [[gnu::noinline]] void note_reach(double x2, const Third& third);
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
-    // Stacks an edge a -> b, which a vertex has brought, unless its other end is known.
+    // Stacks the edge a -> b of a new vertex, unless its other end is known.
     [[gnu::always_inline]] void stack(int a, int b) {
         open_edges_[static_cast<std::size_t>(open_end_)] = {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b)};
         open_end_ += static_cast<int>(~(in_[a] >> b) & 1);
@@ -230,14 +230,14 @@ private:
     [[gnu::noinline]] bool add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
                                       int& added);
 
-    // ---- Walls: to the walk a wall is the bisector of the seed and its mirror image ----
+    // ---- Walls: the walk handles a wall as the bisector of the seed and its mirror image ----
     struct Wall {
         std::int32_t id;
         exact::Plane plane;
         std::array<double, 3> normal;  // of length 1, outward
         double offset;                 // normal.x = offset on it, rounded
         double error;                  // of the distance of a seed
-        // How the seed mirror_of sees it: the bisector with its mirror image, h = 0 where that is not known well.
+        // As seen by the seed mirror_of: the bisector with its mirror image. h = 0 if the distance is not reliable.
         std::size_t mirror_of;
         Four n;
         double h;
@@ -265,11 +265,11 @@ private:
     std::vector<std::int32_t> wall_places_;  // by -1 - id: in walls_, or -1
     std::vector<std::size_t> near_walls_;    // of the seeds of the window's home
     bool any_rough_ = false;                 // images, see SeedImages
-    bool moved_ = false;                     // the seed is not where the input has it
+    bool moved_ = false;                     // the seed has been shifted from its input place
     bool weighted_ = false;
     bool plain_ = false;  // no weights, no images
-    // Squared. All images that matter to a vertex are there if its security radius is less than images_within2_, and
-    // their rounding does not matter if it lies farther away than images_beyond2_.
+    // Squared. All images that matter to a vertex are present if its security radius is less than images_within2_, and
+    // their rounding does not matter if its distance exceeds images_beyond2_.
     double images_beyond2_ = 0, images_within2_ = 0;
     bool any_wrapped_ = false;  // of all seeds
     Neighborhood cells_;
@@ -277,43 +277,45 @@ private:
     std::size_t window_home_ = ~std::size_t{0};
     bool window_open_ = false;
     Keep keep_ = Keep::nothing;
-    double typical_reach_ = 0;  // squared security radius that vertices of late needed
+    double typical_reach_ = 0;  // squared security radius of recent vertices, averaged
 
     bool probing_ = false;
     Box probes_box_{};  // of the probes that share a window
     double lightest_probe_ = 0;
-    double own_images_ = std::numeric_limits<double>::infinity();  // distance of the nearest, if they are no candidates
+    double own_images_ =
+        std::numeric_limits<double>::infinity();  // distance of the nearest own image, if images are not candidates
 
-    std::size_t seed_ = 0;  // a number of its own for a probe
+    std::size_t seed_ = 0;  // a unique number for each probe
     std::int32_t own_id_ = 0, own_local_ = 0;
-    exact::Point p_{};         // the seed, rounded where it has been moved
-    Four low_{};               // what rounding took from it
-    SeedImages::Base base_{};  // as exact arithmetic knows it
+    exact::Point p_{};         // the seed, rounded if it has been moved
+    Four low_{};               // rounding error of p_
+    SeedImages::Base base_{};  // for exact arithmetic
     double weight_ = 0;        // of the seed
-    double more_ = 0;          // by which any weight may exceed it, in squared units
+    double more_ = 0;          // bound on the excess of any weight, in squared units
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
-    bool start_failed_ = false;  // the edge to begin with has no end
+    bool start_failed_ = false;  // the starting edge has no end
     std::int32_t own_x_ = 0;     // in the window
     CandidatePlanes candidates_;
-    int near_walls_end_ = 0;                        // candidates up to here are walls
-    int extras_ = 0;                                // candidates from here on are no seeds of the window
-    double covered_ = 0;                            // squared distance within which all seeds not done are candidates
-    double near_covered_ = 0;                       // and are among the near ones
-    double longest_ = 0;                            // at least the length of the longest candidate normal
-    double weight_span_ = 0;                        // of the candidates and the seed, in squared units
-    double rounding_ = 0, rounding_by_square_ = 0;  // margin of a vertex: rounding_by_square_ times its square more
-    double reached_ = 0;                            // largest squared security radius of the vertices found
+    int near_walls_end_ = 0;   // candidates up to here are walls
+    int extras_ = 0;           // candidates from here on come from beyond the window
+    double covered_ = 0;       // squared distance within which all seeds not done are candidates
+    double near_covered_ = 0;  // squared distance within which they are among the near ones
+    double longest_ = 0;       // bound on the length of candidate normals
+    double weight_span_ = 0;   // of the candidates and the seed, in squared units
+    double rounding_ = 0,
+           rounding_by_square_ = 0;   // margin of a vertex: rounding_by_square_ times its square, plus rounding_
+    double reached_ = 0;              // largest squared security radius of the vertices found
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
-    // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b; the vertex at its
+    // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b. The vertex at its
     // other end has b -> a, and sets bit b of in_[a].
     std::array<std::uint64_t, max_planes> out_{}, in_{};
-    // Edges that were open when they were put here; those from open_begin_ to open_end_ may still be.
+    // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be open.
     std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
     std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
-    std::uint64_t facings_known_ = 0;  // with facing_, too
+    std::uint64_t facings_known_ = 0;  // planes that have facing_ too
     int ends_ = 0;                     // edges, counted at either end
     std::array<std::int32_t, max_planes> local_{}, id_{};
     int planes_ = 0;
@@ -322,17 +324,17 @@ private:
     std::array<Facing, max_planes> facing_{};
     std::vector<std::int16_t> slot_;  // by local id
 
-    std::vector<std::int32_t> tied_;  // ids of the planes that go through the vertex examined
+    std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;
     struct Node {
         std::int32_t level;
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
-    Cell probe_;                                               // of a seed outside of its cell
+    Cell probe_;                                               // clips for a seed outside of its cell
     std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 
-    // For shape(): the corners of vertices on three planes, by vertex. Ties stand apart until the ranks are known.
+    // For shape(): the corners of vertices on three planes, by vertex. Ties are separate until the ranks are known.
     CellShape shape_;
     std::array<std::uint8_t, max_planes> face_slot_;
     struct Tie {

@@ -1,4 +1,4 @@
-// The functions of StarWalk, a part for each step of the walk.
+// The functions of StarWalk, one part for each step of the walk.
 #pragma once
 
 #include "walk/star_walk.hpp"
@@ -7,8 +7,8 @@ namespace votess::cpu {
 
 // ---- Which planes are candidates ----
 
-// A first guess that depends on nothing but the stretch: the answer, to the last bit, is the same for any number of
-// threads. The seeds of a box of the tree take about its volume each.
+// Guesses the reach from the stretch alone, so that the result, to the last bit, does not depend on the number of
+// threads. Assumes that the seeds of a box of the tree share its volume.
 template <class Isa>
 void StarWalk<Isa>::guess_reach(std::size_t group) {
     const int level = std::min(1, hierarchy_.top_level());
@@ -71,7 +71,7 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
         if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
 }
 
-// Whether a candidate may lie where the seed does: window integers are exact to half a unit each.
+// Whether a candidate may coincide with the seed. Window integers are exact to half a unit each.
 template <class Isa>
 bool StarWalk<Isa>::may_coincide() const {
     constexpr float near = 2;
@@ -124,7 +124,7 @@ bool StarWalk<Isa>::gather_candidates() {
     return true;
 }
 
-// The squared security radius for vertices whose distance is half of sqrt(reach2).
+// Returns the squared security radius of vertices at a distance of sqrt(reach2) / 2.
 template <class Isa>
 double StarWalk<Isa>::with_weights(double reach2, double weight) const {
     if (!weighted_) return reach2;
@@ -141,7 +141,7 @@ double StarWalk<Isa>::min_weight(std::size_t home) const {
                              seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-// Sets the length and the margin that follows from it.
+// Sets the length and the margin that depends on it.
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;
@@ -151,7 +151,7 @@ void StarWalk<Isa>::set_longest(double length) {
     rounding_ = m.constant;
 }
 
-// The squared distance within which all seeds are candidates that were looked for within this one.
+// Returns the squared distance within which all seeds are certainly candidates after a search within `square`.
 template <class Isa>
 double StarWalk<Isa>::surely_covered(double square) const {
     const double covered = std::sqrt(square) * (1 - 0x1p-20) - quantum;
@@ -188,8 +188,8 @@ bool StarWalk<Isa>::is_extra(std::int32_t id) const {
     return std::find(candidates_.id + extras_, end, id) != end;
 }
 
-// The nearest seed is a neighbor, and the middle between the two lies inside their face. From there any way along the
-// face leads to an edge.
+// The nearest seed is a neighbor, and the midpoint lies inside their face. From there any way along the face leads to
+// an edge.
 template <class Isa>
 bool StarWalk<Isa>::begin_anywhere() {
     if (!have_candidates_ && !gather_candidates()) return false;
@@ -204,8 +204,8 @@ bool StarWalk<Isa>::begin_anywhere() {
     return begin_at_face(static_cast<int>(nearest - distance_.begin()));
 }
 
-// The seed lies outside of its cell, or nearly: the clipper finds an edge, or that the cell is empty. A few of the
-// nearest planes are enough to leave nothing; the order of the others does not matter.
+// The seed lies outside of its cell, or nearly. The clipper finds an edge, or that the cell is empty. A few of the
+// nearest planes are usually enough to empty it, so the order of the others does not matter.
 template <class Isa>
 bool StarWalk<Isa>::begin_outside() {
     constexpr int nearest_first = 8;
@@ -229,7 +229,7 @@ bool StarWalk<Isa>::begin_outside() {
     for (int slot = 0; slot < probe_.slots(); ++slot) {
         if (!probe_.alive(slot)) continue;
         const auto planes = probe_.corner_planes(slot);
-        // In a periodic box it begins with images of the seed, which are no candidates.
+        // In a periodic box the cell begins with images of the seed, which are not candidates.
         if (std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; })) continue;
         const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
         stack(a, b);
@@ -263,7 +263,7 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
     return true;
 }
 
-// Bits of those of eight seeds beyond the candidates that may cut off the vertex.
+// Returns the bits of those of eight seeds beyond the candidates that may cut off the vertex.
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) const {
     if (weighted_) return find_inside_weighted(begin, test);
@@ -284,14 +284,14 @@ unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest&
         excess[i] = nx * test.v[0] + ny * test.v[1] + nz * test.v[2] - 0.5 * (square[i] - more[i]) + slack;
     }
     unsigned inside = 0;
-    // Not a number where the seed is padding, infinitely far away.
+    // NaN if the seed is padding, infinitely far away.
     for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>((excess[i] >= 0) & (square[i] >= covered_)) << i;
     return inside;
 }
 
-// In a power diagram done seeds matter to a cell that knows no vertex: if it is not empty none of them is its neighbor,
-// and none cuts off its first vertex; if it is empty, some cut off all of space. True when that decides, or is left to
-// the clipper.
+// In a power diagram done seeds matter to a cell that has no vertex yet. If the cell is not empty, none of them is its
+// neighbor and none cuts off its first vertex. If it is empty, some of them cover all of space. Returns true when the
+// cell is empty or the clipper must decide.
 template <class Isa>
 bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
     Box at;
@@ -335,11 +335,11 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
                                  exact_plane(id));
 }
 
-// Seeds beyond the candidates that the sphere around the vertex may hold: not all of them, for each that is found moves
-// the vertex along its edge, and the sphere shrinks.
+// Adds seeds beyond the candidates that may lie in the ball around the vertex. It need not add all: each seed found
+// moves the vertex along its edge, and the ball shrinks.
 //
-// The edge need not be searched again, unless there were max_new_seeds of them. It begins at a proven vertex, where
-// n.x - h <= 0 for all seeds. Along the edge n.x - h is linear: if it is >= 0 at some vertex, it is so at all vertices
+// The edge need not be searched again unless there were max_new_seeds of them. It begins at a proven vertex, where n.x
+// - h <= 0 for all seeds. Along the edge n.x - h is linear. If it is >= 0 at some vertex, it is so at all vertices
 // behind, and the search around those has found the seed.
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
@@ -362,7 +362,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
         test.slack = 2 * margin * x2;
     };
     look_around(of_vertex.length2);
-    // The same for seeds that are no heavier, 0 if there is none: the sphere shrinks to nothing for the lightest.
+    // Returns reach2 for seeds that are not heavier, 0 if none can cut: the ball may shrink to nothing for light seeds.
     auto reach_of = [&](double heaviest) {
         const double more = (heaviest - weight_) * scale_ * scale_;
         if (more >= more_) return reach2;
@@ -399,7 +399,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
                 Four nearer;
                 plane_through(id, third.n, third.h, third.square);
                 const double excess = dot(wide(third.n), wide(x)) - third.h;
-                // No candidate is surely inside.
+                // Candidates are not certainly inside.
                 if (!(excess > 4 * test.slack + 8 * margin * third.square) && is_extra(id)) continue;
                 if (!add_candidate(id)) return false;
                 if (++added == max_new_seeds) return true;
@@ -416,7 +416,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
 
 // ---- From vertex to vertex along the edges ----
 
-// `planes` is planes_, in a register when it can be.
+// planes: planes_, in a register if possible.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     const int known = slot_[static_cast<std::size_t>(local)];
@@ -426,7 +426,7 @@ int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
     return planes++;
 }
 
-// The edges a -> b, b -> c, c -> a of a vertex.
+// Sets the edges a -> b, b -> c, c -> a of a vertex.
 template <class Isa>
 template <Star::Keep Kept>
 void StarWalk<Isa>::link_corner(int a, int b, int c, int vertex) {
@@ -477,7 +477,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
 
 template <class Isa>
 bool StarWalk<Isa>::build(const Probe& probe) {
-    ++seed_;  // what is known of walls belongs to another
+    ++seed_;  // invalidates the walls of another seed
     own_id_ = static_cast<std::int32_t>(seeds_.places());
     p_ = probe.place.at;
     base_ = {probe.x, probe.place.shift};
@@ -522,8 +522,8 @@ bool StarWalk<Isa>::complete() {
     }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
     for (;;) {
-        // Two open edges at once, far from each other: their searches overlap in the processor. The second may have
-        // been closed by the vertex of the first.
+        // Takes two open edges at once, far from each other, whose searches overlap in the processor. The vertex of the
+        // first may close the second.
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
         if (open_begin_ == open_end_) break;
         OpenEdge edges[2];
@@ -546,8 +546,8 @@ bool StarWalk<Isa>::complete() {
     return collect_faces();
 }
 
-// The first vertex of a cell that knows none. The edge to begin with is none if not all seeds near it are candidates;
-// those that were found since may help.
+// Finds the first vertex of a cell that has none. The starting edge may have no end if seeds near it are not candidates
+// yet. Seeds that have been found since may help.
 template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
@@ -617,7 +617,7 @@ bool StarWalk<Isa>::read_tie(const KnownVertex& known, int vertex) {
     return link_polygon(tied_cells_, vertex, false);
 }
 
-// Faces are the planes that have edges; a plane that was tried as a beginning may have none.
+// Faces are the planes that have edges. A plane that was tried as a start may have none.
 template <class Isa>
 bool StarWalk<Isa>::collect_faces() {
     int edges = 0, faces = 0;
@@ -634,7 +634,7 @@ bool StarWalk<Isa>::collect_faces() {
     return edges == ends_;  // no edge was found twice in the same direction
 }
 
-// In floats: what it hits is a guess.
+// In floats, because the hit is a guess.
 template <class Isa>
 void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     need_facing(edge.a);
@@ -652,7 +652,7 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     ray.limit = parallel * std::sqrt(square) * static_cast<float>(longest_);
 }
 
-// False when the planes are too near to parallel, or too large or small to square.
+// Returns false when the planes are too nearly parallel, or too large or small to square.
 template <class Isa>
 bool StarWalk<Isa>::draw_line(const OpenEdge& edge, Line& line) const {
     const Wide &na = wide(n_[edge.a]), &nb = wide(n_[edge.b]);
@@ -676,8 +676,8 @@ int StarWalk<Isa>::first_hit(const Ray& ray) {
     return hits[0];
 }
 
-// Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. False when the planes are too
-// near to parallel, or meet behind where the edge begins.
+// Cramer's rule: (ha nb x nc + hb nc x na + hc na x nb) / det = (e x nc + hc ab) / det. Returns false when the planes
+// are too nearly parallel, or meet behind the start of the edge.
 template <class Isa>
 bool StarWalk<Isa>::solve(const Line& line, Third& c, Four& x) const {
     const double determinant = dot(wide(c.n), wide(line.ab));
@@ -757,19 +757,19 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     return false;
 }
 
-// Keeps the reach of a vertex in a power diagram. Not inlined: without weights it costs nothing.
+// Stores the reach of a vertex in a power diagram. Not inlined, so that it costs nothing without weights.
 template <class Isa>
 void StarWalk<Isa>::note_reach(double x2, const Third& third) {
     reached_ = std::max(reached_, 4 * max_distance_squared(x2, third));
 }
 
-// Whether all images that may lie nearer to a vertex than the seed are there, and none is rounded by too much to tell.
+// Whether all images that may lie nearer to a vertex than the seed are present, with rounding small enough to decide.
 template <class Isa>
 bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
     set_image_reach(seeds_.images->reach(p_));
     if (!(x2 > images_beyond2_)) return false;
     if (reach2 < images_within2_) return true;
-    // The sphere around the vertex has half of that radius.
+    // The ball around the vertex has half of that radius.
     exact::Point vertex;
     double size = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -782,8 +782,8 @@ bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
            radius < seeds_.images->reach(vertex);
 }
 
-// Looks through the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1;
-// tied_ then holds those that go through it.
+// Examines the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1; tied_
+// then holds those through it.
 template <class Isa>
 int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Third& third, const Four& x, int lane,
                            int count) {
@@ -806,13 +806,13 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
     return -1;
 }
 
-// Bounds the error of n.x, in units of |n| and the length of the vertex.
+// Returns a bound on the error of n.x, in units of |n| and the length of the vertex.
 template <class Isa>
 double StarWalk<Isa>::relative_error(const Third& third) const {
     return (weighted_ ? bounds::weighted_factor : bounds::solved_factor) * third.condition() + 8 * unit;
 }
 
-// On which side of a plane the vertex lies: 0 where rounding may decide.
+// Returns the side of a plane on which the vertex lies, or 0 if rounding may decide.
 template <class Isa>
 int StarWalk<Isa>::sure_side(std::int32_t id, const Third& third, double relative, const Four& x) {
     Four n;
@@ -855,7 +855,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     return true;
 }
 
-// A vertex of more than three planes: each of its cells sorts out by itself which of the others it has an edge with.
+// Adds a vertex of more than three planes. Each of its cells finds out which of the others it shares an edge with.
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > max_vertices - 4) return false;
@@ -908,14 +908,14 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
 
 // ---- The finished cell: measures, polygons, normals ----
 
-// Whether the vector to a seed is the difference of two doubles each.
+// Whether the vector to a seed is the difference of two doubles for each coordinate.
 template <class Isa>
 bool StarWalk<Isa>::is_difference(std::int32_t id) const {
     return seeds_.images == nullptr ||
            (!moved_ && !seeds_.images->is_rough(id) && seeds_.images->low(id) == std::array<double, 3>{});
 }
 
-// Plain: neither weights nor images.
+// Plain: no weights and no images.
 template <class Isa>
 template <bool Plain>
 void StarWalk<Isa>::shape_planes(std::span<const std::uint32_t> ranks) {
@@ -968,7 +968,7 @@ CellShape* StarWalk<Isa>::shape(std::span<const std::uint32_t> ranks) {
         shape_planes<false>(ranks);
     for (const Tie& tie : ties_) {
         if (!shape.add_polygon(std::span(tie_slots_.begin() + tie.begin, tie_slots_.begin() + tie.end))) return nullptr;
-        // The last corner takes the place of the vertex.
+        // The last corner replaces the vertex.
         const auto from = static_cast<std::size_t>(--shape.corners), to = static_cast<std::size_t>(tie.vertex);
         shape.a[to] = shape.a[from], shape.b[to] = shape.b[from], shape.c[to] = shape.c[from];
     }
@@ -987,7 +987,7 @@ bool StarWalk<Isa>::knows_vertices() const {
            accepted_error * std::sqrt(std::max({largest[0], largest[1], largest[2]}));
 }
 
-// Around face b: from the vertex that has a -> b along both of them to the one that has b -> a.
+// Walks around face b: from the vertex that has a -> b along both to the one that has b -> a.
 template <class Isa>
 void StarWalk<Isa>::polygons(std::span<const std::uint32_t> ranks, CellPolygons& out) const {
     out.clear();
@@ -1047,10 +1047,10 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     if (!plain_ && weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
 }
 
-// Adds what the rounding of coordinates took.
+// Adds the rounding errors of coordinates.
 template <class Isa>
 void StarWalk<Isa>::add_low(std::int32_t id, Four& n) const {
-    // Where places nearly cancel, what a third double holds would be missing, and so would be the rounding of this sum.
+    // If places nearly cancel, a third double would be missing, and so would the rounding error of this sum.
     if ((moved_ || any_rough_) && may_cancel(id, n)) {
         const auto [x, y, z] = exact::differences(base_.point, exact_plane(id)).x;
         wide(n) = Wide{x.high, y.high, z.high, 0};
@@ -1108,7 +1108,7 @@ exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
     return plane;
 }
 
-// Whether two bisectors may be one plane: the farther seed then has the face, which the clipper decides.
+// Whether two bisectors may be one plane. The farther seed then has the face, which the clipper decides.
 template <class Isa>
 bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     constexpr double nearly = 1e-20;
@@ -1127,7 +1127,7 @@ bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     return false;
 }
 
-// ---- Walls: to the walk a wall is the bisector of the seed and its mirror image ----
+// ---- Walls: the walk handles a wall as the bisector of the seed and its mirror image ----
 
 template <class Isa>
 void StarWalk<Isa>::begin_job(const Domain& domain) {
@@ -1162,14 +1162,14 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     }
 }
 
-// At most how far the seed lies inside.
+// Returns a lower bound of the distance inside the wall.
 template <class Isa>
 double StarWalk<Isa>::distance_to(const Wall& wall) const {
     const auto& n = wall.normal;
     return wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
 }
 
-// Those nearer than `reach` to a box.
+// Collects the walls nearer than `reach` to a box.
 template <class Isa>
 void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     near_walls_.clear();
@@ -1208,7 +1208,7 @@ bool StarWalk<Isa>::add_walls() {
     return !oblique || !two_walls_coincide();
 }
 
-// Whether two walls may be one plane: the first then has the face, as the clipper decides, which takes them in order.
+// Whether two walls may be one plane. The first then has the face, which the clipper decides by taking walls in order.
 template <class Isa>
 bool StarWalk<Isa>::two_walls_coincide() const {
     constexpr float nearly = 1e-5f;

@@ -11,7 +11,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t min_groups = 4;  // fewer tell nothing about the surroundings
+constexpr std::size_t min_groups = 4;  // fewer say nothing about the surroundings
 constexpr int max_tries = 12;
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
@@ -26,7 +26,7 @@ bool Window::collect(const Box& box, double distance_squared) {
         const Node node = stack_[--nodes];
         const unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, distance_squared);
         const std::uint32_t first = node.index * box_fan;
-        // Without branches: which boxes are near follows no pattern.
+        // Without branches, which would be mispredicted.
         if (node.level > 0) {
             for (std::uint32_t k = 0; k < box_fan; ++k) {
                 stack_[nodes] = {node.level - 1, first + k};
@@ -70,7 +70,7 @@ bool Window::open(std::size_t home, const Box& box, double radius, double weight
         else
             break;
     }
-    // Seeds of the home stay whole, in the front; cells that are done are left out.
+    // Seeds of the home come first and whole. Groups that are done are skipped.
     std::size_t kept = 0, left = 0;
     for (std::size_t i = 0; i < group_count_; ++i) {
         const std::uint32_t g = groups_[i];
@@ -92,9 +92,10 @@ bool Window::open(std::size_t home, const Box& box, double radius, double weight
     }
     extent = 0.5 * extent + radius;
     if (!(extent > smallest_extent && extent < 1 / smallest_extent)) return false;
-    // Twice the extent, times the scale, is at most window_range * (1 - 2^-20): the rounding of origin and extent.
+    // Twice the extent, times the scale, is at most window_range * (1 - 2^-20), which covers the rounding of origin and
+    // extent.
     scale_ = std::ldexp(1.0, 28 - std::ilogb(extent) - 1);
-    // Images have been rounded, seeds have not.
+    // Images are rounded, seeds are not.
     if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > bounds::image_rounding)
         return false;
     reach_ = radius;

@@ -1,5 +1,5 @@
-// The seeds around a home of some consecutive sorted seeds, as integers relative to the home: differences of
-// coordinates are exact to half a unit and have all bits of a float, however far from the origin the seeds lie.
+// The seeds around a home of some consecutive sorted seeds, as integers relative to the home. Differences of
+// coordinates are exact to half a unit and have all bits of a float, however far the seeds lie from the origin.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +23,12 @@ public:
 
     static constexpr std::size_t no_home = ~std::size_t{0} - 1;
 
-    // Collects all seeds nearer to a box than about `radius`, but for those of groups that are done: the box of home
-    // `home` (seeds home * home_seeds and on), or one of its seeds; or any box, for no home. weight: one of those that
-    // matter, from which weights count. False when there is no representable window.
+    // Collects all seeds nearer to a box than about `radius`, except those of groups that are done. box: of home `home`
+    // (seeds home * home_seeds and on), of one of its seeds, or any box for no_home. weight: of a seed that matters;
+    // weights are relative to it. Returns false when no window can represent them.
     bool open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells);
 
-    // The bounds of the seeds of a home.
+    // Returns the bounds of the seeds of a home.
     [[nodiscard]] Box home_box(std::size_t home) const;
     [[nodiscard]] WindowSeeds seeds() const {
         return {x_.data(), y_.data(), z_.data(), id_.data(), seeds_.weights.empty() ? nullptr : weight_.data(), count_};
@@ -39,18 +39,19 @@ public:
         const std::size_t i = place(seed);
         return {x_[i], y_[i], z_[i]};
     }
-    // The same of any point inside the box.
+    // Returns the position of any point inside the box.
     [[nodiscard]] std::array<std::int32_t, 3> position(const std::array<double, 3>& x) const;
-    // In a power diagram: a weight as those of the window are, and how far these and it lie apart, in squared units.
+    // In a power diagram: a weight relative to the window's base, and the span of the weights and `own`, in squared
+    // units.
     [[nodiscard]] float weight(double weight) const {
         return static_cast<float>((weight - base_weight_) * scale_ * scale_);
     }
     [[nodiscard]] double weight_span(float own) const {
         return double{std::max(max_weight_, own)} - std::min(min_weight_, own);
     }
-    // Whether a seed of the home is there: not if squares of distances underflow.
+    // Whether a seed of the home is present. It is not if squares of distances underflow.
     [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
-    // Takes a seed of the home out of the candidates, if it is there, and back again.
+    // Removes a seed of the home from the candidates if it is present, and restores it.
     void hide(std::size_t seed) {
         if (const std::size_t i = place(seed); i < x_.size()) x_[i] = far_away;
     }
@@ -60,15 +61,15 @@ private:
     [[nodiscard]] std::size_t place(std::size_t seed) const {
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
-    // False when their weights are too different for floats.
+    // Returns false when the weights differ too much for floats.
     bool weigh();
-    // False when more groups than `max_groups` are that near.
+    // Returns false when more than `max_groups` groups are that near.
     bool collect(const Box& box, double distance_squared);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
-    static constexpr std::size_t max_groups = 160;  // more make it cheaper to look twice
+    static constexpr std::size_t max_groups = 160;  // beyond it a second search is cheaper
     struct Node {
         std::int32_t level;
         std::uint32_t index;
