@@ -2,7 +2,7 @@
 # Run by votess_shader with NAME, SOURCE, BASE, DEFINES, INCLUDE, GLSLANG and, where there is one, SPIRV_VAL.
 cmake_minimum_required(VERSION 3.25)
 
-# Runs a command and fails with it. What it says is shown, but for lines that only name the source.
+# Runs a command and fails with it. Shows its output, except lines that only name the source.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE text ERROR_VARIABLE text)
   string(REPLACE "${SOURCE}\n" "" text "${text}")

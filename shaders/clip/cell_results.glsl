@@ -1,4 +1,4 @@
-// The buffers that both kernels read about the run and write about a cell.
+// The buffers of the run that both kernels read, and those of cells that they write.
 #ifndef VOTESS_CLIP_CELL_RESULTS_GLSL
 #define VOTESS_CLIP_CELL_RESULTS_GLSL
 
@@ -15,7 +15,7 @@ layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };
 layout(std430, binding = BINDING_GEOMETRY) writeonly buffer Geometry { uvec2 geometry[]; };
 layout(std430, binding = BINDING_AREAS) writeonly buffer Areas { uvec2 areas[]; };
 
-// What is measured, as all cells of a run have it.
+// Returns a measure in the format that all cells of a run have.
 #ifdef CLIP_FLOAT64
 layout(constant_id = CONSTANT_WRITES_SUMS) const uint writes_sums = 0u;
 

@@ -1,9 +1,9 @@
-// clip: the box around each seed is cut by the bisectors with its neighbors, nearest first, until the security radius
-// proves the cell complete. A cell that cannot be proven gets the status that says why. The second tier has larger
-// arrays, and goes on where the list ends.
+// clip: cuts the box around each seed by the bisectors with its neighbors, nearest first, until the security radius
+// proves the cell complete. The status of an unproven cell says why. The second tier has larger arrays, and continues
+// where the list ends.
 //
-// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64, else in sums of two float32; DECIDES_TIES
-// has clip/exact_side.glsl.
+// Variants: CLIP_FLOAT64 clips in float64, GEOMETRY_FLOAT64 measures in float64, else in sums of two float32;
+// DECIDES_TIES uses clip/exact_side.glsl.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -22,7 +22,7 @@
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { ClipPush push; };
-// It has a column for each cell of the chunk, or of those to do.
+// One column for each cell of the chunk, or of the second tier.
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
@@ -53,21 +53,22 @@ real radius() {
     return (sqrt(radius_squared) + largest_error) * real(1.00001);
 }
 
-// True when the tested seed is to be left out; the status changes when it is too near to tell.
+// Returns whether to skip the tested seed. Sets the status when the seed is too near to decide.
 bool is_left_out() {
     if (!is_too_near(tested)) return false;
     if (weighted == 0u || !cannot_cut(tested, radius())) status = STATUS_NEEDS_EXACT;
     return true;
 }
 
-// Whether nothing that is not known, at this squared distance in units or beyond, can cut the cell.
+// Returns whether no unknown seed, at this squared distance in units or beyond, can cut the cell.
 bool is_secure_from(float bound) {
     if (bound >= UNBOUNDED) return true;
     return is_secure(real(bound * scale * scale),
                      weighted != 0u ? cutting_distance_squared(radius(), max_heavier) : security());
 }
 
-// Each goes up to the next wall that cuts, as with neighbors. One farther than all vertices cuts none off.
+// Clips by the walls. Each invocation goes to its next wall that cuts, as with neighbors. A wall farther than all
+// vertices cuts none off.
 void clip_by_walls() {
     measure_radius_and_error();
     const vec3 place = rough_place();
@@ -86,18 +87,18 @@ void clip_by_walls() {
     }
 }
 
-// Clips by the list's neighbors. What follows a neighbor lies in its bucket of squared distances or beyond; the first
-// ones have no order. True when the list is complete up to the security radius.
+// Clips by the list's neighbors. Neighbors after one lie in its bucket of squared distances or beyond; the first
+// `unsorted` have no order. Returns whether the list is complete up to the security radius.
 bool clip_by_list(uint column, uint count, uint unsorted, float reach, float bound) {
     uint next = 0u;
     measure_radius_and_error();
     real beyond = security();
-    // Walls wait until the box's far corners are gone; in the second tier until those of the walls are that are not the
-    // cell's, where more than three may meet.
+    // Walls cut once the box's far corners are gone. In the second tier they cut once the walls' own corners outside of
+    // the cell are gone, where more than three walls may meet.
     bool walls_wait = has_walls != 0u;
     uint end = walls_wait && tier == 0u ? min(count, 16u) : count;
     for (;;) {
-        // Each goes up to the next plane that cuts; then all invocations cut side by side.
+        // Each invocation goes to its next plane that cuts; then all cut side by side.
         bool cuts = false;
         while (next < end && !cuts && status == STATUS_CERTIFIED) {
             const uint q = list[next * push.list_stride + column];
@@ -133,8 +134,8 @@ real gap(uvec2 p, uvec2 lower, uvec2 upper) {
     return less64(p, lower) ? difference(lower, p) : (less64(upper, p) ? difference(upper, p) : real(0));
 }
 
-// False only when no seed in the node's box can cut the cell: a seed cuts a vertex off when it is nearer to it than
-// the cell's own seed.
+// Returns false only when no seed in the node's box can cut the cell. A seed cuts a vertex off when it is nearer to it
+// than the cell's own seed.
 bool in_reach(uint level, uint node, real security) {
     const Node box = nodes[push.level_first[level] + node];
     if (box.lower[0].y == NO_COORDINATE) return false;
@@ -169,14 +170,14 @@ bool is_plane_of_cell(int id) {
     return false;
 }
 
-// Clips by the seeds of a group that are not nearer than those of the list.
+// Clips by the seeds of a group that are not nearer than the listed ones.
 void clip_by_group(uint group, uint self, real listed) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     bool changed = false;
     for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
-        // A seed that is surely in the list is done; one that may be in it is a face already, or is tested twice.
+        // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice.
         const real rank = real(2) * tested.h + (weighted != 0u ? real(2e-5) * size_of(tested) : real(0));
         if (rank < listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
         if (test_plane() && status == STATUS_CERTIFIED) {
@@ -187,7 +188,7 @@ void clip_by_group(uint group, uint self, real listed) {
     if (changed) measure_radius_and_error();
 }
 
-// Goes on where the list ended: through all boxes that can hold a seed that cuts the cell, near ones first.
+// Continues where the list ended: visits all boxes that can hold a seed that cuts the cell, near ones first.
 void clip_by_walk(uint self, float reach, float bound) {
     real listed = real(reach * scale * scale);
     if (weighted == 0u) listed *= real(0.9999);  // distances in lists are right to 1.4e-5
@@ -301,8 +302,8 @@ void main() {
     const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u || weighted != 0u) {
-        float nearest = UNBOUNDED;  // right but for the width of a bucket
-        // In the order of ranks any may be the nearest.
+        float nearest = UNBOUNDED;  // right except for the width of a bucket
+        // Any may be the nearest in an order of ranks.
         for (uint i = 0u; i < (weighted != 0u ? count : max(unsorted, 1u)); ++i)
             nearest = min(nearest, distance_along_axes(list[i * push.list_stride + column]));
         if (weighted != 0u) nearest = min(min(nearest, nearest_of_group(self)), exp2(COORDINATE_BITS - 1));
@@ -317,7 +318,7 @@ void main() {
     } else {
         start_cell(real[6](start_wall(0u), start_wall(1u), start_wall(2u), start_wall(3u), start_wall(4u), start_wall(5u)));
         if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach, found.bound)) {
-            // One heavy seed, anywhere, keeps ranks from being proof: boxes know by their own weights.
+            // One heavy seed anywhere makes ranks prove nothing; boxes have their own largest weights.
             if (tier == 0u && weighted == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;
             else

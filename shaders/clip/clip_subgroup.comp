@@ -1,10 +1,10 @@
-// knn and clip in one, for the first tier: a subgroup makes a cell. Its lanes search the hierarchy side by side, hold
-// the cell's vertices in registers, test planes and make new vertices side by side; planes and candidates are in shared
-// memory. There is no list: the search goes on outwards where the security radius has not been reached. A cell that
-// cannot be proven gets the status that says why and is left to the second tier.
+// knn and clip in one, for the first tier: a subgroup makes a cell. Its lanes search the hierarchy, test planes and
+// make new vertices side by side. They hold the cell's vertices in registers; planes and candidates are in shared
+// memory. There is no list: the search continues outwards until the security radius. The status of an unproven cell
+// says why, and the second tier takes it.
 //
-// Subgroups do not wait for each other. What is read from push constants, shared memory by one index or a subgroup's
-// vote is the same in all its lanes; branches on it are uniform, all others contain no subgroup operation.
+// Subgroups do not wait for each other. Push constants, shared memory at one index and a subgroup's votes are the same
+// in all lanes. Branches on these are uniform; all other branches contain no subgroup operation.
 //
 // It has the variants of clip_cells.comp and of invocations/subgroup.glsl.
 #version 450
@@ -40,14 +40,14 @@ layout(push_constant) uniform Push { CellsPush push; };
 #include "search/distances.glsl"
 #include "search/subgroup_search.glsl"
 
-// Leaves the cell to the second tier. There is no vote in it, for where subgroups are not what this was made for.
+// Leaves the cell to the second tier. It has no vote, for subgroups of another size than this was made for.
 void leave(uint cell) {
     info[cell] = status;
     row_length[cell] = 0u;
     row_place[cell] = cell;
 }
 
-// Clips by the walls that are no farther than some vertex; lanes look for them side by side.
+// Clips by the walls that are not farther than all vertices. Lanes find them side by side.
 void clip_by_walls() {
     const vec3 place = rough_place();
     const uint count = uint(walls.length()), each = min(uint(lanes), 32u);
@@ -56,7 +56,7 @@ void clip_by_walls() {
         const uint w = wall_in_turn(min(first + lane, count - 1u));
         bool near = false;
         if (lane < each && first + lane < count) {
-            // Half of the security radius is no less than the distance of any vertex.
+            // Half of the security radius bounds the distance of all vertices.
             near = !(min_wall_distance(w, place) * 1.9999 > float(sqrt(security)));
             if (near) prepare_test(wall_plane(w), first_wall - int(w));
         }
@@ -76,7 +76,7 @@ void clip_by_walls() {
 void clip_by_candidates(inout bool walls_wait) {
     prepare_cuts();
     for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
-        if (has_walls != 0u) {  // as a condition of its own it leaves no copy of the cut in passes without walls
+        if (has_walls != 0u) {                 // a condition of its own, so that passes without walls have no copy of the cut
             if (walls_wait && first >= 16u) {  // the box's far corners are gone
                 walls_wait = false;
                 clip_by_walls();
@@ -97,11 +97,11 @@ void clip_by_candidates(inout bool walls_wait) {
             too_near = is_too_near(p);
             if (weighted != 0u && too_near && cannot_cut(p, radius_of_all)) {
                 too_near = false;
-                p = Plane(real(0), real(0), real(0), real(1e-30), real(0), real(0));  // which cuts nothing either
+                p = Plane(real(0), real(0), real(0), real(1e-30), real(0), real(0));  // cuts nothing
             }
             prepare_test(p, int(q));
-            // Two seeds have no certain order within what their distances err by, 1e-6 or 1.4e-5 (search/distances.glsl), and
-            // the seven bits that the keys lack, 1.6e-5.
+            // The order of two seeds is uncertain within the error of their distances, 1e-6 or 1.4e-5
+            // (search/distances.glsl), and the seven bits that keys lack, 1.6e-5.
             rank = rank_of(p) * real(0.9998);
         }
         share();
@@ -122,7 +122,7 @@ void clip_by_candidates(inout bool walls_wait) {
     }
 }
 
-// Takes the cell's unit of length from its nearest neighbor; false when the search was too coarse to tell.
+// Takes the cell's unit of length from its nearest neighbor. Returns false when the search was too coarse for it.
 bool find_unit(inout uint exponent) {
     float nearest = exp2(2.0 * float(COORDINATE_BITS - 1));
     if (candidate_count > 0u) {
@@ -134,19 +134,19 @@ bool find_unit(inout uint exponent) {
     return true;
 }
 
-// Squared lengths of searches times this are in squared units of the cell.
+// Returns the factor from squared lengths of searches to squared units of the cell.
 float square_scale() {
     return (scale * high_unit) * (scale * high_unit);
 }
 
-// In a power diagram: whether nothing at this squared distance, as searches have it, or beyond can cut the cell.
+// In a power diagram: returns whether no seed at this squared distance of searches or beyond can cut the cell.
 bool is_secure_from(float bound) {
     return bound >= UNBOUNDED ||
            is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all, max_heavier));
 }
 
-// Searches and clips in turn, outwards, until all seeds within the security radius were seen or none is left that can
-// cut the cell. Returns the exponent of the unit of length.
+// Searches and clips in turn, outwards, until it has tested all seeds within the security radius or all that can cut
+// the cell. Returns the exponent of the unit of length.
 uint make_cell() {
     uint exponent = 0u;
     bool walls_wait = has_walls != 0u;
@@ -275,8 +275,8 @@ void main() {
     const uint cell = first + SUBGROUP;
     if (cell >= push.cell_count) return;
     self = push.first_cell + cell;
-    // Lanes ask for it by their own number: for an address that is known to be the same in all lanes NVK takes apart the
-    // addresses of the buffers, and in each round of seeds puts them together again.
+    // Lanes address it by their own number. For an address that is the same in all lanes NVK splits the addresses of
+    // the buffers, and joins them again in each round of seeds.
     const uint own = push.first_cell + first + gl_LocalInvocationID.x / uint(lanes);
     px = from_first_lane(seeds_x[own]);
     py = from_first_lane(seeds_y[own]);

@@ -1,7 +1,7 @@
-// clip: lists the cells that the first tier has left, ascending, for the second tier. It runs twice: first it counts those
-// of each tile of TILE_ITEMS cells; then, when the counts have become the places where the tiles begin, it writes them
-// down, with the arguments of the second tier's indirect dispatches. A tile hands on so many cells at most and leaves
-// the others to the CPU: which ones depends neither on the chunk nor on what ran first.
+// clip: lists the cells that the first tier left, ascending, for the second tier. It runs twice. First it counts the
+// cells of each tile of TILE_ITEMS. A scan turns the counts into offsets; then it writes the list, and the arguments of
+// the second tier's indirect dispatches. A tile passes on at most max_of_tile cells and leaves the others to the CPU.
+// Which ones does not depend on the chunk or on the order of execution.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -55,7 +55,7 @@ void main() {
     if (tile + 1u < tiles) return;
     const uint groups = (begin + taken + push.group - 1u) / push.group;
     chunk.todo_count = begin + taken;
-    chunk.groups_x = min(groups, 65535u);  // what every device can do
+    chunk.groups_x = min(groups, 65535u);  // the most that every device supports
     chunk.groups_y = (groups + 65534u) / 65535u;
     chunk.groups_z = 1u;
 }

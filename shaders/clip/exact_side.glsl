@@ -1,12 +1,12 @@
-// Ties: the exact side of a vertex that the filter is not sure of, where the coordinates of its planes, relative to the seed,
-// are small whole numbers times a power of two, as in a lattice. A vertex that lies on a plane stays
-// (engine/exact/predicate.hpp); it may coincide with others then, and faces may have no area.
+// Ties: the exact side of a vertex that the filter is not sure of. The coordinates of its planes, relative to the seed,
+// must be small whole numbers times a power of two, as in a lattice. A vertex on a plane stays
+// (engine/exact/predicate.hpp). It may then coincide with others, and faces may have no area.
 //
-// A plane is 2 n.X = s, with n = q - p and s = |n|^2 for a bisector, n = +-e and s twice the distance for a wall of the box.
-// By Cramer's rule the vertex of a, b, c, with det(a,b,c) > 0 as cells keep them, lies outside of d when
+// A plane is 2 n.X = s, with n = q - p and s = |n|^2 for a bisector, n = +-e and s twice the distance for a wall of the
+// box. By Cramer's rule the vertex of a, b, c, with det(a,b,c) > 0 as cells keep them, lies outside of d when
 //     s_a det(d,b,c) + s_b det(d,c,a) + s_c det(d,a,b) - s_d det(a,b,c) > 0 .
-// With |n| < 2^11 an axis and s < 2^24 cross products are below 2^23, as float32 has them exactly, determinants below
-// 3 2^34, and the sum is below 2^62.
+// With |n| < 2^11 an axis and s < 2^24, cross products are below 2^23, which float32 holds exactly. Determinants are
+// below 3 2^34, and the sum is below 2^62.
 //
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_CLIP_EXACT_SIDE_GLSL
@@ -20,7 +20,7 @@
 const int side_unknown = 2;
 const float max_offset = 2048.0, max_square = 16777216.0;
 
-// Bits of the numbers that the plane is made of; what is zero in all of them is left out.
+// The bits of the plane's numbers, without trailing bits that are zero in all.
 uvec2 bits_of_plane(int id) {
     if (id >= 0) return subtract64(seeds_x[id], px) | subtract64(seeds_y[id], py) | subtract64(seeds_z[id], pz);
     const uint wall = uint(-1 - id), axis = wall / 2u;
@@ -29,7 +29,7 @@ uvec2 bits_of_plane(int id) {
     return uvec2(distance.x << 1, (distance.y << 1) | (distance.x >> 31));
 }
 
-// n and s. They are exact when they fit: differences of few bits are not rounded.
+// Returns n and s, exact when they fit: differences of few bits are not rounded.
 vec4 small_plane(int id, float unit, inout bool fits) {
     vec3 n = vec3(0.0);
     float s = 0.0;
@@ -48,14 +48,14 @@ vec4 small_plane(int id, float unit, inout bool fits) {
     return vec4(n, s);
 }
 
-// s det, from n and the cross product of the other two.
+// Returns s det, from n and the cross product of the other two.
 uvec2 times_determinant(float s, vec3 n, vec3 others) {
     const ivec3 a = ivec3(n), b = ivec3(others);
     return times64(int(s), add64(add64(times64(a.x, b.x), times64(a.y, b.y)), times64(a.z, b.z)));
 }
 
-// On which side of plane d the vertex of planes a, b, c lies, det(na,nb,nc) > 0: 1 outside, -1 inside, 0 on it, or
-// side_unknown. Planes go by their ids.
+// Returns the side of plane d on which the vertex of planes a, b, c lies, det(na,nb,nc) > 0: 1 outside, -1 inside, 0 on
+// it, or side_unknown. Planes are given by their ids.
 int exact_side(int a, int b, int c, int d) {
     if (quantum > real(0) || min(min(a, b), min(c, d)) < -6) return side_unknown;
     const uvec2 bits = bits_of_plane(a) | bits_of_plane(b) | bits_of_plane(c) | bits_of_plane(d);

@@ -1,32 +1,36 @@
-// Planes and vertices of the cells of both kernels, and what decides on them, relative to the seed and in units of about
-// the distance to its nearest neighbor.
+// The filter of both kernels: planes and vertices of a cell, and the tests that decide on them.
+// Everything is relative to the cell's seed, in units of about the distance to its nearest neighbor.
+// Each plane and vertex has a bound of its error. A test inside its bound is unknown: the cell becomes uncertain, and
+// rounding decides nothing.
+// A cell is complete when no seed beyond its security radius can cut it. The bounds follow; u is the unit roundoff.
 //
-// A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative 1.01 u, h = |n|^2 / 2 to
-// 5u. In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's: h may be small or below 0,
-// and is right to 6u of H = (|n|^2 + |w|) / 2, which is h without weights. With P = |na||nb||nc|, d = H/|n| and condition
-// P / det(na,nb,nc), Cramer's rule gives the vertex X to
-//     |x - X| <= u (condition (14 (da + db + dc) + 9.3 |x|) + 6 |x|):
-// a numerator's terms are right to 12u (5 of h, 2 of the normals, 5 of roundings), its products of absolute values at
-// most 1.155 H_a |nb||nc|; the determinant is right to 8u and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006); a division
-// may err by 2.5 units in the last place, 5u. With 6u of h the terms are right to 13u, for which there is 15.1. The test of
-// a plane is right to
+// A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative 1.01 u, h = |n|^2 / 2 to 5u.
+// In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's. Then h may be small or
+// negative, and is right to 6u of H = (|n|^2 + |w|) / 2; without weights H is h. With P = |na||nb||nc|, d = H/|n| and
+// condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
+//     |x - X| <= u (condition (14 (da + db + dc) + 9.3 |x|) + 6 |x|).
+// The terms of a numerator are right to 12u: 5 of h, 2 of the normals, 5 of roundings. Its products of absolute values
+// are at most 1.155 H_a |nb||nc|. The determinant is right to 8u, and |perm| <= 1.16 P (Carlen, Lieb, Loss 2006). A
+// division errs by at most 2.5 units in the last place, 5u. With 6u of h the terms are right to 13u; the bound allows
+// 15.1. The test of a plane is right to
 //     |n| (|x - X| + 6u |x|) + 10 u H :
 // 1u of n and 4u of roundings, each of at most |n||x|; 6u of H and 3u of roundings.
 //
-// A coordinate that was rounded to units, to 1 + 2^-30 of them below it, moves each plane by at most `quantum` (|x| + 1):
-// n by less than sqrt(3) (1 + 2^-29) units, h by that times |n|, over |n|. A wall of any direction is a plane with |n| = 1;
-// rounding moves its h only, by at most `quantum`, and h is right to 5u besides. A weight that was rounded moves h by less
-// than half a unit of weight, and the plane by 0.57 of one; there is 0.6 of it in `quantum`, beside what coordinates and
-// walls have. Of a wall H is taken for h or more, so the bounds hold in a power diagram within walls too. The vertex moves
-// by at most 3 condition times as much, to first order.
+// A coordinate that was rounded down to units, by at most 1 + 2^-30 of them, moves each plane by at most
+// `quantum` (|x| + 1). It moves n by less than sqrt(3) (1 + 2^-29) units, and h by that times |n|, which is divided by |n|.
+// A wall of any direction is a plane with |n| = 1. Rounding moves only its h, by at most `quantum`, and h is right to 5u
+// besides. A weight that was rounded moves h by less than half a unit of weight, and the plane by 0.57 of one; `quantum`
+// has 0.6 of it, in addition to the share of coordinates and walls. The H of a wall is h or more, so the bounds hold in a
+// power diagram within walls too. The vertex moves by at most 3 condition times as much, to first order.
 //
-// Both bounds are of first order in u condition and in quantum condition. With these at most 5e-4 and 1e-3 what is left
-// out is less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01 times as much, for which there are factors of 1.05 and of 4 for 3; and
-// the determinant has the right sign. A test inside its bound makes the cell uncertain: nothing is decided by rounding.
+// Both bounds are of first order in u condition and in quantum condition. These are at most 5e-4 and 1e-3, so that higher
+// orders add a factor of less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01. The code has factors of 1.05, and 4 instead of 3. The
+// determinant also has the right sign then.
 //
-// The rank of a seed is 2 h = |n|^2 + w, the squared distance where weights are equal. It cuts a vertex X off when
-// |n - X|^2 + w < |X|^2, that is, when its rank is less than 2 n.X. With R the farthest vertex and A, `heavier`, by which a
-// weight exceeds the cell's at most, such a seed is nearer than D = R + sqrt(R^2 + A), of a rank less than 2 R D = D^2 - A.
+// The rank of a seed is 2 h = |n|^2 + w, the squared distance where weights are equal. The seed cuts a vertex X off when
+// |n - X|^2 + w < |X|^2, that is, when its rank is less than 2 n.X. Let R be the largest distance of a vertex and A,
+// `heavier`, the most by which a weight exceeds the cell's. Then such a seed is nearer than D = R + sqrt(R^2 + A), and its
+// rank is less than 2 R D = D^2 - A.
 #ifndef VOTESS_CLIP_FILTER_GLSL
 #define VOTESS_CLIP_FILTER_GLSL
 
@@ -35,15 +39,15 @@
 #include "shared/config.h"
 
 real quantum;
-// What prepare_bounds() makes of it: factors in the bound of a vertex, of |x|, of the condition and of both, and the largest
+// Set by prepare_bounds(): factors in the bound of a vertex, of |x|, of the condition and of both, and the largest
 // condition.
 real error_of_length, error_of_condition, error_of_both, max_condition;
 // In a power diagram, in squared units of the cell:
 real weight_quantum;  // 0 unless a weight was rounded
-real max_heavier;    // A over all seeds
+real max_heavier;     // A over all seeds
 
-// In units: what coordinates and walls that were rounded move a plane by (clip/wall_distance.glsl). Rounded vectors of a
-// lattice put an image half a unit beside its place for each step, that is at most MAX_STEPS_APART / 2, times sqrt(3).
+// Returns how far rounded coordinates and walls move a plane, in units (clip/wall_distance.glsl). Rounded vectors of a
+// lattice move an image by half a unit a step: at most MAX_STEPS_APART / 2, times sqrt(3).
 float quantum_in_units(uint lossy) {
     if ((lossy & LOSSY_IMAGES) != 0u) return float(MAX_STEPS_APART);
     return lossy == 0u ? 0.0 : ((lossy & LOSSY_WALLS) != 0u ? float(MAX_WALL_ERROR) : 2.0);
@@ -67,7 +71,7 @@ struct Vertex {
     real error;   // |x - X| + 6u |x|
 };
 
-// Cells keep the three planes of a vertex, of 8 bits each, in positive orientation: det(na,nb,nc) > 0.
+// Packs the three planes of a vertex, 8 bits each, in positive orientation: det(na,nb,nc) > 0.
 uint pack_planes(uint a, uint b, uint c) {
     return a | (b << 8) | (c << 16);
 }
@@ -75,7 +79,7 @@ uint plane_of(uint packed, int k) {
     return (packed >> (8 * k)) & 0xffu;
 }
 
-// The bisector with a seed at (x, y, z).
+// Returns the bisector with a seed at (x, y, z).
 Plane bisector(real x, real y, real z) {
     precise const real square = fma(x, x, fma(y, y, z * z));
     const real norm = sqrt(square);
@@ -90,51 +94,52 @@ Plane bisector(real x, real y, real z, real w) {
     return Plane(x, y, z, real(0.5) * twice, norm, real(0.5) * (square + abs(w)) / norm);
 }
 
-// H of the bisector with this h and norm, as w is the difference of |n|^2 and 2 h.
+// Returns H of the bisector with this h and norm: w is the difference of |n|^2 and 2 h.
 real size_of(Plane p) {
     return weighted != 0u ? max(p.h, p.norm * p.norm - p.h) : p.h;
 }
 
-// H / norm of a plane of the cell. For walls it is more than that at times.
+// Returns H / norm of a plane of the cell; for walls it may be more.
 real distance_of(real h, real norm) {
     return weighted != 0u ? max(h / norm, norm - h / norm) : h / norm;
 }
 
-// Whether the seed is equal in units, or nearer than the neighbor that the cell's unit of length was taken from.
+// Returns whether the seed is equal in units, or nearer than the neighbor that set the cell's unit of length.
 bool is_too_near(Plane p) {
     return weighted != 0u ? !(p.norm > real(0.895)) : !(p.h > real(0.4));
 }
 
-// Tells whether a seed that is too near surely cuts off nothing within the radius. `quantum` is more than n moves by.
+// Returns whether a seed that is too near certainly cuts off nothing within the radius. `quantum` bounds the move of n.
 bool cannot_cut(Plane p, real radius) {
     return p.h - real(1e-5) * size_of(p) - weight_quantum - p.norm * quantum >
            (p.norm + quantum) * radius * real(1.0001);
 }
 
-// At most the rank of the bisector's seed as searches find it, by 3e-6 of 2 H (search/power.glsl).
+// Returns a lower bound of the rank that searches find for the bisector's seed, right to 3e-6 of 2 H
+// (search/power.glsl).
 real rank_of(Plane p) {
     return weighted != 0u ? real(2) * p.h - real(2e-5) * size_of(p) : real(2) * p.h;
 }
 
-// It is positive outside. A fused fma only leaves roundings out.
+// Returns a number that is positive outside. A fused fma has fewer roundings.
 real side_of(Plane p, real x, real y, real z) {
     precise const real side = fma(p.x, x, fma(p.y, y, fma(p.z, z, -p.h)));
     return side;
 }
 
-// A bound of the error of side_of() for a vertex with this error; with the largest error, for all vertices.
+// Returns a bound of the error of side_of() for a vertex with this error; with the largest error, for all vertices.
 real side_bound(Plane p, real error) {
     precise const real bound = fma(p.norm, error, real(10.5) * unit * size_of(p));
     return bound;
 }
 
-// At least by how much a seed is heavier than the cell's that is lighter by this, as rounded.
+// Returns an upper bound of how much heavier a seed is than the cell's. lighter: how much lighter it is, rounded.
 real heavier_by(real lighter) {
     return real(1e-5) * abs(lighter) - lighter + weight_quantum;
 }
 
-// At least the squared distance of any seed that cuts a cell with vertices within the radius and is heavier than the
-// cell's by at most this; 0 when none does. What is not a number is no bound.
+// Returns an upper bound of the squared distance of any seed that cuts a cell with vertices within the radius and is
+// heavier than the cell's by at most this; 0 when none does. NaN bounds nothing.
 real cutting_distance_squared(real radius, real heavier) {
     const real square = radius * radius * real(1.00001) + heavier;
     if (square <= real(0)) return real(0);
@@ -142,11 +147,13 @@ real cutting_distance_squared(real radius, real heavier) {
     return distance * distance * real(1.0001);
 }
 
-// At least the squared security radius: a seed cuts a vertex X off when it is nearer to it than the cell's own, which
-// is within 2|X| <= 2 (|x| + error) of that one. The rest is more than the roundings of a square, a root and a product.
+// Returns an upper bound of the squared security radius. A seed cuts a vertex X off when it is nearer to X than the
+// cell's own seed; it is then within 2|X| <= 2 (|x| + error) of that one. The factor exceeds the roundings of a square,
+// a root and a product.
 //
-// In a power diagram, at least the rank that a search finds of any seed that cuts the cell. That errs by 3e-6 (|n|^2 + |w|),
-// where |n|^2 <= 2 R D + A and |w| <= max(A, 2 R D), and by a unit where a weight was rounded.
+// In a power diagram it is an upper bound of the rank that a search finds for any seed that cuts the cell. This rank
+// errs by 3e-6 (|n|^2 + |w|), where |n|^2 <= 2 R D + A and |w| <= max(A, 2 R D), and by a unit where a weight was
+// rounded.
 real security_radius_squared(real farthest, real largest_error) {
     if (weighted != 0u) {
         const real radius = real(1.00001) * (farthest + largest_error);
@@ -157,27 +164,28 @@ real security_radius_squared(real farthest, real largest_error) {
     return radius * radius;
 }
 
-// Whether no seed at this squared distance, right to 1e-5, or beyond can cut the cell; in a power diagram, of this rank.
+// Returns whether no seed at this squared distance (in a power diagram, of this rank), right to 1e-5, or beyond can cut
+// the cell.
 bool is_secure(real squared_distance, real security) {
     return squared_distance * real(0.99999) >= security;
 }
 
-// At least the radius of the ball around the vertex as computed that holds all places of seeds that cut it off: |X|,
-// and |x - X| once more for the center. The rest is more than the roundings of what it is compared with, some 3u of the
-// radius an axis, and of coordinates that were rounded to units, for which 2 error has 4 quantum to spare.
+// Returns an upper bound of the radius of the ball around the computed vertex that holds all seeds that cut it off:
+// |X|, plus |x - X| for the center. The factor exceeds the roundings of the compared number, about 3u of the radius an
+// axis. For coordinates that were rounded to units, 2 error has 4 quantum to spare.
 real reach_of_vertex(real x, real y, real z, real error) {
     return (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * error) * real(1.00001);
 }
 
-// The same for seeds that are heavier by at most this: sqrt(|X|^2 + heavier), or less than 0 where there are none. What
-// it is compared with errs by 3u of |x| too, and moves by less than a quantum, of which each error has two to spare.
+// The same for seeds that are heavier by at most this: sqrt(|X|^2 + heavier), or negative where there are none. The
+// compared number also errs by 3u of |x|, and moves by less than a quantum; each error has two quantum to spare.
 real reach_of_vertex(real x, real y, real z, real error, real heavier) {
     const real length = sqrt(fma(x, x, fma(y, y, z * z))) + error;
     const real square = length * length * real(1.00001) + heavier;
     return square <= real(0) ? real(-1) : (sqrt(square) + error) * real(1.00001) + real(1e-5) * length;
 }
 
-// Whether a box, its bounds relative to the seed, reaches into that ball.
+// Returns whether a box reaches into that ball. Its bounds are relative to the seed.
 bool is_in_reach(real x, real y, real z, real error, real lower_x, real upper_x, real lower_y, real upper_y,
                  real lower_z, real upper_z, real heavier) {
     const real dx = max(max(lower_x - x, x - upper_x), real(0)), dy = max(max(lower_y - y, y - upper_y), real(0)),
@@ -190,22 +198,23 @@ bool is_in_reach(real x, real y, real z, real error, real lower_x, real upper_x,
     return dx * dx + dy * dy + dz * dz <= radius * radius;
 }
 
-// Adds how far that ball reaches along the axes, down and up from the seed. Float32 does for it: what a difference of
-// such lengths loses is 2e-7 of the radius, of which 1e-5 are to spare.
+// Extends the reach of vertex balls along the axes, down and up from the seed. Float32 suffices: a difference of such
+// lengths loses 2e-7 of the radius, which has 1e-5 to spare.
 void extend_reach(vec3 at, float error, inout vec3 down, inout vec3 up) {
     const vec3 radius = vec3((length(at) + 2.0 * error) * 1.00001);
     down = max(down, radius - at);
     up = max(up, radius + at);
 }
 
-// x y - z w
+// Returns x y - z w.
 real difference_of_products(real x, real y, real z, real w) {
     precise const real second = z * w;
     precise const real result = fma(x, y, -second);
     return result;
 }
 
-// The bound above of a vertex at this distance from the seed, of planes at these in sum; the factors are 1.05 of those there.
+// Returns the bound above for a vertex at this distance from the seed. distances: the sum of those of its planes. The
+// factors are 1.05 times those above.
 real vertex_error_bound(real condition, real distances, real length) {
     const real of_distances = (weighted != 0u ? real(15.9) : real(14.7)) * unit;
     precise const real error = fma(condition, fma(of_distances, distances, fma(error_of_both, length, error_of_condition)),
@@ -213,8 +222,8 @@ real vertex_error_bound(real condition, real distances, real length) {
     return error;
 }
 
-// The vertex of three planes in positive orientation, det(na,nb,nc) > 0; false when that, or the bound above, is not
-// certain. It is (h_a nb x nc + na x (h_c nb - h_b nc)) / det.
+// Finds the vertex of three planes in positive orientation, det(na,nb,nc) > 0: (h_a nb x nc + na x (h_c nb - h_b nc)) /
+// det. Returns false when the orientation or the bound above is not certain.
 bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     const real bcx = difference_of_products(b.y, c.z, b.z, c.y), bcy = difference_of_products(b.z, c.x, b.x, c.z),
                bcz = difference_of_products(b.x, c.y, b.y, c.x);

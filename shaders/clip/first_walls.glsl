@@ -1,16 +1,16 @@
-// Where a cell ends at first: at the walls of the box. The .comp declares `push`, with extent and bounded, before.
+// The box that a cell starts as. The .comp declares `push`, with extent and bounded, before.
 //
-// Where seeds are known up to bounds alone, a cell that comes near them is not certified, wherever the wall is. But in a
-// power diagram a cell need not hold its seed, and one that is cut off in a larger box with images may have all of its
-// interior beyond it. In a periodic domain no cell reaches farther from its seed than half of the diagonal of the domain, for
-// the seed's own images, nor along axes that are not periodic farther than the domain; so the wall is put beyond that.
+// Where seeds are known within bounds only, a cell that comes near the bounds is not certified, wherever the wall is.
+// But in a power diagram a cell may not hold its seed, and all of its interior may lie beyond a box with images. In a
+// periodic domain the seed's own images keep a cell within half of the domain's diagonal, and along other axes it ends
+// with the domain. So the wall is beyond that.
 #ifndef VOTESS_CLIP_FIRST_WALLS_GLSL
 #define VOTESS_CLIP_FIRST_WALLS_GLSL
 
 #include "clip/relative_to_seed.glsl"
 #include "numbers/weights.glsl"
 
-// The distance of wall i: 0 to 5 are xmin, xmax, ymin, ymax, zmin, zmax.
+// Returns the distance of wall i: 0 to 5 are xmin, xmax, ymin, ymax, zmin, zmax.
 real start_wall(uint i) {
     const uint axis = i / 2u;
     const bool upper = (i & 1u) != 0u;

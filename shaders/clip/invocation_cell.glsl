@@ -1,6 +1,6 @@
-// One Voronoi cell in the private memory of an invocation: a simple polytope, every vertex on exactly three planes,
-// relative to its seed and in units of about the distance to its nearest neighbor. The .comp declares `push`, with extent,
-// before.
+// One Voronoi cell in the private memory of an invocation: a simple polytope, whose vertices lie on exactly three
+// planes each. It is relative to its seed, in units of about the distance to its nearest neighbor. The .comp declares
+// `push`, with extent, before.
 #ifndef VOTESS_CLIP_INVOCATION_CELL_GLSL
 #define VOTESS_CLIP_INVOCATION_CELL_GLSL
 
@@ -13,7 +13,7 @@
 layout(constant_id = CONSTANT_MAX_PLANES) const int max_planes = 32;
 layout(constant_id = CONSTANT_MAX_VERTICES) const int max_vertices = 64;
 
-// A step of a loop takes so many vertices, for the loads to overlap; beyond the last one there is room to read.
+// Vertices of a step of a loop: their loads overlap. The arrays have room to read beyond the last vertex.
 const int side_by_side = 4;
 const int plane_words = max_planes / 32;
 const int vertex_words = max_vertices / 32;
@@ -28,20 +28,20 @@ real vertex_error[max_vertices];    // |x - X| + 6u |x|
 uint vertex_planes[max_vertices];
 int vertex_count;
 
-uint killed[vertex_words];                       // vertices outside the plane tested last
-uint edges_killed[max_planes * plane_words];    // bit b of row a: edge (a, b) of a killed vertex
-uint horizon[max_planes];                       // edges (a, b) with one vertex killed: a | b << 8
+uint killed[vertex_words];                    // vertices outside the last tested plane
+uint edges_killed[max_planes * plane_words];  // bit b of row a: edge (a, b) of a killed vertex
+uint horizon[max_planes];                     // edges (a, b) with one vertex killed: a | b << 8
 uint status;
-real radius_squared;  // over all vertices, as of the last test
+real radius_squared;  // over all vertices, at the last test
 real largest_error;   // at least that of any vertex
 
 #ifdef DECIDES_TIES
-uint undecided[vertex_words];  // vertices that the filter is not sure of
-bool met_tie;                  // a vertex lies on a plane that it is not of
+uint undecided[vertex_words];  // vertices that the filter did not decide
+bool met_tie;                  // a vertex lies on a fourth plane
 #endif
 
-Plane tested;   // last
-int tested_id;  // the id of that
+Plane tested;   // the last one
+int tested_id;  // its id
 
 void set_plane(uint slot, Plane p, int id) {
     plane_x[slot] = p.x;
@@ -103,8 +103,8 @@ void start_cell(real wall[6]) {
 }
 
 #ifdef DECIDES_TIES
-// Decides on the vertices that the filter leaves; true when any of them is outside. Of equal seeds the first has the cell:
-// where some may not be marked the CPU has to find it.
+// Decides on the vertices that the filter did not decide. Returns whether any is outside. Of equal seeds the first has
+// the cell; where some may not be marked, the CPU must find it.
 bool decide_exactly() {
     bool cuts = false;
     for (int w = 0; w < vertex_words; ++w)
@@ -122,7 +122,7 @@ bool decide_exactly() {
 }
 #endif
 
-// Marks the vertices outside the new plane; true when there are any. The status changes when that is uncertain.
+// Marks the vertices outside the new plane. Returns whether there are any. Sets the status when one is uncertain.
 bool test_plane() {
     for (int w = 0; w < vertex_words; ++w) killed[w] = 0u;
     bool cuts = false;
@@ -189,7 +189,7 @@ void note_planes_in_use() {
         }
 }
 
-// A plane slot that is not in use, max_planes when there is none.
+// Returns a plane slot that is not in use, max_planes when there is none.
 uint free_plane() {
     for (int w = 0; w < plane_words; ++w)
         if (planes_used[w] != 0xffffffffu) return uint(32 * w + findLSB(~planes_used[w]));
@@ -202,10 +202,10 @@ bool all_are_killed() {
     return count == vertex_count;
 }
 
-// Replaces the killed vertices by those of the new plane with the horizon: edge (a, b) of a killed vertex is on it iff
-// no killed vertex has (b, a).
+// Replaces the killed vertices by the vertices of the new plane with the horizon. Edge (a, b) of a killed vertex is on
+// the horizon if and only if no killed vertex has (b, a).
 void cut() {
-    if (weighted != 0u && all_are_killed()) {  // no interior; perhaps it has none of its own
+    if (weighted != 0u && all_are_killed()) {  // the cell is empty, if the seed is unique
         status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
         return;
     }
@@ -224,7 +224,7 @@ void cut() {
             }
         }
 
-    // Each plane once as the first and once as the second of an edge: the horizon is a ring.
+    // The horizon is a ring: each plane is the first of one edge and the second of one.
     int horizon_count = 0;
     uint first_seen[plane_words], second_seen[plane_words];
     for (int w = 0; w < plane_words; ++w) first_seen[w] = second_seen[w] = 0u;
@@ -245,7 +245,7 @@ void cut() {
             }
         }
 
-    // Holes are filled from the last to the first, so that what moves into one is alive.
+    // Fills holes from the last to the first, so that the vertex that moves into one is alive.
     for (int w = vertex_words - 1; w >= 0; --w)
         for (uint rest = killed[w]; rest != 0u;) {
             const int bit = findMSB(rest), v = 32 * w + bit;

@@ -5,7 +5,7 @@
 #include "clip/exact_side.glsl"
 #include "clip/invocation_cell.glsl"
 
-// The plane of vertex w that vertex v has not; false when that is more than one.
+// Finds the plane of vertex w that vertex v lacks. Returns false when it lacks more than one.
 bool find_third_plane(uint v, uint w, out uint third) {
     uint count = 0u;
     for (int i = 0; i < 3; ++i) {
@@ -17,7 +17,7 @@ bool find_third_plane(uint v, uint w, out uint third) {
     return count == 1u;
 }
 
-// The vertices before v that may coincide with it.
+// Returns the vertices before v that may coincide with it.
 void find_near(int v) {
     for (int w = 0; w < vertex_words; ++w) undecided[w] = 0u;
     for (int w = 0; w < v; ++w) {
@@ -28,8 +28,8 @@ void find_near(int v) {
     }
 }
 
-// Leaves in use the planes of faces that have at least three edges of some length, and counts these faces, and the vertices
-// that differ. The two vertices of an edge are one when the one lies on the third plane of the other.
+// Keeps the planes of faces that have at least three edges of positive length. Counts these faces and the distinct
+// vertices. The two vertices of an edge coincide when one lies on the third plane of the other.
 void keep_true_faces(inout uint faces, inout uint vertices) {
     for (int p = 0; p < max_planes; ++p) horizon[p] = 0u;  // edges of each plane
     for (int v = 0; v < vertex_count; ++v) {
@@ -51,7 +51,7 @@ void keep_true_faces(inout uint faces, inout uint vertices) {
                 }
             }
     }
-    uint edges = 0u;  // twice
+    uint edges = 0u;  // each twice
     faces = 0u;
     for (int p = 0; p < max_planes; ++p) {
         if (horizon[p] >= 3u) {

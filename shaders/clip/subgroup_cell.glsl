@@ -1,6 +1,10 @@
-// One Voronoi cell of a subgroup, as in clip/invocation_cell.glsl; but every lane holds a few of the vertices, and the
-// planes are in shared memory. A free vertex lies in the seed itself, which no plane cuts off but in a power diagram. The
-// .comp declares `push`, with extent and bounded, before.
+// One Voronoi cell, made by a subgroup. Each lane holds some of the vertices; the planes are in shared memory.
+// A cut marks the killed vertices. Each of them sets bits in words of its three planes.
+// From its own words each plane finds its edge on the horizon, the ring around the killed vertices.
+// The new plane and each edge of the horizon make a new vertex, in a free slot.
+// Euler's formula and the security radius certify the cell; otherwise the status says why not.
+// A free slot is a vertex at the seed itself, which a plane cuts off only in a power diagram. The .comp declares
+// `push`, with extent and bounded, before.
 #ifndef VOTESS_CLIP_SUBGROUP_CELL_GLSL
 #define VOTESS_CLIP_SUBGROUP_CELL_GLSL
 
@@ -23,19 +27,19 @@ real vertex_x[slots], vertex_y[slots], vertex_z[slots];
 real vertex_norm[slots], vertex_error[slots];
 uint vertex_planes[slots];     // 0 where there is no vertex
 bool killed[slots];
-uint free_planes;              // none of these is in use
-real largest_error, security;  // over all vertices; security: squared radius, or in a power diagram rank
-real radius_of_all;            // in a power diagram, at least the distance of any vertex
+uint free_planes;              // planes not in use
+real largest_error, security;  // over all vertices; security: squared radius, in a power diagram a rank
+real radius_of_all;            // in a power diagram, a bound of the distance of all vertices
 #ifdef DECIDES_TIES
-bool met_tie;  // a vertex of this lane lies on a plane that it is not of
+bool met_tie;  // a vertex of this lane lies on a fourth plane
 #endif
 
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
 shared real2 plane_size[SUBGROUP_PLANES * subgroups];      // norm, distance
 shared int plane_id[SUBGROUP_PLANES * subgroups];          // sorted seed, or wall id
-shared real4 test_equation[lanes * subgroups];             // as those
+shared real4 test_equation[lanes * subgroups];             // n, h
 shared real2 test_size[lanes * subgroups];                 // norm, distance
-shared int test_id[lanes * subgroups];                     // as those
+shared int test_id[lanes * subgroups];                     // sorted seed, or wall id
 
 int id_of(uint plane) {
     return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
@@ -56,7 +60,7 @@ void set_plane(uint plane, Plane p, int id) {
     plane_id[at] = id;
 }
 
-// Sets this lane's plane of those to test next.
+// Sets this lane's plane to test next.
 void prepare_test(Plane p, int id) {
     const uint at = uint(lanes) * SUBGROUP + lane;
     test_equation[at] = real4(p.x, p.y, p.z, p.h);
@@ -81,7 +85,7 @@ void measure_radius_and_error() {
     if (weighted != 0u) radius_of_all = (farthest + largest_error) * real(1.00001);
 }
 
-// How far the balls around vertices that go through the seed reach along the axes, at least: down and up.
+// Measures how far the vertex balls reach along the axes, down and up: upper bounds.
 void measure_reach(out vec3 down, out vec3 up) {
     down = vec3(0.0);
     up = vec3(0.0);
@@ -136,8 +140,8 @@ void start_cell() {
 }
 
 #ifdef DECIDES_TIES
-// Decides on vertices of this lane that the filter is not sure of; false when that is not possible. Of equal seeds the
-// first has the cell: where some may not be marked the CPU has to find it.
+// Decides on vertices of this lane that the filter did not decide. Returns false when it cannot. Of equal seeds the
+// first has the cell; where some may not be marked, the CPU must find it.
 bool decide_exactly(uint undecided, int id) {
     bool decided = undecided == 0u || state.suspects == 0u;
     [[dont_unroll]] for (; undecided != 0u; undecided &= undecided - 1u) {
@@ -161,7 +165,7 @@ Plane plane_to_test(uint i) {
     return Plane(e.x, e.y, e.z, e.w, size.x, size.y);
 }
 
-// Whether a plane may cut some vertex off.
+// Returns whether a plane may cut a vertex off.
 bool reaches(Plane p) {
     real farthest = side_of(p, vertex_x[0], vertex_y[0], vertex_z[0]);
     [[unroll]] for (int s = 1; s < slots; ++s)
@@ -169,14 +173,14 @@ bool reaches(Plane p) {
     return any_lane(!(farthest < -side_bound(p, largest_error)));
 }
 
-// Marks the vertices outside of a plane. False when that is uncertain, as the status tells, or there is nothing to cut; but
-// a plane that reaches a vertex, and has none on it, cuts in nearly every case.
+// Marks the vertices outside of a plane. Returns false when that is uncertain, which sets the status, or when there is
+// nothing to cut. A plane that reaches a vertex and has none on it nearly always cuts.
 bool mark_killed(Plane p, int id) {
     bool any_killed = false, any_undecided = false;
     uint undecided = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s) {
         const real side = side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]), bound = side_bound(p, vertex_error[s]);
-        // Without weights a slot that is free lies inside.
+        // Without weights a free slot lies inside.
         const bool counts = weighted == 0u || vertex_planes[s] != 0u, beyond = side > bound, unsure = !(abs(side) > bound);
         killed[s] = counts && beyond;
         any_killed = any_killed || killed[s];
@@ -213,7 +217,7 @@ uint planes_in_use() {
     return all_bits(mine);
 }
 
-// Writes the planes of all vertices down and returns how many they are.
+// Writes the planes of all vertices to VERTEX_LIST. Returns the number of vertices.
 uint list_vertices() {
     share();
     uint listed = 0u;
@@ -228,8 +232,8 @@ uint list_vertices() {
     return listed;
 }
 
-// find_horizon() leaves it so; searches use the same memory.
-void forget_edges(uint a) {
+// Clears the words of a plane. find_horizon() clears them too; searches use the same memory.
+void clear_edges(uint a) {
     EDGES_FROM(a) = 0u;
     EDGES_TO(a) = 0u;
 }
@@ -237,11 +241,11 @@ void forget_edges(uint a) {
 void prepare_cuts() {
     prepare_bounds();
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes))
-        if (lanes <= SUBGROUP_PLANES || lane < SUBGROUP_PLANES) forget_edges(first + lane);
+        if (lanes <= SUBGROUP_PLANES || lane < SUBGROUP_PLANES) clear_edges(first + lane);
 }
 
-// Tells the planes of a killed vertex its edges.
-void tell_edges(uint planes) {
+// Adds the edges of a killed vertex to its planes.
+void add_edges(uint planes) {
     const uint a = plane_of(planes, 0), b = plane_of(planes, 1), c = plane_of(planes, 2);
     const uint a_bit = 1u << a, b_bit = 1u << b, c_bit = 1u << c;
     atomicOr(EDGES_FROM(a), b_bit);
@@ -252,12 +256,13 @@ void tell_edges(uint planes) {
     atomicOr(EDGES_TO(c), b_bit);
 }
 
-// Edge (a, b) of a killed vertex is on the horizon iff no killed vertex has (b, a). The horizon is a ring, so that each
-// plane has one edge of it at most. Writes down these and returns how many. Killed vertices are gone then.
+// Writes the edges of the horizon to HORIZON and removes the killed vertices. Returns the number of edges. Edge (a, b)
+// of a killed vertex is on the horizon if and only if no killed vertex has (b, a). The horizon is a ring, so each plane
+// has at most one edge of it.
 uint find_horizon() {
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if (s == 0 || any_lane(killed[s])) {  // seldom but in the first slot
-            if (killed[s]) tell_edges(vertex_planes[s]);
+        if (s == 0 || any_lane(killed[s])) {  // rare except in the first slot
+            if (killed[s]) add_edges(vertex_planes[s]);
             vertex_x[s] = killed[s] ? real(0) : vertex_x[s];
             vertex_y[s] = killed[s] ? real(0) : vertex_y[s];
             vertex_z[s] = killed[s] ? real(0) : vertex_z[s];
@@ -271,7 +276,7 @@ uint find_horizon() {
         uint successor = 0u;
         if (lanes <= SUBGROUP_PLANES || a < SUBGROUP_PLANES) {
             successor = EDGES_FROM(a) & ~EDGES_TO(a);
-            forget_edges(a);
+            clear_edges(a);
         }
         uint more;
         const uint rank = rank_among(successor != 0u, more);
@@ -282,12 +287,12 @@ uint find_horizon() {
     return count;
 }
 
-// Replaces the killed vertices by those of the new plane with the horizon.
+// Replaces the killed vertices by the vertices of the new plane with the horizon.
 void cut(Plane p, int id) {
     if (weighted != 0u) {
         bool any_left = false;
         [[unroll]] for (int s = 0; s < slots; ++s) any_left = any_left || (vertex_planes[s] != 0u && !killed[s]);
-        if (!any_lane(any_left)) {  // no interior; perhaps it has none of its own
+        if (!any_lane(any_left)) {  // the cell is empty, if the seed is unique
             status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
             return;
         }
@@ -303,7 +308,7 @@ void cut(Plane p, int id) {
     const uint plane = uint(findLSB(free_planes));
     free_planes &= free_planes - 1u;
     const uint third = plane << 16;
-    // Written by the lane of its number, since addresses by lane cost less.
+    // The lane of the plane's number writes it: addresses by lane cost less.
     if (lane == plane % uint(lanes)) set_plane(lanes >= SUBGROUP_PLANES ? lane : plane, p, id);
 
     // The i-th free slot takes the i-th edge; its own lane makes the vertex.
@@ -328,7 +333,7 @@ void cut(Plane p, int id) {
     measure_radius_and_error();
 }
 
-// Clips by plane i of those to test, which reaches the cell.
+// Clips by the tested plane i, which reaches the cell.
 void clip_by(Plane p, uint i) {
     const int id = test_id[uint(lanes) * SUBGROUP + i];
     if (mark_killed(p, id)) cut(p, id);

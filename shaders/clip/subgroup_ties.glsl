@@ -7,10 +7,10 @@
 #include "invocations/subgroup.glsl"
 #include "search/subgroup_state.glsl"
 
-// Behind the list of vertices.
+// Scratch words behind the list of vertices.
 #define EDGE_COUNT(plane) SCRATCH(2u * SUBGROUP_PLANES + (plane))
 
-// Two planes of a vertex, from the k-th on, in this order or the other one.
+// Returns two planes of a vertex, from the k-th on, in this order or the reverse.
 uint edge_of(uint planes, int k) {
     return plane_of(planes, k) | (plane_of(planes, k == 2 ? 0 : k + 1) << 8);
 }
@@ -18,8 +18,8 @@ uint reversed_edge_of(uint planes, int k) {
     return plane_of(planes, k == 2 ? 0 : k + 1) | (plane_of(planes, k) << 8);
 }
 
-// Leaves in `used` the planes of faces that have at least three edges of some length, and counts these faces, and the
-// vertices that differ. The two vertices of an edge are one when the one lies on the third plane of the other.
+// Keeps in `used` the planes of faces that have at least three edges of positive length. Counts these faces and the
+// distinct vertices. The two vertices of an edge coincide when one lies on the third plane of the other.
 void keep_true_faces(inout uint used, out uint faces, out uint vertices) {
     const uint count = list_vertices();
     for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) EDGE_COUNT(p) = 0u;
@@ -27,7 +27,7 @@ void keep_true_faces(inout uint used, out uint faces, out uint vertices) {
     bool decided = true;
     for (uint v = lane; v < count; v += uint(lanes)) {
         const uint planes = VERTEX_LIST(v);
-        uint thirds = 0u;  // of the other vertices on its three edges
+        uint thirds = 0u;  // third planes of the other vertices on its three edges
         for (uint w = 0u; w < count; ++w) {
             const uint other = VERTEX_LIST(w);
             for (int k = 0; k < 3; ++k)

@@ -1,4 +1,4 @@
-// What depends on a cell's unit of length.
+// The cell's unit of length, and the numbers that depend on it.
 #ifndef VOTESS_CLIP_UNIT_OF_LENGTH_GLSL
 #define VOTESS_CLIP_UNIT_OF_LENGTH_GLSL
 
@@ -8,7 +8,7 @@
 #include "clip/walls.glsl"
 #include "search/seed_weights.glsl"
 
-// The unit is 2^exponent units of coordinates, and the root of the hierarchy has this number.
+// Sets the unit to 2^exponent units of coordinates. root: the node of the root of the hierarchy.
 void set_unit_of_length(uint exponent, uint root) {
     scale = uintBitsToFloat((127u - exponent) << 23);
     quantum = real(quantum_in_units(state.lossy) * scale);

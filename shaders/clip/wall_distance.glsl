@@ -1,8 +1,8 @@
-// How far a place lies within a wall of any direction, n.x = d with |n| = 1 (WallPlane in shared/layout.h).
+// The distance of a place from a wall of any direction, n.x = d with |n| = 1 (WallPlane in shared/layout.h).
 //
-// The distance d - n.x cancels, so it is taken from whole numbers: n is right to 2^-63 an axis, which with coordinates below
-// 2^62 changes n.x by at most 1.5 units; the distance is rounded to half a unit; and coordinates that were rounded down
-// change it by sqrt(3) units. That is less than MAX_WALL_ERROR together.
+// The distance d - n.x cancels, so it is computed in whole numbers. It has three errors. n is right to 2^-63 an axis,
+// which with coordinates below 2^62 changes n.x by at most 1.5 units. The distance is rounded to half a unit.
+// Coordinates that were rounded down change it by sqrt(3) units. The sum is less than MAX_WALL_ERROR.
 #ifndef VOTESS_CLIP_WALL_DISTANCE_GLSL
 #define VOTESS_CLIP_WALL_DISTANCE_GLSL
 
@@ -10,7 +10,7 @@
 #include "numbers/int64.glsl"
 #include "shared/layout.h"
 
-// In 2^-WALL_BITS units, and half a unit more. It is negative beyond the wall.
+// Returns the distance in 2^-WALL_BITS units, plus half a unit. It is negative beyond the wall.
 uvec4 fine_wall_distance(WallPlane wall, uvec2 x, uvec2 y, uvec2 z) {
     const uvec2 p[3] = uvec2[3](x, y, z);
     uvec4 sum = uvec4(wall.offset[0], wall.offset[1]);
@@ -21,7 +21,7 @@ uvec4 fine_wall_distance(WallPlane wall, uvec2 x, uvec2 y, uvec2 z) {
     return sum;
 }
 
-// In units, of one that is below 2^64.
+// Returns a distance below 2^64 in units.
 uvec2 whole_wall_distance(uvec4 fine) {
     return uvec2((fine.y >> WALL_BITS - 32) | (fine.z << 64 - WALL_BITS),
                  (fine.z >> WALL_BITS - 32) | (fine.w << 64 - WALL_BITS));
@@ -31,8 +31,8 @@ vec3 rough_place(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(float(x.y), float(y.y), float(z.y)) * 4294967296.0;
 }
 
-// At most the distance, in units: low words are less than 2^32 each, conversions, products and sums of numbers below 2^64
-// err by less than 2^45 altogether.
+// Returns a lower bound of the distance, in units. Low words are less than 2^32 each; conversions, products and sums of
+// numbers below 2^64 err by less than 2^45 together.
 float min_wall_distance(WallPlane wall, vec3 place) {
     return wall.rough[3] - dot(vec3(wall.rough[0], wall.rough[1], wall.rough[2]), place) - 3.5184372e13;
 }

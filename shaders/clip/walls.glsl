@@ -1,5 +1,6 @@
-// Walls of any direction as planes of a cell. The seed's distance is right to less than MAX_WALL_ERROR, which
-// `quantum` has in a run with walls (clip/wall_distance.glsl). As the seed lies within its walls, a distance below 0 is 0.
+// Walls of any direction as planes of a cell. The seed's distance is right to less than MAX_WALL_ERROR, which `quantum`
+// includes in a run with walls (clip/wall_distance.glsl). A distance below 0 becomes 0, because the seed lies within
+// its walls.
 #ifndef VOTESS_CLIP_WALLS_GLSL
 #define VOTESS_CLIP_WALLS_GLSL
 
@@ -15,11 +16,11 @@ layout(std430, binding = BINDING_RUN_STATE) readonly buffer State {
     WallPlane walls[];
 };
 
-// The box's faces are planes -1 .. -6 of a cell; where there are walls it is larger than the domain, and wall w, which rows
-// list as -1 - w, is plane -7 - w.
+// The box's faces are planes -1 .. -6 of a cell. Where there are walls the box is larger than the domain, and wall w,
+// which rows list as -1 - w, is plane -7 - w.
 //
-// Faces of the domain's box are cut off last: a polyhedron that touches the box has edges through its corners, which then
-// are gone from all cells.
+// Faces of the domain's box cut last. A polyhedron that touches the box has edges through its corners; its walls have
+// then removed the corners from all cells.
 const int first_wall = -7;
 const float wall_step = 2.1684043449710089e-19;  // 2^-WALL_BITS
 
@@ -57,12 +58,12 @@ vec3 rough_place() {
     return rough_place(px, py, pz);
 }
 
-// At most the distance, in units of the cell, of a seed at this place.
+// Returns a lower bound of the distance, in units of the cell, of a seed at this place.
 float min_wall_distance(uint w, vec3 place) {
     return min_wall_distance(walls[w], place) * scale;
 }
 
-// Whether a plane is a face of the box beyond walls, which a cell cannot have.
+// Returns whether a plane is a face of the box beyond walls, which no cell has.
 bool is_no_wall(int id) {
     return has_walls != 0u && id < 0 && id > first_wall;
 }

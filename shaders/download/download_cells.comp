@@ -1,6 +1,6 @@
-// download: writes what a frame tells about each cell, in input order, and its counts.
+// download: writes the cells of a frame, in input order, and its counts.
 //
-// Variant: GEOMETRY_FLOAT64 reads what a pass of that variant measured.
+// Variant: GEOMETRY_FLOAT64 reads geometry of a pass of that variant.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "download/row_fits.glsl"

@@ -1,5 +1,5 @@
-// download: brings the rows of consecutive members, which lie among the rows out in the order of the chunks, one after
-// the other. The host reads what this writes: neighbors in the work-group write neighbors in memory.
+// download: gathers the rows of consecutive members from the rows out, which are in the order of the chunks. The host
+// reads the output, so neighboring invocations write neighboring words.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -40,7 +40,7 @@ uint shift_out(uint place) {
 void main() {
     const uint quad = linear_invocation(), first = GATHER_ENTRIES * quad;
     if (first >= push.entry_count) return;
-    // The last cell that does not begin behind the first entry, which therefore is in its row.
+    // The last cell that does not begin behind the first entry: the entry is in its row.
     uint low = push.first_cell, high = push.first_cell + push.cell_count - 1u;
     while (low < high) {
         const uint middle = low + (high - low + 1u) / 2u;

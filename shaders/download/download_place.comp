@@ -1,5 +1,5 @@
-// download: puts what is known about each cell of a chunk where the part keeps it, by member, and where its row begins
-// among the rows out. Any Number moves as two words.
+// download: stores status, length and geometry of each cell of a chunk by member, and where its row begins in the rows
+// out. A Number of either kind moves as two words.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "download/row_fits.glsl"

@@ -1,8 +1,8 @@
-// download: puts the rows of a chunk one after the other, each in ascending order.
+// download: packs the rows of a chunk one after the other, each in ascending order.
 //
-// Variants: AREAS puts areas beside the rows, which have one window; any Number moves as two words. NAMES gives ids their
-// name and puts shifts beside the rows, which are in the order of both. FRAME, with AREAS, makes float32 of them, in units
-// of length as given; GEOMETRY_FLOAT64 as in download_cells.comp.
+// Variants: AREAS packs areas too, in one window; a Number of either kind moves as two words. NAMES replaces ids by
+// their names and packs shifts too; rows are in the order of both. FRAME, with AREAS, converts areas to float32, in
+// units of length as given; GEOMETRY_FLOAT64 as in download_cells.comp.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "download/row_fits.glsl"
@@ -65,7 +65,7 @@ int entry(uint place, uint i) {
 }
 
 #ifdef NAMES
-// A neighbor: its seed, or a wall, and by which shift.
+// A neighbor: its seed or a wall, and its shift.
 struct Name {
     int id;
     uint shift;

@@ -1,5 +1,5 @@
-// download: tells where the rows of the next chunk begin, which is what the rows need so far. That stays at the largest
-// number when it would pass it.
+// download: adds the entries of a chunk to the total, where the rows of the next chunk begin. The total stays at the
+// largest number when it would overflow.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"

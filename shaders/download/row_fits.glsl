@@ -1,4 +1,4 @@
-// Whether a row of the chunk has room among the rows out, which hold `capacity` entries.
+// Returns whether a row of the chunk fits into the rows out, which hold `capacity` entries.
 #ifndef VOTESS_DOWNLOAD_ROW_FITS_GLSL
 #define VOTESS_DOWNLOAD_ROW_FITS_GLSL
 

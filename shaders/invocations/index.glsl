@@ -1,4 +1,4 @@
-// The size of work-groups, and the number of a work-group and of an invocation in a dispatch whose work-groups are spread
+// The size of work-groups, and the linear index of a work-group and of an invocation. Work-groups of a dispatch extend
 // over x, y and z.
 #ifndef VOTESS_INVOCATIONS_INDEX_GLSL
 #define VOTESS_INVOCATIONS_INDEX_GLSL

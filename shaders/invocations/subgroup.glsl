@@ -1,8 +1,7 @@
-// Operations that the lanes of a subgroup do together; all of them must call them. The .comp enables the GL_KHR_shader_subgroup
-// extensions.
+// Operations of a subgroup. All lanes must call them. The .comp enables the GL_KHR_shader_subgroup extensions.
 //
-// Variant: LANES_OF_WORK_GROUP takes the invocations of a work-group instead, by shared memory, and any number of them;
-// so a device tests the kernels for subgroups that it does not have.
+// Variant: LANES_OF_WORK_GROUP uses the invocations of a work-group instead, any number of them, through shared memory.
+// So a device tests kernels for sizes of subgroups that it lacks.
 #ifndef VOTESS_INVOCATIONS_SUBGROUP_GLSL
 #define VOTESS_INVOCATIONS_SUBGROUP_GLSL
 
@@ -122,13 +121,14 @@ Number sum(Number value) {
 
 #else
 
-// The subgroup's number in the work-group. All lanes take that of the first one: compilers that reckon gl_SubgroupID from
-// the invocation cannot know that it is the same in all, and then take every branch on what is read from shared memory
-// for one that may part the lanes.
+// The subgroup's number in the work-group, that of the first lane in all. Some compilers compute gl_SubgroupID from the
+// invocation and do not know that it is the same in all lanes. They then treat every branch on shared memory as one
+// that may part the lanes.
 uint subgroup_index;
 #define SUBGROUP subgroup_index
 
-// False when subgroups are not as many, or not of as many invocations in a row, as the kernel was made for.
+// Returns false when the kernel was made for another number of subgroups, or for another number of invocations in a
+// row.
 bool enter_subgroup() {
     lane = gl_SubgroupInvocationID;
     const uint mine = gl_LocalInvocationID.x / uint(lanes);
@@ -136,7 +136,7 @@ bool enter_subgroup() {
     return subgroupAll(mine == subgroup_index && gl_SubgroupSize == uint(lanes) && gl_NumSubgroups == uint(subgroups));
 }
 
-// Makes what the lanes have written to shared memory visible to all of the subgroup.
+// Makes the lanes' writes to shared memory visible to the whole subgroup.
 void share() {
     if (lockstep)
         subgroupMemoryBarrierShared();
@@ -152,14 +152,14 @@ bool any_lane(bool yes) {
     return subgroupAny(yes);
 }
 
-// How many lanes before this one say so, and how many in all.
+// Returns how many lanes before this one have a true condition; `count` is that of all lanes.
 uint rank_among(bool yes, out uint count) {
     const uvec4 ballot = subgroupBallot(yes);
     count = subgroupBallotBitCount(ballot);
     return subgroupBallotExclusiveBitCount(ballot);
 }
 
-// The first lane that says so; `lanes` when there is none.
+// Returns the first lane with a true condition; `lanes` when there is none.
 uint first_lane(bool yes) {
     const uvec4 ballot = subgroupBallot(yes);
     const uint low = uint(bitCount(~ballot.x & (ballot.x - 1u)));
@@ -176,8 +176,8 @@ uint all_bits(uint value) {
     return subgroupOr(value);
 }
 
-// The numbers must not be negative, nor -0: sums of squares never are. Then their bits are in the same order, and whole
-// numbers are quicker on some devices.
+// The numbers must not be negative or -0; sums of squares never are. Their bits then have the same order, and whole
+// numbers are faster on some devices.
 float largest(float number) {
     return uintBitsToFloat(subgroupMax(floatBitsToUint(number)));
 }
@@ -194,8 +194,7 @@ float sum(float value) {
     return subgroupAdd(value);
 }
 
-// Lanes are summed in pairs, then in pairs of pairs: a sum of two does not depend on their order, so that all lanes get
-// the same one.
+// Sums lanes in pairs, then pairs of pairs. A sum of two does not depend on their order, so all lanes get the same sum.
 Number sum(Number value) {
     for (uint step = 1u; step < uint(lanes); step *= 2u) {
         const uvec2 words = words_of(value);

@@ -1,5 +1,5 @@
-// Measures a cell of a subgroup: a lane measures at its vertices, and the sums are over all lanes. The store of
-// candidates, which is not needed any more, takes the planes in the precision of what is measured.
+// Measures a cell of a subgroup. A lane measures at its vertices; the sums are over all lanes. The store of candidates,
+// which is free by now, holds the planes in the precision of the measures.
 #ifndef VOTESS_MEASURE_SUBGROUP_MEASURE_GLSL
 #define VOTESS_MEASURE_SUBGROUP_MEASURE_GLSL
 
@@ -8,7 +8,7 @@
 #include "measure/tetrahedra.glsl"
 #include "search/subgroup_state.glsl"
 
-// A number takes two words, SUBGROUP_PLANES apart, in an array of the store.
+// A number has two words, SUBGROUP_PLANES apart, in an array of the store.
 #define FIRST_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i)]
 #define SECOND_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i) + SUBGROUP_PLANES]
 #define GET_NUMBER(array, i) of_words(uvec2(FIRST_WORD(array, i), SECOND_WORD(array, i)))
@@ -49,7 +49,7 @@ Number area_of(uint plane) {
     return GET_NUMBER(candidate_key, plane);
 }
 
-// Afterwards the areas take the place of the planes.
+// The areas replace the planes afterwards.
 void measure_cell(uint used, uint vertices) {
     share_exact_planes(used);
     list_vertices();

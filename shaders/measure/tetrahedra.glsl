@@ -1,6 +1,6 @@
-// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices alone. Feet of the seed on a
-// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into tetrahedra (seed, r_a, r_ab, X),
-// signed, two for each edge (a,b) of a vertex X. With t = n_a x n_b and
+// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices. The feet of the seed on a
+// face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into signed tetrahedra (seed, r_a, r_ab,
+// X), two for each edge (a,b) of a vertex X. With t = n_a x n_b and
 //     r_ab = alpha n_a + beta n_b,
 //     alpha = (h_a |n_b|^2 - h_b n_a.n_b) / |t|^2,  beta = (h_b |n_a|^2 - h_a n_a.n_b) / |t|^2,
 // these two together have
@@ -10,18 +10,18 @@
 // With R the farthest vertex, u the unit roundoff: alpha |n_a| <= R / sin(a,b) is right to 41u R / sin^2, X.t to
 // |n_a||n_b| (sin |x - X| + 9u R), X to u R (51 condition + 6) as in clip/filter.glsl; so 6 V of an edge is right to
 //     u R^3 (100 / sin^2(a,b) + 102 condition + 50) ,
-// the last for its sum with all others. The areas are right to volume_error 3 / R altogether: relative to the surface
+// the last for its sum with all others. The areas together are right to volume_error 3 / R. Relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
-// Planes that were rounded to units are those of a cell whose faces lie off by m = quantum (R + 1) at most
-// (clip/filter.glsl): its volume is off by m times the surface, which is at most that of the ball around, 4 pi R^2; its
-// areas by 4 m / sin(a,b) times the length of each edge, which is at most 2 R. An edge counts twice in the terms above, so
-// the areas are off by 0.04 m R of those altogether, R / 3 of which is to be less than the promise for the volume, too.
+// Rounding to units moves the faces of a cell by at most m = quantum (R + 1) (clip/filter.glsl). The volume changes by
+// m times the surface, which is at most that of the ball around it, 4 pi R^2. The areas change by 4 m / sin(a,b) times
+// the length of each edge, at most 2 R. An edge counts twice in the terms above, so all areas together change by 0.04 m
+// R of those; R / 3 of that must also be less than the promise for the volume.
 //
 // In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
-// are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86 condition
-// + 6). Twice the bound above is more than that. The seed may be far from its cell, and the centroid err by 2 R times the
-// relative error of the volume: that is held to twice the tolerance of the cell's size.
+// are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86
+// condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may err
+// by 2 R times the relative error of the volume. This must be below twice the tolerance times the cell's size.
 //
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
@@ -36,7 +36,7 @@
 #include "search/seed_weights.glsl"
 #include "search/seeds.glsl"
 
-// q - p times a power of two, or in units of the cell, in the numbers that measure it.
+// Returns q - p times a power of two, or in units of the cell, in the numbers of measures.
 Number exact_difference(uvec2 q, uvec2 p, float power_of_two) {
     const uvec2 d = subtract64(q, p);
     const bool negative = (d.y & 0x80000000u) != 0u;
@@ -85,7 +85,7 @@ struct Moments {
 Number volume;
 Vector mass_center;
 float volume_error;
-float centroid_error, length_of_cell;  // in a power diagram; the error is to be divided by the volume
+float centroid_error, length_of_cell;  // in a power diagram; the error is yet to be divided by the volume
 bool is_in_range;
 
 Moments no_moments() {
@@ -93,16 +93,16 @@ Moments no_moments() {
     return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
 }
 
-// A plane of the cell that is measured; defined where the planes are kept.
+// Returns a plane of the measured cell; defined where the planes are stored.
 ExactPlane exact_plane_at(uint plane);
 
-// (H / |n|)^2, see clip/filter.glsl.
+// Returns (H / |n|)^2, see clip/filter.glsl.
 float squared_size(float foot, float square) {
     const float size = max(foot, 1.0 - foot);
     return size * size * square;
 }
 
-// The vertex of three planes.
+// Returns the vertex of three planes.
 Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all) {
     const Vector ab = cross(a.n, b.n), bc = cross(b.n, c.n), ca = cross(c.n, a.n);
     const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), square_c = dot(c.n, c.n);
@@ -122,7 +122,7 @@ Vector exact_vertex(ExactPlane a, ExactPlane b, ExactPlane c, inout Moments all)
     return vertex;
 }
 
-// Adds the two tetrahedra of a vertex on its edge of planes a and b, and what they add to the areas of the two faces.
+// Adds the two tetrahedra of a vertex on its edge of planes a and b, and their shares of the areas of the two faces.
 void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inout Number area_a, inout Number area_b) {
     const Vector t = cross(a.n, b.n);
     const Number square_a = dot(a.n, a.n), square_b = dot(b.n, b.n), both = dot(a.n, b.n);
@@ -144,15 +144,15 @@ void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inou
     area_b = plus(area_b, times(on_b, reciprocal(times(root(square_b), number(2.0)))));
 }
 
-// Adds the tetrahedra of the vertex of three packed planes, and tells what it adds to the areas of their faces. The loop
-// is not unrolled, since it needs the most registers of all that measures.
+// Adds the tetrahedra of the vertex of three packed planes, and outputs its shares of the areas of their faces. The
+// loop is not unrolled, because it needs the most registers of the measuring code.
 void add_corner(uint planes, inout Moments all, out Number areas[3]) {
     const Vector vertex = exact_vertex(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
                                        exact_plane_at(plane_of(planes, 2)), all);
     Number area_a = number(0.0), area_b = number(0.0), area_c = number(0.0);
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         add_edge(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)), vertex, all, area_a, area_b);
-        // The next edge; after three all is where it was.
+        // Moves to the next edge; three moves restore the order.
         planes = pack_planes(plane_of(planes, 1), plane_of(planes, 2), plane_of(planes, 0));
         const Number first = area_a;
         area_a = area_b;
@@ -169,7 +169,7 @@ void conclude(Moments all) {
     const float radius = sqrt(all.farthest);
     is_in_range = all.farthest < farthest_of_range;
     const float moved = float(quantum) * (radius + 1.0) * radius * radius * (13.5 + 0.015 * all.error);
-    // This is somewhat more than the bound, for the roundings in it.
+    // Slightly more than the bound, for its own roundings.
     volume_error = moved + number_unit * all.error * radius * radius * radius * 0.334;
     if (weighted == 0u) return;
     volume_error *= 2.0;
@@ -177,7 +177,7 @@ void conclude(Moments all) {
     centroid_error = volume_error * radius;
 }
 
-// Areas of faces of next to no size may come out below zero.
+// Areas of tiny faces may come out negative.
 Number not_negative(Number area) {
     return rounded(area) < 0.0 ? number(0.0) : area;
 }

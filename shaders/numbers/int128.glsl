@@ -1,4 +1,4 @@
-// Whole numbers of 128 bits in two's complement as four words, low ones first, modulo 2^128.
+// Whole numbers of 128 bits, modulo 2^128: four words in two's complement, low words first.
 #ifndef VOTESS_NUMBERS_INT128_GLSL
 #define VOTESS_NUMBERS_INT128_GLSL
 
@@ -15,7 +15,7 @@ uvec4 negate128(uvec4 a) {
     return add128(~a, uvec4(1u, 0u, 0u, 0u));
 }
 
-// a b of numbers without a sign.
+// Returns a b of unsigned numbers.
 uvec4 product128(uvec2 a, uvec2 b) {
     uvec4 low, high;
     umulExtended(uvec4(a.x, a.x, a.y, a.y), uvec4(b.x, b.y, b.x, b.y), high, low);

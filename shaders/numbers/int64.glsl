@@ -1,4 +1,4 @@
-// Whole numbers of 64 bits as two words (x low, y high), modulo 2^64, since not every device has them.
+// Whole numbers of 64 bits, modulo 2^64, as two words (x low, y high): not every device has them.
 #ifndef VOTESS_NUMBERS_INT64_GLSL
 #define VOTESS_NUMBERS_INT64_GLSL
 
@@ -26,7 +26,7 @@ uvec2 magnitude64(uvec2 a) {
     return is_negative(a) ? negate64(a) : a;
 }
 
-// The product of signed numbers, a and the second in two's complement.
+// Returns the product of a and a signed number in two's complement.
 uvec2 times64(int a, int b) {
     int high, low;
     imulExtended(a, b, high, low);
@@ -50,7 +50,7 @@ uvec2 max64(uvec2 a, uvec2 b) {
     return less64(a, b) ? b : a;
 }
 
-// For n >= 0; the result is zero from n = 64 on.
+// n >= 0; the result is zero from n = 64 on.
 uvec2 shift_left64(uvec2 a, uint n) {
     if (n >= 64u) return uvec2(0);
     if (n >= 32u) return uvec2(0u, a.x << (n - 32u));
@@ -58,7 +58,7 @@ uvec2 shift_left64(uvec2 a, uint n) {
     return uvec2(a.x << n, (a.y << n) | (a.x >> (32u - n)));
 }
 
-// Rounds a number in two's complement down; `lost` becomes true when bits fell off.
+// Shifts a number in two's complement right, rounding down. Sets `lost` when bits are lost.
 uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
     const uint sign = (a.y & 0x80000000u) != 0u ? 0xffffffffu : 0u;
     if (n == 0u) return a;
@@ -75,7 +75,7 @@ uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
     return uvec2((a.x >> n) | (a.y << (32u - n)), (a.y >> n) | (sign << (32u - n)));
 }
 
-// q - p in two's complement, right to a few roundings. Searches call it often, so it has no branches.
+// Returns q - p in two's complement, right to a few roundings. Searches call it often, so it has no branches.
 float rough_difference(uvec2 q, uvec2 p) {
     const uvec2 d = subtract64(q, p);
     const uint sign = uint(int(d.y) >> 31);  // all ones when negative
@@ -84,10 +84,10 @@ float rough_difference(uvec2 q, uvec2 p) {
     return uintBitsToFloat(floatBitsToUint(magnitude) | (sign & 0x80000000u));
 }
 
-// A number below 2^64 with one rounding: its leading 32 bits, the last of them set when any bit behind is.
+// Returns a number below 2^64 with one rounding: its leading 32 bits, the last one set when any lower bit is.
 float round64(uvec2 m) {
     const bool small = m.y == 0u;
-    const uint shift = uint(31 - findMSB(m.y | 1u));  // of the high word to its left, 0 .. 31
+    const uint shift = uint(31 - findMSB(m.y | 1u));  // left shift of the high word, 0 .. 31
     const uint leading = (m.y << shift) | ((m.x >> 1) >> (31u - shift)), rest = m.x << shift;
     const uint kept = leading | min(rest, 1u);
     const float high = float(kept) * uintBitsToFloat((159u - shift) << 23);

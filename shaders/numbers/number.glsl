@@ -1,8 +1,8 @@
-// The numbers that a cell is measured in: float64, or where a device has none, sums of two float32.
+// The numbers that measure a cell: float64, or sums of two float32.
 //
-// Sums and products of the latter are those of Dekker (1971) and Knuth; a product's factors are split by rounding their
-// bits, which is exact on every device. Where a device rounds to nearest they are right to 2^-44, reciprocals and roots
-// to 2^-42; another rounding to one of the two neighbors costs less than two bits (Boldo, Graillat, Muller 2017).
+// Sums and products of sums are those of Dekker (1971) and Knuth. Factors of a product are split by rounding their
+// bits, which is exact on every device. Where a device rounds to nearest, they are right to 2^-44, reciprocals and
+// roots to 2^-42. Rounding to the other neighbor costs less than two bits (Boldo, Graillat, Muller 2017).
 //
 // Variant: GEOMETRY_FLOAT64.
 #ifndef VOTESS_NUMBERS_NUMBER_GLSL
@@ -12,7 +12,7 @@
 
 #define Number double
 const float number_unit = 1.1102230246251565e-16;  // unit roundoff
-const float farthest_of_range = 3.0e38;            // it holds for cells of a smaller squared radius
+const float farthest_of_range = 3.0e38;            // it holds for cells with a smaller squared radius
 
 Number number(float a) {
     return Number(a);
@@ -20,7 +20,7 @@ Number number(float a) {
 float rounded(Number a) {
     return float(a);
 }
-// Takes a whole number below 2^64.
+// Converts a whole number below 2^64.
 Number number64(uvec2 m) {
     return Number(m.y) * 4294967296.0LF + Number(m.x);
 }
@@ -55,7 +55,7 @@ struct Number {
     float high, low;
 };
 const float number_unit = 9.094947e-13;  // 2^-40
-const float farthest_of_range = 1.0e12;  // beyond, reciprocals may be so small that their low parts are flushed
+const float farthest_of_range = 1.0e12;  // beyond, low parts of reciprocals may be flushed to zero
 
 Number number(float a) {
     return Number(a, 0.0);
@@ -64,7 +64,7 @@ float rounded(Number a) {
     return a.high;
 }
 
-// a + b where |a| >= |b|.
+// Returns a + b where |a| >= |b|.
 Number ordered_sum(float a, float b) {
     precise const float sum = a + b;
     precise const float rest = b - (sum - a);
@@ -76,7 +76,7 @@ Number exact_sum(float a, float b) {
     precise const float rest = (a - (sum - of_b)) + (b - of_b);
     return Number(sum, rest);
 }
-// It has 12 bits, so that products of two are exact, and what is left of a has at most 12.
+// Returns the leading 12 bits, so that products of two are exact; the rest of a has at most 12.
 float leading_half(float a) {
     return uintBitsToFloat((floatBitsToUint(a) + 0x800u) & 0xfffff000u);
 }
@@ -108,7 +108,7 @@ Number number64(uvec2 m) {
 Number times_power(Number a, float power_of_two) {
     return Number(a.high * power_of_two, a.low * power_of_two);
 }
-// One step of Newton's method improves the float32 result; root() does the same.
+// One step of Newton's method improves the float32 result, as in root().
 Number reciprocal(Number a) {
     const float first = 1.0 / a.high;
     const Number rest = minus(number(1.0), times(a, number(first)));

@@ -1,5 +1,5 @@
-// Takes sums, products, conversions, quotients, roots and sums of products of given numbers, for the host to see how the device rounds.
-// Variant: FLOAT64.
+// Computes sums, products, conversions, quotients, roots and sums of products of given numbers. The host derives from
+// them how the device rounds. Variant: FLOAT64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"

@@ -1,5 +1,5 @@
-// Whether seeds have weights: a pass of a power diagram is made with the constant 1, and any other does without what it
-// guards.
+// Whether seeds have weights. A pass of a power diagram is made with the constant 1; with 0 the compiler drops the
+// guarded code.
 #ifndef VOTESS_NUMBERS_WEIGHTS_GLSL
 #define VOTESS_NUMBERS_WEIGHTS_GLSL
 

@@ -1,4 +1,4 @@
-// The distances that searches compare: squared, in units, right to 8 roundings of float32 of 2^-23 each at most, to 1e-6.
+// The distances that searches compare: squared, in units, right to 8 roundings of float32 of at most 2^-23 each, 1e-6.
 // The .comp declares `push`, with lower, upper and bounded, before.
 #ifndef VOTESS_SEARCH_DISTANCES_GLSL
 #define VOTESS_SEARCH_DISTANCES_GLSL
@@ -6,14 +6,14 @@
 #include "numbers/int64.glsl"
 #include "shared/layout.h"
 
-// A box and a seed in it are both right to 1e-6, and a seed nearer than `worst` is never in a box left out.
+// A box and a seed in it are both right to 1e-6; a seed nearer than `worst` is never in a skipped box.
 const float box_slack = 1.0 - 1e-5;
-// A seed left out at a squared distance of d lies at d (1 - 1e-6 - 1.4e-5) or beyond, the latter for high words alone.
+// A seed skipped at a squared distance of d lies at d (1 - 1e-6 - 1.4e-5) or beyond; 1.4e-5 is for high words only.
 const float reach_slack = 1.0 - 3e-5;
 
-// High words alone err by less than 2^32 units an axis: by 1.7e-6 of a distance from 2^52 units on, 6.7e-6 from a
-// quarter of it on, twice that of its square. Seeds nearer than that are in no certain order, and a list whose farthest
-// seed is nearer than 2^52 units has no certain order at all.
+// High words alone err by less than 2^32 units an axis. That is 1.7e-6 of a distance of 2^52 units or more, 6.7e-6 of a
+// quarter of it or more, and twice that of its square. The order of nearer seeds is uncertain, and so is that of a
+// whole list whose farthest seed is nearer than 2^52 units.
 const float coarse_from = 2.03e31;  // squared, 2^104
 const float coarse_order_from = 1.27e30;
 
@@ -21,7 +21,7 @@ float coarse_offset(uint q, uint p) {
     return float(int(q - p)) * 4294967296.0;
 }
 
-// The distance of p from the interval [lower, upper].
+// Returns the distance of p from the interval [lower, upper].
 float gap(uvec2 p, uvec2 lower, uvec2 upper) {
     if (less64(p, lower)) return rough_difference(lower, p);
     if (less64(upper, p)) return rough_difference(p, upper);
@@ -45,13 +45,14 @@ float distance_to_bounds(int axis, uvec2 p) {
     return nearest;
 }
 
-// Nothing is known about seeds beyond the bounds. A seed that lies outside has no reach.
+// Returns the squared distance up to which all seeds are known: none are known beyond the bounds. It is 0 for a seed
+// outside of them.
 float distance_to_bounds(uvec2 x, uvec2 y, uvec2 z) {
     return min(distance_to_bounds(0, x), min(distance_to_bounds(1, y), distance_to_bounds(2, z)));
 }
 
-// The squared radius of a ball with about `count` seeds, from the density of the 64 seeds around in memory. Their box is
-// about twice as large as their share of space.
+// Returns the squared radius of a ball with about `count` seeds, from the density of the 64 seeds around it in memory.
+// Their box is about twice as large as their share of space.
 float expected_reach_in(Node box, int count) {
     float volume = 1.0;
     for (int axis = 0; axis < 3; ++axis) {

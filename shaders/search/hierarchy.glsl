@@ -1,4 +1,4 @@
-// A walk through the boxes over groups of sorted seeds that needs no stack: a node's number tells its parent and its
+// A walk through the boxes over groups of sorted seeds. It needs no stack: the number of a node gives its parent and
 // siblings. The .comp declares `push`, with level_first, before.
 #ifndef VOTESS_SEARCH_HIERARCHY_GLSL
 #define VOTESS_SEARCH_HIERARCHY_GLSL
@@ -8,7 +8,7 @@
 
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 
-// The number of nodes of a level below the root.
+// Returns the number of nodes of a level below the root.
 uint nodes_of(uint level) {
     return push.level_first[level + 1u] - push.level_first[level];
 }
@@ -18,13 +18,13 @@ struct Walk {
     uint level, node;
 };
 
-// Goes to the children of the current node.
+// Moves to the children of the current node.
 void descend(inout Walk walk) {
     --walk.level;
     walk.node *= FAN;
 }
 
-// Goes to the next node that is not below the current one; false at the end.
+// Moves to the next node that is not below the current one. Returns false at the end.
 bool advance(inout Walk walk) {
     for (;;) {
         if (walk.level == walk.root_level) return false;

@@ -1,12 +1,12 @@
-// knn: lists the nearest seeds of each cell's seed, nearest first, and tells the distance up to which the list is complete.
+// knn: lists the nearest seeds of each cell's seed, nearest first, and the distance up to which the list is complete.
 //
-// The search climbs from the seed's own group towards the root and descends into every box that is nearer than the
-// farthest neighbor of interest; sorted along a Hilbert curve, what is near comes early. Neighbors are collected as
-// they come. When the store is full, the farther half is forgotten. In the end they are sorted by distance into
-// buckets a sixteenth of an octave wide; within a bucket the order is free. The first bucket takes whatever is nearer.
+// The search climbs from the seed's own group to the root, and descends into every box that is nearer than the farthest
+// neighbor of interest. Seeds follow a Hilbert curve, so near ones come early. A full store drops its farther half. In
+// the end neighbors are sorted by distance into buckets, each a sixteenth of an octave wide; the order within a bucket
+// is arbitrary. The first bucket holds all that are nearer.
 //
-// In a power diagram ranks take the place of squared distances, see search/power.glsl. They may be below 0, where all of
-// them are in the first bucket; when that alone is more than the list holds, the higher half of it is forgotten.
+// In a power diagram ranks replace squared distances, see search/power.glsl. All ranks below 0 are in the first bucket.
+// If that alone exceeds the list, its higher half is dropped.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -42,9 +42,9 @@ const int buckets = 64;
 int size = 0;
 float distances[store];
 uint indices[store];
-float worst = UNBOUNDED;  // all seeds nearer than this, of those visited, are in the store
+float worst = UNBOUNDED;  // all visited seeds nearer than this are in the store
 bool truncated = false;
-bool coarse;  // high words are enough
+bool coarse;  // high words suffice
 uint visits = 0u;
 
 int counts[buckets];
@@ -57,7 +57,7 @@ float farthest_in_store() {
     return farthest;
 }
 
-// Counts the neighbors in each bucket, up to the farthest.
+// Counts the neighbors in each bucket, up to the farthest one.
 void count_by_bucket() {
     const float farthest = farthest_in_store();
     lowest_bucket = (max(floatBitsToUint(farthest), uint(buckets) << BUCKET_SHIFT) >> BUCKET_SHIFT) - uint(buckets - 1);
@@ -65,12 +65,12 @@ void count_by_bucket() {
     for (int i = 0; i < size; ++i) ++counts[BUCKET_OF(distances[i])];
 }
 
-// The squared distance at which the bucket after b begins.
+// Returns the squared distance at which the bucket after b begins.
 float bucket_end(int b) {
     return uintBitsToFloat((lowest_bucket + uint(b) + 1u) << BUCKET_SHIFT);
 }
 
-// Keeps the nearest k, and those in the same bucket.
+// Keeps the nearest k, and all others in the last bucket.
 void forget_far_ones() {
     count_by_bucket();
     int kept = 0, b = 0;
@@ -85,15 +85,15 @@ void forget_far_ones() {
         }
     }
     size = kept;
-    if (size == store) {  // all alike
+    if (size == store) {  // all are in one bucket
         truncated = true;
         worst = 0.0;
     }
 }
 
-// The most of least rank, k or a few less.
+// Keeps those of smallest rank: k or a few less.
 void forget_high_ranks() {
-    uint low = 0u, high = ordered(worst);  // at most k are below the one, more than k below the other
+    uint low = 0u, high = ordered(worst);  // at most k are below low, more than k below high
     for (int below = 0; below < k - k / 8 && high - low > 1u;) {
         const uint middle = low + (high - low) / 2u;
         int count = 0;
@@ -163,7 +163,7 @@ bool is_near(uint level, uint node) {
     return d * box_slack < worst;
 }
 
-// Visits everything near below a node.
+// Visits all near boxes below a node.
 void explore(uint root_level, uint root) {
     Walk walk = Walk(root_level, root, root_level, root);
     do {
@@ -225,8 +225,8 @@ void main() {
         coarse = !fine && worst >= coarse_from;
         size = 0;
         search();
-        // High words were too rough: the radius shrank, or all there is lies nearer than it. The sorted buckets and the
-        // list's end are beyond a quarter of the farthest neighbor, where the order is certain again: see coarse_from.
+        // High words were too coarse: the radius shrank, or all seeds are nearer. Sorted buckets and the list's end are
+        // beyond a quarter of the farthest neighbor, where the order is certain again, see coarse_from.
         if (coarse && min(worst, farthest_in_store()) < coarse_from) {
             fine = true;
             truncated = false;
@@ -240,7 +240,7 @@ void main() {
     }
     truncated = truncated || visits > push.max_visits;
 
-    // The list takes buckets that fit into it whole.
+    // The list holds whole buckets.
     count_by_bucket();
     if (weighted != 0u && counts[0] > k) {
         forget_high_ranks();

@@ -1,4 +1,4 @@
-// The weights of the sorted seeds and the largest one below each node of the hierarchy, see WEIGHT_BITS.
+// The weights of the sorted seeds, and the largest one below each node of the hierarchy, see WEIGHT_BITS.
 #ifndef VOTESS_SEARCH_SEED_WEIGHTS_GLSL
 #define VOTESS_SEARCH_SEED_WEIGHTS_GLSL
 

@@ -1,16 +1,16 @@
-// The seeds around one, by a subgroup: all whose squared distance is at least `done` and below `next` and that can cut
-// the cell, put into the store and sorted. The lanes test boxes and seeds side by side: first the siblings of the
-// seed's group and of all that holds it, then the children of boxes that are near, GROUP_SEEDS lanes for each, groups
-// of seeds before boxes.
+// The search of a subgroup. It stores and sorts all seeds that can cut the cell and whose squared distance is at least
+// `done` and below `next`. The lanes test boxes and seeds side by side. They start with the siblings of the seed's
+// group and of all boxes that hold it. Children of near boxes follow, GROUP_SEEDS lanes for each, groups of seeds
+// before boxes.
 //
-// The store is sorted whole, by unique keys, so that the order does not depend on which lane came first, as places in
-// buckets taken by atomics would.
+// The whole store is sorted by unique keys. So the order does not depend on which lane came first, unlike places in
+// buckets that atomics assign.
 //
-// Lengths here are in units of the high words of coordinates, so that differences of these need no factor.
+// Lengths here are in units of the high words of coordinates, so their differences need no factor.
 //
-// In a power diagram ranks take the place of squared distances, from the least that there may be, below 0, to what no seed
-// that can cut the cell has. What its weight, or the largest one of its box, keeps from cutting the cell is left out.
-// The .comp declares `push` (CellsPush) before.
+// In a power diagram ranks replace squared distances, from the smallest possible one, below 0, to one that no seed that
+// can cut the cell has. Seeds, and boxes, whose weight keeps them from cutting the cell are skipped. The .comp declares
+// `push` (CellsPush) before.
 #ifndef VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
 #define VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
 
@@ -25,23 +25,23 @@
 #include "shared/layout.h"
 
 layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three a Node: fewer loads
+layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three words a Node: fewer loads
 
 const float high_unit = 4294967296.0;  // in units of coordinates
 
 float done, next;
-bool coarse;  // high words are enough
+bool coarse;  // high words suffice
 uint candidate_count;
 uint visits;
-float nearest_beyond;  // at most the squared distance of any seed that this lane left out for being too far
-// Bounds, relative to the seed, of all places whose seeds can cut the cell. Where a cell is long, most of its security
-// sphere lies beyond them.
+float nearest_beyond;  // lower bound of the squared distance of seeds that this lane skipped as too far
+// Bounds, relative to the seed, of all seeds that can cut the cell. Most of a long cell's security sphere lies beyond
+// them.
 vec3 reach_lower, reach_upper;
 uint node_count, group_count;
 // In a power diagram:
-float reach_radius;    // at least the distance of any vertex
+float reach_radius;    // bound of the distance of all vertices
 float first_reach;     // of the first search
-float nearest_square;  // of the seeds that this lane looked at
+float nearest_square;  // of the seeds that this lane tested
 float rounded_weight;  // a unit of weight when some were rounded
 
 const float coarse_search_from = coarse_from / (high_unit * high_unit);
@@ -60,8 +60,8 @@ uint nodes_of(uint level) {
     return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
 }
 
-// The sum of nodes_of() over the levels below: that many ones, and floor(m / 8^i) for i = 1 .. level, which Legendre's formula
-// has as (m - floor(m / 8^level) - the sum of the last digits of m to base 8) / 7.
+// Returns the sum of nodes_of() over the levels below: `level` ones, and floor(m / 8^i) for i = 1 .. level. By
+// Legendre's formula these are (m - floor(m / 8^level) - the sum of the last digits of m to base 8) / 7.
 uint nodes_below(uint level) {
     const uint m = push.seed_count - 1u, digits = m & ((1u << (FAN_BITS * level)) - 1u);
     const uint digit_sum = uint(bitCount(digits & 011111111111u)) + 2u * uint(bitCount(digits & 022222222222u)) +
@@ -69,7 +69,7 @@ uint nodes_below(uint level) {
     return level + (m - (m >> (FAN_BITS * level)) - digit_sum) * 0xb6db6db7u;  // 1 / 7 modulo 2^32
 }
 
-// Candidate i of the sorted store, and about its squared distance.
+// Returns candidate i of the sorted store, and its approximate squared distance.
 uint candidate_at(uint i) {
     return candidate_seed[SUBGROUP_STORE * SUBGROUP + SORTED(i)];
 }
@@ -115,8 +115,8 @@ void search_again_finely() {
     done = 0.0;
 }
 
-// Bounds of the balls around vertices that go through the seed: lengths along each axis, down and up. An
-// offset that is compared with them is right to 3 roundings of itself, 4e-7; by high words alone to 1 more.
+// Sets the bounds of the vertex balls: lengths along each axis, down and up. A compared offset is right to 3 of its own
+// roundings, 4e-7; with high words alone, to 1 more.
 void set_reach(vec3 down, vec3 up, float radius) {
     reach_radius = radius * 1.0001;
     const float slack = coarse ? 8.0 : 0.0;
@@ -124,7 +124,7 @@ void set_reach(vec3 down, vec3 up, float radius) {
     reach_upper = up * 1.0001 + slack;
 }
 
-// Sets the next search outwards, at most to where no seed can cut the cell.
+// Sets the range of the next search, outwards, at most to where no seed can cut the cell.
 void search_on(float needed) {
     if (weighted != 0u)
         next = min(needed, done + max(abs(done), first_reach) * (candidate_count < 16u ? 3.0 : 1.0));
@@ -141,8 +141,8 @@ vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz)) / high_unit;
 }
 
-// Whether a seed may cut the cell that lies between these bounds, at this squared distance or beyond, and is lighter by no
-// less than this. Where it is heavier by A, a vertex ball is larger by no more than sqrt(A), see set_reach().
+// Returns whether a seed may cut the cell. The seed lies between these bounds, at this squared distance or beyond, and
+// is lighter by at least this. For a seed heavier by A, a vertex ball is larger by at most sqrt(A), see set_reach().
 bool may_cut(vec3 lower, vec3 upper, float square, float lighter) {
     float further = 0.0;
     bool none = false;
@@ -155,9 +155,9 @@ bool may_cut(vec3 lower, vec3 upper, float square, float lighter) {
     return !(none || above || below);
 }
 
-// The lanes do the same in the next two functions, without branches, whatever they find.
+// All lanes do the same in the next two functions, without branches.
 
-// Whether a box may hold candidates.
+// Returns whether a box may hold candidates.
 bool is_near(uint level, uint node) {
     const uint n = LEVEL_FIRST(level) + node;
     const Node box = node_at(n);
@@ -179,7 +179,7 @@ bool is_near(uint level, uint node) {
     return possible && near;
 }
 
-// Whether a seed is a candidate, and its squared distance.
+// Returns whether a seed is a candidate, and outputs its squared distance.
 bool is_candidate(uint seed, out float d) {
     const uvec2 x = seeds_x[seed], y = seeds_y[seed], z = seeds_z[seed];
     vec3 at;
@@ -187,7 +187,7 @@ bool is_candidate(uint seed, out float d) {
         at = coarse_offset_of(x, y, z);
     else
         at = fine_offset_of(x, y, z);
-    // The same in every search of the cell, or one would see a seed twice or never.
+    // Must be the same in every search of the cell, or a search would find a seed twice or never.
     precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
     float lighter = 0.0;
@@ -204,7 +204,7 @@ bool is_candidate(uint seed, out float d) {
     return possible && near && fresh;
 }
 
-// Pushes boxes that are near, one a lane at most; false when there are too many.
+// Pushes near boxes, at most one a lane. Returns false when there are too many.
 bool push_near(bool near, uint level, uint node) {
     const bool is_group = level == 0u, is_box = !is_group;
     uint groups, boxes;
@@ -219,7 +219,7 @@ bool push_near(bool near, uint level, uint node) {
     return true;
 }
 
-// In the next functions lanes for which there is nothing left look at the last one again.
+// Idle lanes repeat the last item in the next functions.
 
 bool look_into_groups() {
     const uint taken = min(group_count, side_by_side), which = lane / lanes_each;
@@ -247,15 +247,15 @@ bool open_boxes() {
     const uint parent = NODE_STACK(node_count + min(which, taken - 1u)), level = (parent >> NODE_BITS) - 1u,
                node = (parent & ((1u << NODE_BITS) - 1u)) * FAN + lane % lanes_each, count = nodes_of(level);
     const bool may = is_near(level, min(node, count - 1u)), first_time = which < taken, exists = node < count;
-    share();  // read before it is written over
+    share();  // read before it is overwritten
     return push_near(may && first_time && exists, level, node);
 }
 
-// False when a stack or the store is full.
+// Returns false when a stack or the store is full.
 bool collect() {
     const uint own = self / GROUP_SEEDS, steps = max(push.level_count - 1u, 1u) * FAN;
     visits += steps;
-    share();  // the last cut may still read what lies there
+    share();  // the last cut may still read these words
     for (uint first = 0u; first < steps; first += uint(lanes)) {
         const uint step = min(first + lane, steps - 1u), level = step / FAN, count = nodes_of(level),
                    node = (own >> (FAN_BITS * (level + 1u))) * FAN + lane % FAN;
@@ -277,10 +277,10 @@ bool collect() {
     }
 }
 
-// Sorts by distance: a key's place is the number of smaller ones.
+// Sorts by distance: the place of a key is the number of smaller keys.
 void sort_candidates() {
     const uint base = SUBGROUP_STORE * SUBGROUP;
-    // Keys fill up to a multiple of eight, since eight are taken together.
+    // Pads keys to a multiple of eight, because eight are read together.
     const uint eights = (candidate_count + 7u) / 8u;
     if (candidate_count + lane < 8u * eights) candidate_key[base + candidate_count + lane] = 0xffffffffu;
     share();
@@ -294,7 +294,7 @@ void sort_candidates() {
     share();
 }
 
-// False when the store does not hold them: then `next` is shorter, or the status tells why that is of no use.
+// Returns false when the store does not hold them. Then `next` is shorter, or the status says why that cannot help.
 bool search() {
     candidate_count = group_count = node_count = 0u;
     nearest_beyond = UNBOUNDED;
@@ -310,7 +310,7 @@ bool search() {
         done = beyond >= UNBOUNDED ? UNBOUNDED : max(next, beyond * reach_slack);
         return true;
     }
-    // Those found first are near. Of a full store the next search aims at four fifths of first_count.
+    // The first found are near. After a full store the next search aims at four fifths of first_count.
     sort_candidates();
     const float shorter =
         candidate_count == 0u

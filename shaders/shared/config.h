@@ -1,4 +1,4 @@
-// Constants that shaders and engine must agree on. Included by GLSL and by C++.
+// Constants of shaders and engine. GLSL and C++ include this.
 #ifndef VOTESS_SHADERS_CONFIG_H
 #define VOTESS_SHADERS_CONFIG_H
 
@@ -17,15 +17,15 @@
 #define LOSSY_IMAGES 16u  // vectors of a triclinic box have been rounded
 
 #define MAX_WALL_ERROR 4  // units, of the distance to a wall of any direction (clip/wall_distance.glsl)
-#define WALL_BITS 62       // normals of walls of any direction are right to half of 2^-WALL_BITS
+#define WALL_BITS 62      // normals of walls of any direction are right to half of 2^-WALL_BITS
 
-// Triclinic boxes of frames: bits of a fraction behind the point; the most steps along the edges, in sum, that lie
-// between a seed and what bounds its cell.
+// Triclinic boxes of frames: fractional bits of a fraction; the largest sum of steps along the edges between a seed and
+// a neighbor of its cell.
 #define FRACTION_BITS 60
 #define MAX_STEPS_APART 128
 
-// Weights, in a power diagram, are whole numbers below 2^62 of 2^RunState.weight_exponent squared units; the lightest
-// has 0.
+// Weights of a power diagram are whole numbers below 2^62, in 2^RunState.weight_exponent squared units. The lightest is
+// 0.
 #define WEIGHT_BITS 62
 
 // sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
@@ -45,24 +45,24 @@
 #define MAX_LEVELS 12
 #define UNBOUNDED 3.0e38  // beyond all squared distances, which are below 2^126 units
 
-// Stands for the coordinates of a seed that gives way to another one at its place; none is this large. Where it does so
-// because it is lighter, and not as a duplicate, its y is 0.
+// Replaces the coordinates of a seed that loses its place to another; no coordinate is this large. For a lighter seed,
+// which is not a duplicate, y is 0.
 #define NO_COORDINATE 0xffffffffu
 #define DUPLICATE_BIT 0x80000000u  // in the input index of a sorted seed
 #define INDEX_MASK 0x7fffffffu
 
 #define EXPECTED_REACH 0.002  // cubed radius of the first search over volume of 64 seeds' box and k
 #define BUCKET_SHIFT 19       // of a float's bits: lists are sorted by squared distance to 16 buckets an octave
-// Neighbors in a bucket differ by at most the factor 16/17 in squared distance; a smaller one by 8e-5, for distances
+// Squared distances in a bucket differ by at most the factor 16/17. This is smaller by 8e-5, because distances are
 // right to 1e-6, or from coarse_from on to 1.4e-5 (search/distances.glsl).
 #define BUCKET_SLACK 0.9411
 
-// clip: a cell's unit of length is 2^k units, its nearest neighbor 0.9 to 4 of them away. Beside a box of 2^25 such
+// clip: a cell's unit of length is 2^k units; its nearest neighbor is 0.9 to 4 of these away. In a box of 2^25 such
 // lengths no product of a vertex (five lengths) leaves the range of float32.
 #define SMALLEST_CELL_EXPONENT 37
 
-// clip_subgroup: words of shared memory that a subgroup has, see search/subgroup_state.glsl. Beside them are the planes
-// of its cell and one being tested for each lane, 6 numbers and an id each.
+// clip_subgroup: words of shared memory of a subgroup, see search/subgroup_state.glsl. It also has the planes of its
+// cell, and a tested plane for each lane: 6 numbers and an id each.
 #define SUBGROUP_PLANES 32  // a set of planes is one word
 #define SUBGROUP_STORE 128  // candidates; a power of two
 #define SUBGROUP_NODES 96   // boxes to open
@@ -70,16 +70,16 @@
 #define SUBGROUP_SCRATCH 240
 #define SUBGROUP_SEARCHES 24  // searches for a cell before it is left to the second tier
 
-// clip: where a row is; rows of the second tier have the bit set.
+// clip: the place of a row. Rows of the second tier have this bit set.
 #define SECOND_TIER_BIT 0x80000000u
 
 // Shifts of periodic images, in one word of their lexicographic order: x + 128, y + 128 and z + 128, a byte each.
 #define SHIFT_NONE 0x808080u
 
-// download: entries of the rows that an invocation brings to their place.
+// download: entries of the rows that an invocation moves.
 #define GATHER_ENTRIES 4
 
-// download: rows out may be larger than what a shader can see at once.
+// download: rows out may be larger than one binding can be.
 #define ROW_WINDOWS 4
 
 // Statuses, equal to votess::CellStatus.

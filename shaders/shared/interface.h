@@ -1,13 +1,13 @@
-// The ids by which C++ hands things to shaders: specialization constants, and bindings of set 0. GLSL and C++ include
-// this; a pass sets the constants, and binds the buffers, that its shader declares (engine/gpu/vulkan/pass.cpp).
+// Ids of specialization constants and of bindings of set 0. GLSL and C++ include this. A pass sets the constants and
+// binds the buffers that its shader declares (engine/gpu/vulkan/pass.cpp).
 #ifndef VOTESS_SHADERS_INTERFACE_H
 #define VOTESS_SHADERS_INTERFACE_H
 
 #define CONSTANT_LOCAL_SIZE 0     // all passes: invocations of a work-group
 #define CONSTANT_K 1              // knn: most neighbors listed
 #define CONSTANT_LIST_OF_TODO 2   // knn, clip: 1 when only cells of the second tier have a column in the list
-#define CONSTANT_MAX_PLANES 3    // clip: a multiple of 32
-#define CONSTANT_MAX_VERTICES 4  // clip: a multiple of 32
+#define CONSTANT_MAX_PLANES 3     // clip: a multiple of 32
+#define CONSTANT_MAX_VERTICES 4   // clip: a multiple of 32
 #define CONSTANT_TIER 5           // clip: 0 or 1
 #define CONSTANT_GEOMETRY 6       // clip: 1 computes volume and centroid, 2 areas too
 #define CONSTANT_UNIT_ROUNDOFF 7  // clip: float32's, as float bits
@@ -20,8 +20,7 @@
 #define CONSTANT_WRITES_SUMS 14   // clip in float64: 1 when what is measured is written as sums of two float32
 #define CONSTANT_COUNT 15
 
-// N is the number of points, M that of items being sorted or scanned, C that of cells of a chunk, T that of cells of
-// the second tier.
+// N points, M items to sort or scan, C cells of a chunk, T cells of the second tier.
 #define BINDING_RAW 0       // upload: 3 float64 or float32 a point
 #define BINDING_POINTS_X 1  // N uvec2, units, input order
 #define BINDING_POINTS_Y 2
@@ -56,7 +55,7 @@
 #define BINDING_HEADER 31        // FrameHeader of a frame
 #define BINDING_CELLS 32         // N FrameCell, input order
 #define BINDING_GEOMETRY_OUT 33  // N vec4, input order: centroid relative to the seed, volume
-// The rows out lie in windows; all but the last have 2^RowsPush.window_bits entries.
+// The rows out are bound as windows. All except the last have 2^RowsPush.window_bits entries.
 #define BINDING_ROWS_OUT_1 34
 #define BINDING_ROWS_OUT_2 35
 #define BINDING_ROWS_OUT_3 36
@@ -65,7 +64,7 @@
 #define BINDING_SHIFTS_OUT_1 39
 #define BINDING_SHIFTS_OUT_2 40
 #define BINDING_SHIFTS_OUT_3 41
-// The cells of a part, by member; P is the number of its own members.
+// The cells of a part, by member; it has P members of its own.
 #define BINDING_PART_INFO 42      // P uint, as INFO
 #define BINDING_PART_LENGTH 43    // P uint: of the row that is among the rows out
 #define BINDING_PART_BEGIN 44     // P uint: entry of the rows out with which it begins

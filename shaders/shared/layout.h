@@ -1,5 +1,5 @@
-// Structures that shaders and engine share: push constants and small state buffers, laid out alike by std430 and by
-// C++ (no member needs padding; tests/stages/gpu/gpu_layout.cpp proves it). Included by GLSL and by C++.
+// Structures of shaders and engine: push constants and small state buffers. std430 and C++ have the same layout: no
+// member needs padding (tests/stages/gpu/gpu_layout.cpp checks it). GLSL and C++ include this.
 #ifndef VOTESS_SHADERS_LAYOUT_H
 #define VOTESS_SHADERS_LAYOUT_H
 
@@ -15,7 +15,7 @@ using uvec2 = glm::uvec2;  // a number of 64 bits: x is its low word
 
 struct UploadPush {
     uvec2 origin[3];  // the box's lower corner in units, modulo 2^64
-    uint first;       // point that the raw buffer begins with
+    uint first;       // first point of the raw buffer
     uint count;
     int shift;       // a point's coordinate times 2^shift is in units
     uint format;     // of the raw buffer: POINTS_
@@ -23,7 +23,7 @@ struct UploadPush {
     uvec2 upper[3];
     uint stride;  // numbers from point to point
     uint check;   // 1: points outside of the box, or not finite, get no coordinates
-    uint begin;   // number of the raw buffer that is the first point's
+    uint begin;   // index of the first point's first number in the raw buffer
 };
 
 struct ImagesPush {
@@ -62,16 +62,16 @@ struct BoxesPush {
 };
 
 struct KnnPush {
-    uvec2 lower[3];  // lists are complete within these bounds at most, where a bit of `bounded` says so
+    uvec2 lower[3];  // all seeds within these bounds are known, where a bit of `bounded` is set
     uvec2 upper[3];
     uint bounded;     // bit a: lower[a] counts; bit 3 + a: upper[a]
-    uint first_cell;  // sorted seed that the chunk begins with
+    uint first_cell;  // first sorted seed of the chunk
     uint cell_count;  // of the chunk
     uint seed_count;
-    uint own_count;  // input indices from here on are seeds beside the part, which get no cell
+    uint own_count;  // input indices from here on are seeds beside the part: they get no cell
     uint level_count;
-    uint max_visits;  // boxes looked at before the search gives up
-    uint stride;       // of the list from neighbor to neighbor
+    uint max_visits;  // boxes visited before the search gives up
+    uint stride;      // of the list from neighbor to neighbor
     uint level_first[MAX_LEVELS];
 };
 
@@ -84,15 +84,15 @@ struct ClipPush {
     uint list_stride;
     uint row_stride;
     uint walls;              // 1: wall ids are in the rows
-    uint neighbors;          // 1: rows are wanted
+    uint neighbors;          // 1: rows are requested
     float volume_tolerance;  // relative
-    uint max_visits;        // boxes looked at in a walk before it gives up
+    uint max_visits;         // boxes visited before a walk gives up
     uint bounded;            // as in KnnPush
     uint level_count;
     uint level_first[MAX_LEVELS];
 };
 
-// Search and clip in one: the first tier's pass of a subgroup per cell.
+// Search and clip in one pass, of the first tier, with a subgroup per cell.
 struct CellsPush {
     uvec2 extent[3];  // as in ClipPush
     uvec2 lower[3];   // as in KnnPush
@@ -113,8 +113,8 @@ struct CellsPush {
 struct TodoPush {
     uint cell_count;
     uint max_of_tile;  // cells of TILE_ITEMS that the second tier takes
-    uint group;         // local size of the second tier
-    uint places;        // 0: tiles are counted; 1: cells are written down
+    uint group;        // local size of the second tier
+    uint places;       // 0: counts tiles; 1: writes the list
 };
 
 struct RowsPush {
@@ -123,9 +123,9 @@ struct RowsPush {
     uint row_stride;         // of the first tier
     uint second_row_stride;  // of the second tier
     uint capacity;           // entries of the rows out
-    uint window_bits;        // of the windows through which they are seen
+    uint window_bits;        // of their windows
     uint named_from;         // ids from here on have names
-    uint shifts;             // 1: shifts are wanted, from the cell's own
+    uint shifts;             // 1: shifts are requested, relative to the cell's own
     int shift;               // of areas in frames, as in UploadPush
 };
 
@@ -135,8 +135,8 @@ struct GatherPush {
     uint first_entry;  // sum of the lengths before
     uint entry_count;  // of the slice
     uint window_bits;  // as in RowsPush
-    uint areas;        // 1: wanted
-    uint shifts;       // 1: wanted
+    uint areas;        // 1: requested
+    uint shifts;       // 1: requested
 };
 
 struct FramePush {
@@ -149,57 +149,58 @@ struct FramePush {
     uint own_count;  // as in KnnPush
 };
 
-// A node of the hierarchy: bounds of the seeds below it, in units. Without seeds its lower bounds are the largest
-// numbers.
+// A node of the hierarchy: bounds of the seeds below it, in units. A node without seeds has the largest numbers as
+// lower bounds.
 struct Node {
     uvec2 lower[3];
     uvec2 upper[3];
 };
 
-// A wall of any direction, behind the run state: the normal, of length 1, and how far along it from the box's lower
-// corner in units the wall is, both times 2^WALL_BITS; roughly the same. Of no wall the rough one is far away.
+// A wall of any direction, behind the run state. The normal has length 1; the offset along it is from the box's lower
+// corner, in units. Both are times 2^WALL_BITS; `rough` has both as floats. The rough offset of a missing wall is far
+// away.
 struct WallPlane {
     uvec2 normal[3];
-    uvec2 offset[2];  // 128 bits, the low ones first, and a half in the units' place more
+    uvec2 offset[2];  // 128 bits, low words first, plus half a unit
     float rough[4];
 };
 
-// A triclinic box, from the lower corner of the box around it and its images; numbers in two's complement.
+// A triclinic box, relative to the lower corner of the box around it and its images. Numbers are in two's complement.
 struct LatticeData {
     uvec2 vector[9];  // a, b, c in units, to nearest
     uvec2 dual[9];    // rows: a fraction is dual . (x - origin) / 2^(to_fraction + FRACTION_BITS)
     uvec2 origin[3];
-    uvec2 unsure;      // so near to a whole number a fraction may be beyond it
+    uvec2 unsure;      // a fraction this near to a whole number may be beyond it
     uint to_fraction;  // 33 to 63
     uint zeros;        // bit 3 j + k: the dual of edge j is exactly 0 along axis k
     uint lossy;        // 1: vectors were rounded
-    int least[3];      // steps along the edges that bring images
+    int least[3];      // steps along the edges to images
     int last[3];
 };
 
-// What the sort found out about the points.
+// What upload and sort found out about the points.
 struct RunState {
-    uint lossy;           // LOSSY_ bits: coordinates that are no whole number of units
+    uint lossy;           // LOSSY_ bits: coordinates that are not whole numbers of units
     uint suspects;        // 1: there may be duplicates that were not marked
     uint duplicates;      // marked
     uint incomplete;      // 1: images are missing
     int weight_exponent;  // see WEIGHT_BITS
-    uint lossy_weights;   // 1: some weights have been rounded
+    uint lossy_weights;   // 1: some weights were rounded
 };
 
-// What knn tells about a cell's list.
+// What knn found out about a cell's list.
 struct ListInfo {
     uint lengths;  // of the list; in the high half, of its first bucket, which is not sorted
     float reach;   // squared distance in units up to which the list is complete; in a power diagram, rank
-    float bound;   // squared distance to where nothing is known about seeds
+    float bound;   // squared distance beyond which seeds are unknown
 };
 
-// Work left by the first tier, and the arguments of the indirect dispatch that takes it up.
+// Cells that the first tier left, and the arguments of the indirect dispatch for them.
 struct ChunkState {
     uint todo_count;
     uint groups_x, groups_y, groups_z;
-    uint left_count;  // by the first tier; those beyond todo_count go to the CPU
-    uint row_base;    // entry of the rows out with which the chunk's begin
+    uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
+    uint row_base;    // first entry of the chunk's rows in the rows out
 };
 
 // votess::vulkan::Header and Cell.

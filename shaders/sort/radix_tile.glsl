@@ -8,12 +8,12 @@
 layout(push_constant) uniform Push { SortPush push; };
 layout(std430, binding = BINDING_KEYS_IN) readonly buffer KeysIn { uvec2 keys_in[]; };
 
-// The digit of an item.
+// Returns the digit of an item.
 uint digit_of(uvec2 key) {
     return ((push.high_word != 0u ? key.y : key.x) >> push.shift) & (DIGITS - 1u);
 }
 
-// How often each digit occurs among an invocation's items, four bits a digit.
+// Returns how often each digit occurs among an invocation's items, four bits a digit.
 uvec2 count_digits(uint first) {
     uvec2 counts = uvec2(0);
     for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {

@@ -1,5 +1,5 @@
-// sort: tells whether a block holds more seeds than a group of the hierarchy. Within a block seeds are not in order, so
-// a box of some of them would be as large as the block.
+// sort: finds out whether a block of the curve holds more seeds than a group of the hierarchy. Seeds within a block
+// have no order, so a box of some of them would be as large as the block.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"

@@ -1,5 +1,6 @@
-// sort: puts coordinates into sorted order. Of equal points the one of lowest index stays, in a power diagram the
-// heaviest; the others are marked, and put where no search finds them, lighter ones elsewhere than equal ones.
+// sort: moves coordinates into sorted order. Of equal points the one with the lowest index stays, in a power diagram
+// the heaviest. The others are marked and moved to where no search finds them; lighter ones go elsewhere than equal
+// ones.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -26,13 +27,13 @@ bool at_same_place(uint a, uint b) {
     return points_x[a] == points_x[b] && points_y[a] == points_y[b] && points_z[a] == points_z[b];
 }
 
-// What others at its place leave a point.
+// The result of comparing a point with others at its place.
 bool duplicate = false;  // no cell
-bool lighter = false;    // for one of them is heavier
+bool lighter = false;    // one of them is heavier
 bool unsure = false;     // rounding may have made them equal
 
-// Looks at a point that lies before it, or behind. In a power diagram the heaviest of a place has the cell, of those the
-// first.
+// Compares with a point before or behind it. In a power diagram the heaviest point of a place has the cell, the first
+// of several.
 void compare(uint other, uint point, bool is_before) {
     if (!at_same_place(other, point)) return;
     if (weighted == 0u || points_w[other] == points_w[point]) {
@@ -49,7 +50,7 @@ void main() {
     const uint point = index[seed];
     uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
 
-    // The sort is stable: among equal keys the indices ascend, and what equals this point lies before it.
+    // The sort is stable: indices of equal keys ascend, so a point that equals this one lies before it.
     const bool outside = x.y == NO_COORDINATE;
     const uvec2 key = keys[seed];
     for (uint back = 1u; back <= seed && !outside && !(weighted != 0u ? lighter : duplicate); ++back) {
@@ -60,7 +61,7 @@ void main() {
         }
         compare(index[seed - back], point, true);
     }
-    // A heavier one may lie behind it too.
+    // A heavier point may also lie behind it.
     for (uint on = 1u; weighted != 0u && seed + on < push.count && !outside && !lighter; ++on) {
         if (keys[seed + on] != key) break;
         if (on > MAX_LOOK_BACK) {

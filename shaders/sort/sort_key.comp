@@ -1,5 +1,5 @@
-// sort: finds the place of each point along a Hilbert curve through a grid of 2^bits blocks along the box's longest side.
-// Rounding moves the blocks' borders, but equal points have equal keys.
+// sort: finds the place of each point along a Hilbert curve through a grid with 2^bits blocks along the box's longest
+// side. Rounding moves the borders of blocks, but equal points have equal keys.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -23,8 +23,8 @@ uint interleave(uvec3 axes) {
     return (v.x << 2) | (v.y << 1) | v.z;
 }
 
-// The index along the curve, its bits spread over the axes (Skilling, Programming the Hilbert curve, AIP Conf. Proc.
-// 707, 2004).
+// Returns the index along the curve, with its bits spread over the axes (Skilling, Programming the Hilbert curve, AIP
+// Conf. Proc. 707, 2004).
 uvec3 hilbert_transposed(uvec3 axes, uint bits) {
     for (uint q = 1u << (bits - 1u); q > 1u; q >>= 1) {
         const uint low = q - 1u;

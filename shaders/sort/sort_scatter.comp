@@ -1,4 +1,4 @@
-// sort: brings each item to its place; items of equal digit stay in their order.
+// sort: moves each item to its place; items of equal digit keep their order.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -10,7 +10,7 @@ layout(std430, binding = BINDING_KEYS_OUT) writeonly buffer KeysOut { uvec2 keys
 layout(std430, binding = BINDING_INDEX_OUT) writeonly buffer IndexOut { uint index_out[]; };
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 
-// How many items have digit 2w (low half) and 2w + 1 (high half), up to and including an invocation's own.
+// Counts of items with digit 2w (low half) and 2w + 1 (high half), up to and including an invocation's own.
 shared uint sums[DIGITS / 2][TILE_GROUP];
 
 void main() {

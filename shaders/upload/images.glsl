@@ -1,4 +1,4 @@
-// Images of the seeds of a periodic box, by one side along each axis, inside of the larger box around it.
+// Images of the seeds of a periodic box: by at most one side along each axis, within the larger box around it.
 #ifndef VOTESS_UPLOAD_IMAGES_GLSL
 #define VOTESS_UPLOAD_IMAGES_GLSL
 
@@ -14,7 +14,7 @@ layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 bool is_periodic(int axis) {
     return (push.periodic & (1u << axis)) != 0u;
 }
-// Whether the seed moved down, or up, by a side lies in the larger box.
+// Returns whether the seed, moved down or up by a side, lies in the larger box.
 bool has_lower_image(uvec2 x, int axis) {
     return is_periodic(axis) && !less64(x, push.side[axis]);
 }

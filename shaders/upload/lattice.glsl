@@ -1,4 +1,4 @@
-// Images of the seeds of a triclinic box: all within the box around it and them.
+// Images of the seeds of a triclinic box: all that lie within the larger box around it.
 #ifndef VOTESS_UPLOAD_LATTICE_GLSL
 #define VOTESS_UPLOAD_LATTICE_GLSL
 
@@ -24,7 +24,7 @@ uvec2 moved(uvec2 x, int a, int b, int c, uint axis) {
     return add64(x, times64(c, lattice.vector[6u + axis]));
 }
 
-// Which multiple of edge j is below the place. `unsure` becomes true where rounding may have changed that.
+// Returns which multiple of edge j is below the place. Sets `unsure` where rounding may change it.
 int steps_below(uvec2 x, uvec2 y, uvec2 z, uint j, bool exact, inout bool unsure) {
     const uvec2 d[3] = uvec2[3](subtract64(x, lattice.origin[0]), subtract64(y, lattice.origin[1]),
                                 subtract64(z, lattice.origin[2]));
@@ -48,7 +48,7 @@ bool is_inside(uvec2 x, uvec2 y, uvec2 z) {
     return !less64(push.extent[0], x) && !less64(push.extent[1], y) && !less64(push.extent[2], z);
 }
 
-// Counts the images of a seed up to number `last`, whose place and shift are given.
+// Counts the images of a seed up to number `last`, and outputs the place and shift of that one.
 uint count_images(inout uvec2 x, inout uvec2 y, inout uvec2 z, uint last, out ivec3 shift) {
     const uvec2 sx = x, sy = y, sz = z;
     uint count = 0u;

@@ -1,9 +1,8 @@
-// upload: makes whole numbers of units of the coordinates as given, exactly or rounded down with a note that they were.
-// On request it makes NO_COORDINATE of points that are outside of the box or not finite.
+// upload: converts coordinates to whole numbers of units. It rounds down and records whether any was rounded. On
+// request, points that are outside of the box or not finite get NO_COORDINATE.
 //
-// Variant: WEIGHTS makes whole numbers of weights, one a point, in the same way. Where nothing is requested, what is
-// lighter than the lowest bound has no cell and matters to none, whatever its weight is, so that it becomes 0; on request
-// the point of a weight beyond the bounds gets no coordinates.
+// Variant: WEIGHTS converts weights, one a point, in the same way. On request the point of a weight beyond the bounds
+// gets no coordinates. Otherwise a weight below the lowest bound becomes 0: its point has no cell and cuts none.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -21,19 +20,19 @@ layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 poin
 layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 
-// (-1)^negative mantissa 2^exponent in units.
+// Returns (-1)^negative mantissa 2^exponent in units.
 uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
     const uvec2 value = negative ? negate64(mantissa) : mantissa;
     return exponent >= 0 ? shift_left64(value, uint(exponent)) : shift_right64(value, uint(-exponent), lost);
 }
 
-// The bits of a double as a whole number of the same order; -0 counts as 0.
+// Returns a whole number that orders doubles as their values do; -0 counts as 0.
 uvec2 ordered_bits(uvec2 bits) {
     if (bits == uvec2(0u, 0x80000000u)) bits = uvec2(0);
     return (bits.y & 0x80000000u) != 0u ? ~bits : uvec2(bits.x, bits.y | 0x80000000u);
 }
 
-// The bits of a double that equals a finite float.
+// Returns the bits of the double that equals a finite float.
 uvec2 widened(uint bits) {
     uint exponent = (bits >> 23) & 0xffu, mantissa = bits & 0x7fffffu;
     const uint sign = bits & 0x80000000u;
@@ -50,7 +49,7 @@ uint place_of(uint point, uint axis) {
     return push.begin + push.stride * point + axis;
 }
 
-// Where a number lies in the order of doubles; false when it is not finite.
+// Outputs the number's place in the order of doubles. Returns false when it is not finite.
 bool find_order(uint point, uint axis, out uvec2 order) {
     const uint at = place_of(point, axis);
     uvec2 bits;

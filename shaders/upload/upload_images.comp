@@ -1,5 +1,5 @@
-// upload: puts the images of all seeds behind the seeds. Places that are left get no coordinates; when there are too few
-// places, all stay empty and no cell is certified.
+// upload: writes the images of all seeds behind the seeds. Unused places get no coordinates. With too few places all
+// stay empty, and no cell is certified.
 //
 // Variant: TRICLINIC, as in upload_wrap.comp.
 #version 450
@@ -39,7 +39,7 @@ bool has_image(uvec2 x, int by, int axis) {
     return by == 0 || (by < 0 ? has_lower_image(x, axis) : has_upper_image(x, axis));
 }
 
-// Puts image `number` of a seed, in the order of shifts, into a place.
+// Writes image `number` of a seed, in the order of shifts, to a place.
 void put_image(uint place, uint seed, uint number) {
     const uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
     for (int code = 0; code < 27; ++code) {

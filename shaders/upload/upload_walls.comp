@@ -1,5 +1,5 @@
-// upload: takes the coordinates of seeds that lie beyond a wall of any direction. Where rounding leaves open whether one
-// does, no cell is certified.
+// upload: removes the coordinates of seeds that lie beyond a wall of any direction. Where rounding does not allow to
+// decide, no cell is certified.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "clip/wall_distance.glsl"
@@ -24,7 +24,7 @@ void main() {
     if (x.y == NO_COORDINATE) return;
     const vec3 place = rough_place(x, y, z);
     bool beyond = false, unsure = false;
-    // The first six are the faces of the box, against which upload has compared the coordinates as given.
+    // The first six are the faces of the box, which upload compared with the coordinates as given.
     for (uint w = 6u; w < uint(walls.length()) && !beyond; ++w) {
         if (min_wall_distance(walls[w], place) > 0.0) continue;
         const uvec4 fine = fine_wall_distance(walls[w], x, y, z);

@@ -1,7 +1,7 @@
-// upload: brings seeds into the periodic box, by whole sides, and counts the images of each.
+// upload: wraps seeds into the periodic box, by whole sides, and counts the images of each.
 //
-// Variant: TRICLINIC does so in a triclinic box. Where it is not sure on which side of a face a seed lies, no cell is
-// certified: rows would tell shifts from another place.
+// Variant: TRICLINIC does so in a triclinic box. Where it cannot decide on which side of a face a seed lies, no cell is
+// certified: rows would have shifts from another place.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -30,7 +30,7 @@ void wrap(inout uvec2 x, inout uvec2 y, inout uvec2 z) {
     if (unsure) state.incomplete = 1u;
 }
 #else
-// Upload has refused seeds that are farther away than a side, both rounded as doubles; so it may be nearly two sides.
+// Upload refused seeds that are farther away than a side, in rounded doubles. So a seed may be nearly two sides away.
 uvec2 wrapped(uvec2 x, int axis) {
     if (!is_periodic(axis)) return x;
     uvec2 from = subtract64(x, push.lower[axis]);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 #include <votess/votess.hpp>
 
@@ -28,7 +27,7 @@ inline Coordinates random_points(std::size_t n, std::uint64_t seed, double lower
 }
 
 struct Counts {
-    std::uint64_t fallback = 0;
+    std::uint64_t fallback = 0, empty = 0;  // cells left to the CPU; seeds without a cell
     std::string failure;
 };
 
@@ -39,30 +38,17 @@ inline Counts compare_kernel(votess::Tessellator& on_device, const Coordinates& 
     options.device = device_name();
     const UseKernel chosen(kernel);
     const auto gpu = on_device.tessellate(std::span<const double>(points), options);
-    Counts counts{gpu.stats().fallback_cells, check_domain(gpu)};
-    if (!counts.failure.empty()) return counts;
-    if (!std::ranges::equal(cpu.indptr(), gpu.indptr()) || !std::ranges::equal(cpu.indices(), gpu.indices()))
-        counts.failure = "rows differ";
-    else if (!std::ranges::equal(cpu.shifts(), gpu.shifts()))
-        counts.failure = "shifts differ";
-    else if (!std::ranges::equal(cpu.status(), gpu.status()))
-        counts.failure = "statuses differ";
-    for (std::size_t i = 0; i < cpu.size() && counts.failure.empty(); ++i) {
-        if (!(std::abs(cpu.volumes()[i] - gpu.volumes()[i]) <= 2 * tolerance(options) * cpu.volumes()[i]))
-            counts.failure = "volume " + std::to_string(i) + " differs";
-        for (std::size_t k = 0; k < 3 && cpu.volumes()[i] > 0; ++k)
-            if (!(std::abs(cpu.centroids()[3 * i + k] - gpu.centroids()[3 * i + k]) <=
-                  1e-4 * std::cbrt(cpu.volumes()[i])))
-                counts.failure = "centroid " + std::to_string(i) + " differs";
-    }
+    Counts counts{gpu.stats().fallback_cells, gpu.stats().empty_cells, check_domain(gpu)};
+    if (counts.failure.empty()) counts.failure = check_same(gpu, cpu, points, tolerance(options));
+    if (counts.failure.empty() && !std::ranges::equal(cpu.shifts(), gpu.shifts())) counts.failure = "shifts differ";
     return counts;
 }
 
-// With both kernels where seeds are few; the larger number of cells left to the CPU.
+// Compares both kernels where seeds are few. Counts the larger number of cells left to the CPU.
 inline Counts compare_domain(votess::Tessellator& on_device, const Coordinates& points,
                              const votess::Options& options) {
     const Counts by_invocation = compare_kernel(on_device, points, options, votess::gpu::Kernel::invocation);
-    const std::size_t most = by_size(600, 60);  // coordinates: on software devices the other kernel is slow
+    const std::size_t most = by_size(600, 60);  // coordinates: the other kernel is slow on software devices
     if (!by_invocation.failure.empty() || points.size() > most) return by_invocation;
     Counts both = compare_kernel(on_device, points, options, by_subgroup());
     both.fallback = std::max(both.fallback, by_invocation.fallback);

@@ -1,4 +1,4 @@
-// Domains on a Vulkan device: the answer of the CPU. Weights go to the exact clipper.
+// Domains on a Vulkan device have the CPU's answer.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(gpu, points).failure == "");
     }
 
-    TEST_CASE("gpu domains: seeds that are dropped are not there for the device either") {
+    TEST_CASE("gpu domains: dropped seeds are not neighbors") {
         votess::Tessellator on_device;
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();

@@ -1,5 +1,5 @@
-// The GPU engine when the device fails or the user stops it: the right error, nothing left behind, and the next run is
-// as if nothing had happened.
+// The GPU engine when the device fails or the user stops it: it throws the right error, leaks nothing, and the next run
+// is normal.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ using test::PointSet;
 using votess::ErrorCode;
 using votess::Options;
 
-// An entry of the device's table that fails for good after some calls.
+// An entry of the device's table that fails at every call after some good ones.
 template <auto entry, class Type = decltype(entry)>
 struct Failing;
 template <auto entry, class... Arguments>
@@ -31,7 +31,7 @@ struct Failing<entry, VkResult (VKAPI_PTR* VolkDeviceTable::*)(Arguments...)> {
     static VKAPI_ATTR VkResult VKAPI_CALL call(Arguments... arguments) {
         if (calls >= good_calls) return result;
         const VkResult done = original(arguments...);
-        calls += done != VK_TIMEOUT;  // how often a wait begins anew depends on the machine
+        calls += done != VK_TIMEOUT;  // repeated waits depend on the machine
         return done;
     }
     static void into(Gpu& gpu, VkResult failure, int after) {
@@ -89,7 +89,22 @@ void fail_everywhere(VkResult failure, ErrorCode code, const votess::gpu::Engine
     CHECK(test::check_same(runner.run(usual_set(), usual_options()), expected, usual_set().points, 1e-5) == "");
 }
 
-// Stops a run as soon as it has come so far.
+// A Tessellator's engines that have opened the tests' device under this name.
+struct OpenEngines {
+    Gpu gpu;
+    votess::cpu::CpuClipper clipper;
+    std::unique_ptr<votess::Engines> engines = std::make_unique<votess::Engines>();
+
+    explicit OpenEngines(const std::string& device) {
+        engines->put(device, std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+    }
+    [[nodiscard]] votess::Tessellation run(const PointSet& set, const Options& options) const {
+        return votess::Tessellation(
+            std::make_shared<const votess::detail::Result>(votess::run_on(*engines, {set.points, {}}, options)));
+    }
+};
+
+// Stops a run at this fraction.
 votess::ProgressCallback stop_at(double fraction) {
     return [fraction](double now) { return now < fraction; };
 }
@@ -136,19 +151,14 @@ TEST_SUITE("cases") {
                               Case{name.c_str(), VK_ERROR_UNKNOWN, ErrorCode::unsupported}}) {
             CAPTURE(c.device);
             CAPTURE(c.failure);
-            Gpu gpu;
-            votess::cpu::CpuClipper clipper;
-            votess::Engines engines;
-            engines.put(c.device, std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+            OpenEngines open(c.device);
+            Gpu& gpu = open.gpu;
             std::vector<std::string> lines;
             Options options = usual_options();
             options.box = set.box;
             options.device = c.device;
             options.log = [&](std::string_view line) { lines.emplace_back(line); };
-            const auto run = [&] {
-                return votess::Tessellation(
-                    std::make_shared<const votess::detail::Result>(votess::run_on(engines, {set.points, {}}, options)));
-            };
+            const auto run = [&] { return open.run(set, options); };
             const auto expected = test::run(set);
             const auto good = run();
             CHECK(good.stats().device == gpu.adapter.name);
@@ -168,32 +178,27 @@ TEST_SUITE("cases") {
                 CHECK(lines.empty());
             }
             gpu.device->table() = gpu.original;
-            // On a device that was opened anew, where there is one.
+            // On a device that was opened again, where there is one.
             CHECK(test::check_same(run(), expected, set.points, 1e-5) == "");
         }
     }
 
-    TEST_CASE("gpu: a child made by fork() cannot use the device of its parent, and leaves it alone") {
+    TEST_CASE("gpu: a child made by fork() cannot use the device of its parent, and does not touch it") {
         const auto& set = usual_set();
         const auto expected = test::run(set);
         for (const char* device : {"auto", "gpu"}) {
             CAPTURE(device);
-            Gpu gpu;
-            votess::cpu::CpuClipper clipper;
-            auto engines = std::make_unique<votess::Engines>();
-            engines->put(device, std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+            OpenEngines open(device);
+            Gpu& gpu = open.gpu;
             std::vector<std::string> lines;
             Options options = usual_options();
             options.box = set.box;
             options.device = device;
             options.log = [&](std::string_view line) { lines.emplace_back(line); };
-            const auto run = [&] {
-                return votess::Tessellation(std::make_shared<const votess::detail::Result>(
-                    votess::run_on(*engines, {set.points, {}}, options)));
-            };
+            const auto run = [&] { return open.run(set, options); };
             CHECK(run().stats().device == gpu.adapter.name);
             CHECK(test::in_child([&]() -> std::string {
-                      // Whatever is asked of the device from here on ends the child.
+                      // Any call on the device ends the child from here on.
                       gpu.device->table() = {};
                       std::string message;
                       if (options.device == "gpu") {
@@ -205,70 +210,61 @@ TEST_SUITE("cases") {
                           if (auto failure = test::check_identical(run(), expected); !failure.empty()) return failure;
                           if (lines.size() != 1 || lines[0].find("fork()") == std::string::npos) return "no reason";
                       }
-                      engines.reset();
+                      open.engines.reset();
                       return "";
                   }) == "");
             CHECK(run().stats().device == gpu.adapter.name);
         }
     }
 
-    TEST_CASE("gpu: what is the user's fault or wish makes no CPU take over") {
-        Gpu gpu;
-        votess::cpu::CpuClipper clipper;
-        votess::Engines engines;
-        engines.put("auto", std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
-        const auto& set = usual_set();
+    TEST_CASE("gpu: the CPU does not take over after the user's errors and stops") {
+        const OpenEngines open("auto");
         Options options = usual_options();
         options.device = "auto";
-        const auto run = [&] { (void)votess::run_on(engines, {set.points, {}}, options); };
+        const auto run = [&] { return open.run(usual_set(), options); };
         options.progress = stop_at(0);
         CHECK(test::error_of(run) == ErrorCode::cancelled);
         options.progress = nullptr;
         options.box = test::cube(0, 0.5);
         CHECK(test::error_of(run) == ErrorCode::invalid_argument);
         options.box.reset();
-        CHECK_FALSE(test::error_of(run));
-        CHECK(votess::run_on(engines, {set.points, {}}, options).stats.device == gpu.adapter.name);
+        CHECK(run().stats().device == open.gpu.adapter.name);
     }
 
     TEST_CASE("gpu: auto takes the device for what the device clips, and else the CPU") {
-        Gpu gpu;
-        votess::cpu::CpuClipper clipper;
-        votess::Engines engines;
-        engines.put("auto", std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
+        const OpenEngines open("auto");
+        const std::string& device = open.gpu.adapter.name;
         const PointSet set = test::uniform(400, 31);
         Options usual;
         usual.device = "auto";
         usual.box = test::unit_box();
-        const auto device_of = [&](const Options& options) {
-            return votess::run_on(engines, {set.points, {}}, options).stats.device;
-        };
-        CHECK(device_of(usual) == gpu.adapter.name);
+        const auto device_of = [&](const Options& options) { return open.run(set, options).stats().device; };
+        CHECK(device_of(usual) == device);
         Options periodic = usual;
         periodic.periodic = {true, true, true};
         const PointSet large = test::uniform(2000, 32);
-        CHECK(votess::run_on(engines, {large.points, {}}, periodic).stats.device == gpu.adapter.name);
-        periodic.box->lower[0] = 0x1p-80;  // no whole number of units
-        CHECK(device_of(periodic) == gpu.adapter.name);
+        CHECK(open.run(large, periodic).stats().device == device);
+        periodic.box->lower[0] = 0x1p-80;  // not a whole number of units
+        CHECK(device_of(periodic) == device);
         Options dropped = usual;
         dropped.box->upper[0] = 0.5;
         dropped.outside = votess::Outside::drop;
-        CHECK(device_of(dropped) == gpu.adapter.name);
+        CHECK(device_of(dropped) == device);
         Options walls = usual;
         walls.walls.push_back({{1, 1, 1}, 4});
-        CHECK(device_of(walls) == gpu.adapter.name);
+        CHECK(device_of(walls) == device);
         const std::vector<double> radii(set.points.size() / 3, 0.01);
         Options weighted = usual;
         weighted.radii = radii;
-        CHECK(device_of(weighted) == gpu.adapter.name);
+        CHECK(device_of(weighted) == device);
         weighted.walls = walls.walls;
-        CHECK(device_of(weighted) == gpu.adapter.name);
-        // A box along the axes around it would be full of images.
+        CHECK(device_of(weighted) == device);
+        // A box along the axes around it has too many images.
         Options oblique;
         oblique.device = "auto";
         oblique.cell = votess::TriclinicBox{{0, 0, 0}, {100, 100, 100}, {1, -1, 0}, {1, 1, -2}, {true, true, true}};
         const PointSet few = test::uniform(100, 33);
-        CHECK(votess::run_on(engines, {few.points, {}}, oblique).stats.device == "cpu");
+        CHECK(open.run(few, oblique).stats().device == "cpu");
     }
 
     TEST_CASE("gpu: cancelled at the beginning, in between and at the end, then used again") {
@@ -290,7 +286,7 @@ TEST_SUITE("cases") {
             CAPTURE(fraction);
             options.progress = stop_at(fraction);
             CHECK(test::error_of([&] { (void)tessellator.tessellate(large.points, options); }) == ErrorCode::cancelled);
-            // Smaller, larger and with other pipelines, while the device may still be at work on what was stopped.
+            // Smaller, larger and with other pipelines, while the device may still work on the stopped run.
             for (const std::size_t n : {200, 2500}) {
                 const PointSet set = test::clustered(n, n);
                 Options other = test::all_options(set.box);

@@ -73,7 +73,7 @@ TEST_SUITE("cases") {
         const PointSet sets[] = {test::uniform(300, 15), test::clustered(300, 16), test::with_duplicates(130, 20, 17),
                                  test::bcc(3)};
         CHECK(check(host, sets, options) == "");
-        // With the size asked for, where that can be.
+        // With a requested size, where the device allows it.
         host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
@@ -130,12 +130,12 @@ TEST_SUITE("cases") {
             run(host, target, options.most_seeds);
             check_header(target.head(), target.cell(set.size()));
             CHECK(target.head().outside == bad.size());
-            CHECK(target.head().duplicates <= 1);  // a coordinate so small that it was rounded leaves it to resolve()
+            CHECK(target.head().duplicates <= 1);  // resolve() decides where a tiny coordinate was rounded
             const Rows rows =
                 narrow ? collect<float>(plan, target, set.size()) : collect<double>(plan, target, set.size());
             CHECK(rows.status[150] == CellStatus::duplicate);
             CHECK(rows.rows[150].empty());
-            // As if they had never been there.
+            // The other rows are those of the seeds inside.
             std::vector<std::int32_t> kept;
             Coordinates inside;
             for (std::size_t i = 0; i < set.size(); ++i) {
@@ -154,7 +154,7 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu frame: rows that do not fit are counted, and left to resolve()") {
+    TEST_CASE("gpu frame: rows that do not fit are counted, and resolve() makes them") {
         Host host;
         const PointSet set = test::uniform(test::by_size(1000, 200), 8);
         PlanOptions options = options_for(set);
@@ -162,24 +162,21 @@ TEST_SUITE("cases") {
         const auto expected = on_cpu(set, options);
         for (const std::uint32_t entries : {1u, 500u, static_cast<std::uint32_t>(expected.indices().size() - 1)}) {
             options.most_entries = entries;
-            const Plan plan(host.device(), options);
-            Target target(host, plan);
-            target.write<double>(set.points, 3);
-            run(host, target, options.most_seeds);
-            const Header h = target.head();
+            const OneFrame frame(host, options, set.points);
+            const Header h = frame.head();
             CHECK(h.entries > entries);
             CHECK(h.unresolved > 0);
             std::uint32_t written = 0;
-            for (const Cell& cell : target.cell(set.size())) {
+            for (const Cell& cell : frame.cells()) {
                 written += cell.row_length;
                 CHECK(cell.row_begin + cell.row_length <= entries);
             }
             CHECK(written <= entries);
-            CHECK(compare(collect<double>(plan, target, set.size()), expected) == "");
+            CHECK(compare(frame.rows(), expected) == "");
         }
     }
 
-    TEST_CASE("gpu frame: moving seeds, fewer seeds, without taking memory; two frames in one command buffer") {
+    TEST_CASE("gpu frame: moving seeds, fewer seeds, no allocations; two frames in one command buffer") {
         Host host;
         PointSet set = test::uniform(test::by_size(1500, 300), 9);
         set.box = test::unit_box();
@@ -202,7 +199,7 @@ TEST_SUITE("cases") {
             CHECK(compare(collect<double>(plan, target, count), on_cpu(set, options)) == "");
             CHECK(compare(collect<double>(second, beside, count), on_cpu(set, other)) == "");
         }
-        // Nothing is taken while recording; but the validation layer does.
+        // Recording allocates nothing, except in the validation layer.
         host.commands.begin();
         const auto recording = test::allocations();
         target.frame.record(host.commands.handle(), {.count = 100});
@@ -225,33 +222,27 @@ TEST_SUITE("cases") {
         PlanOptions options = options_for(set);
         options.geometry = false;
         CHECK(Plan(host.device(), options).sizes().geometry == 0);
-        const Plan rows_only(host.device(), options);
-        Target rows(host, rows_only);
-        rows.write<double>(set.points, 3);
-        run(host, rows, options.most_seeds);
+        const OneFrame rows(host, options, set.points);
         const auto t = on_cpu(set, options);
         for (std::size_t i = 0; i < set.size(); ++i) {
-            const Cell& cell = rows.cell(set.size())[i];
+            const Cell& cell = rows.cells()[i];
             if (cell.status != 0) continue;
-            CHECK(std::ranges::equal(rows.indices.as<std::int32_t>().subspan(cell.row_begin, cell.row_length),
+            CHECK(std::ranges::equal(rows.target.indices.as<std::int32_t>().subspan(cell.row_begin, cell.row_length),
                                      t.neighbors(i)));
         }
         options.geometry = true;
         options.neighbors = false;
-        const Plan geometry_only(host.device(), options);
-        CHECK(geometry_only.sizes().indices == 0);
-        Target geometry(host, geometry_only);
-        geometry.write<double>(set.points, 3);
-        run(host, geometry, options.most_seeds);
+        const OneFrame geometry(host, options, set.points);
+        CHECK(geometry.plan.sizes().indices == 0);
         for (std::size_t i = 0; i < set.size(); ++i)
-            if (geometry.cell(set.size())[i].status == 0)
-                CHECK(geometry.geometry.as<float>()[4 * i + 3] == doctest::Approx(t.volumes()[i]).epsilon(1e-5));
-        run(host, geometry, 0);
+            if (geometry.cells()[i].status == 0)
+                CHECK(geometry.target.geometry.as<float>()[4 * i + 3] == doctest::Approx(t.volumes()[i]).epsilon(1e-5));
+        run(host, geometry.target, 0);
         CHECK(geometry.head().seeds == 0);
         CHECK(geometry.head().certified == 0);
     }
 
-    TEST_CASE("gpu frame: the workspace is as large as the header says") {
+    TEST_CASE("gpu frame: the workspace has the size that vulkan.hpp states") {
         Host host;
         const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
@@ -269,7 +260,7 @@ TEST_SUITE("cases") {
             }
     }
 
-    TEST_CASE("gpu frame: what is refused") {
+    TEST_CASE("gpu frame: refused plans, recordings and calls") {
         Host host;
         const PointSet set = test::uniform(50, 12);
         const PlanOptions good = options_for(set);

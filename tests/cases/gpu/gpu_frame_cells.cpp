@@ -18,7 +18,7 @@ using test::PointSet;
 
 namespace {
 
-// Compares the cells that need exact arithmetic, and only they may be there, with those of t.
+// Checks that `some` are the cells that need exact arithmetic, and that they equal those of t.
 void check_resolved(const Resolved& some, const std::vector<Cell>& cells, const votess::Tessellation& t) {
     std::size_t r = 0;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -81,7 +81,7 @@ TEST_SUITE("cases") {
                         CHECK(target.head().unresolved < n / 5);
                         Rows rows = collect<double>(plan, target, n);
                         const auto expected = on_cpu(sets[t], options);
-                        // The library's centroids lie in the box, by the way of the seed.
+                        // The library's centroids lie in the box; those of frames are relative to the seed as given.
                         for (std::size_t i = 0; i < n; ++i)
                             if (target.cell(n)[i].status == 0)
                                 std::copy_n(expected.centroids().begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
@@ -108,21 +108,18 @@ TEST_SUITE("cases") {
             options.chunk_size = 100;
             options.k_init = mode == 3 ? 12 : 0;  // leaves cells to the second tier
             if (mode == 2) options.box = test::unit_box(), options.periodic = {true, true, false};
-            const Plan plan(host.device(), options);
-            Target target(host, plan);
-            target.write<double>(set.points, 3);
-            run(host, target, options.most_seeds);
-            CHECK(target.head().certified > 200);
+            const OneFrame frame(host, options, set.points);
+            CHECK(frame.head().certified > 200);
             const auto t = on_cpu(set, options);
-            std::vector<Cell> cells(target.cell(set.size()).begin(), target.cell(set.size()).end());
-            const Resolved more = plan.resolve(std::span<const double>(set.points), cells);
+            const std::span<const Cell> cells = frame.cells();
+            const Resolved more = frame.plan.resolve(std::span<const double>(set.points), cells);
             std::size_t r = 0;
             for (std::size_t i = 0; i < set.size(); ++i) {
                 const auto expected =
                     t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]), t.neighbors(i).size());
                 std::vector<double> found;
                 if (cells[i].status == 0) {
-                    const auto areas = target.areas.as<float>().subspan(cells[i].row_begin, cells[i].row_length);
+                    const auto areas = frame.target.areas.as<float>().subspan(cells[i].row_begin, cells[i].row_length);
                     found.assign(areas.begin(), areas.end());
                 } else if (r < more.cells.size() && more.cells[r] == i) {
                     found.assign(more.areas.begin() + more.indptr[r], more.areas.begin() + more.indptr[r + 1]);
@@ -141,7 +138,7 @@ TEST_SUITE("cases") {
         CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::invalid_argument);
     }
 
-    TEST_CASE("gpu frame: seeds on the faces of a triclinic box, and beyond what is wrapped; a cell of each frame") {
+    TEST_CASE("gpu frame: seeds on the faces of a triclinic box, and too far to be wrapped; a cell of each frame") {
         Host host;
         PointSet set = test::uniform(200, 32);
         set.box.reset();
@@ -174,9 +171,9 @@ TEST_SUITE("cases") {
         };
         CHECK(check_frame({}) < 40);
         CHECK(check_frame(votess::TriclinicBox{{0.1, 0, 0}, {1, 0, 0}, {0.2, 1, 0}, {0, 0.1, 1}}) < 40);
-        set.points[2] = 0;  // on a face for sure
+        set.points[2] = 0;  // certainly on a face
         CHECK(check_frame({}) < 40);
-        set.points[5] = 1;  // on the one across from it, not for sure
+        set.points[5] = 1;  // on the opposite one, not certainly
         CHECK(check_frame({}) == options.most_seeds);
         set.points[5] = 4;
         target.write<double>(set.points, 3);
@@ -201,14 +198,14 @@ TEST_SUITE("cases") {
         host.commands.end();
     }
 
-    // No frame is recorded: resolve() takes what the program gives.
+    // No frame is recorded: resolve() uses the given cells.
     TEST_CASE("gpu frame: few cells are resolved from the seeds near them") {
         Host host;
         for (const unsigned bits : {0u, 7u, 2u})
             for (PointSet set : {test::uniform(20000, 20), test::clustered(20000, 21), test::uniform(30000, 22)}) {
                 CAPTURE(set.name);
                 CAPTURE(bits);
-                if (set.size() == 30000)  // a void, which cells reach across
+                if (set.size() == 30000)  // a void that cells reach across
                     for (std::size_t i = 0; i < set.points.size(); i += 3)
                         if (std::hypot(set.points[i] - 0.5, set.points[i + 1] - 0.5, set.points[i + 2] - 0.5) < 0.3)
                             set.points[i] *= 0.1;
@@ -250,12 +247,12 @@ TEST_SUITE("cases") {
                 options.weights = WeightOptions{0, 0.1};
                 test::Random random(25);
                 for (std::size_t i = 0; i < set.size(); ++i) weights.push_back(random.uniform(0, 1e-3));
-                weights[0] = 0.1;  // which reaches far
+                weights[0] = 0.1;  // reaches far
                 std::fill_n(set.points.begin(), 3, 1e-3);
             }
             const Plan plan(host.device(), options);
             const auto t = on_cpu(set, options, weights);
-            // All near each other, or there would be no place far from them.
+            // All near each other, so that some places are far from them.
             std::vector<Cell> cells(set.size());
             std::size_t left = 0;
             const double* near = nullptr;

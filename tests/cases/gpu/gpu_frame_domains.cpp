@@ -65,13 +65,10 @@ TEST_SUITE("cases") {
                 options.periodic = axes(bits);
                 options.list_walls = n == 9;
                 options.chunk_size = n == 9 ? 5 : 0;
-                const Plan plan(host.device(), options);
-                Target target(host, plan);
-                target.write<double>(set.points, 3);
-                run(host, target, options.most_seeds);
-                check_header(target.head(), target.cell(n));
-                if (n > 1000) CHECK(target.head().unresolved < n / 10);
-                const Rows rows = collect<double>(plan, target, n);
+                const OneFrame frame(host, options, set.points);
+                check_header(frame.head(), frame.cells());
+                if (n > 1000) CHECK(frame.head().unresolved < n / 10);
+                const Rows rows = frame.rows();
                 Rows absolute = rows;  // centroids are relative to the seed as given; the library's lie in the box
                 const auto t = on_cpu(set, options);
                 for (std::size_t i = 0; i < rows.centroids.size(); ++i) {
@@ -94,7 +91,7 @@ TEST_SUITE("cases") {
             options.periodic = {true, true, true};
             for (std::size_t k = 0; k < 3; ++k) {
                 double side = 0;
-                do {  // until the rounded place is farther away than a side
+                do {  // until the rounded place is more than a side away
                     options.box.lower[k] = random.uniform(-1, 1);
                     options.box.upper[k] = options.box.lower[k] + random.uniform(0.7, 1.5);
                     side = options.box.upper[k] - options.box.lower[k];
@@ -104,12 +101,9 @@ TEST_SUITE("cases") {
                     set.points[i] = options.box.lower[k] + random.uniform(0.01, 0.99) * side;
                 set.points[k] = options.box.lower[k] - side;
             }
-            const Plan plan(host.device(), options);
-            Target target(host, plan);
-            target.write<double>(set.points, 3);
-            run(host, target, options.most_seeds);
-            check_header(target.head(), target.cell(set.size()));
-            const auto rows = collect<double>(plan, target, set.size()).rows;
+            const OneFrame frame(host, options, set.points);
+            check_header(frame.head(), frame.cells());
+            const auto rows = frame.rows().rows;
             const auto t = on_cpu(set, options);
             for (std::size_t i = 0; i < t.size(); ++i) CHECK(std::ranges::equal(rows[i], t.neighbors(i)));
         }
@@ -126,25 +120,19 @@ TEST_SUITE("cases") {
         for (const double margin : {0.0, 1e-3, 0.1, 7.0}) {
             options.margin = margin;
             options.most_images = margin == 7 ? 30 * options.most_seeds : 0;
-            const Plan plan(host.device(), options);
-            Target target(host, plan);
-            target.write<double>(set.points, 3);
-            run(host, target, options.most_seeds);
-            if (margin == 0) images = target.head().images;
-            CHECK((margin == 1e-3) == (target.head().images < 20));
-            CHECK(compare(collect<double>(plan, target, set.size()), expected) == "");
+            const OneFrame frame(host, options, set.points);
+            if (margin == 0) images = frame.head().images;
+            CHECK((margin == 1e-3) == (frame.head().images < 20));
+            CHECK(compare(frame.rows(), expected) == "");
         }
         options.margin = 0;
         REQUIRE(images > 10);
         for (const std::uint32_t places : {1u, images - 1, images}) {
             options.most_images = places;
-            const Plan plan(host.device(), options);
-            Target target(host, plan);
-            target.write<double>(set.points, 3);
-            run(host, target, options.most_seeds);
-            CHECK(target.head().images == images);
-            CHECK((target.head().unresolved == options.most_seeds) == (places < images));
-            CHECK(compare(collect<double>(plan, target, set.size()), expected) == "");
+            const OneFrame frame(host, options, set.points);
+            CHECK(frame.head().images == images);
+            CHECK((frame.head().unresolved == options.most_seeds) == (places < images));
+            CHECK(compare(frame.rows(), expected) == "");
         }
         const PointSet lattice = test::bcc(4);
         options = options_for(lattice);
@@ -160,16 +148,13 @@ TEST_SUITE("cases") {
         options.box = test::unit_box();
         options.periodic = {true, true, false};
         options.margin = 0.05;  // leaves cells to resolve()
-        const Plan plan(host.device(), options);
-        Target target(host, plan);
-        target.write<double>(far, 3);
-        run(host, target, options.most_seeds);
-        CHECK(target.head().outside == 3);
-        const Rows rows = collect<double>(plan, target, set.size());
-        // The first three seeds are not there, for resolve() neither.
+        const OneFrame frame(host, options, far);
+        CHECK(frame.head().outside == 3);
+        const Rows rows = frame.rows();
+        // The first three seeds are skipped, in resolve() too.
         const PointSet rest{"rest", {far.begin() + 9, far.end()}, test::unit_box()};
         const auto t = on_cpu(rest, options);
-        CHECK(target.head().unresolved > 0);
+        CHECK(frame.head().unresolved > 0);
         for (std::size_t i = 0; i < t.size(); ++i) {
             std::vector<std::int32_t> row(t.neighbors(i).begin(), t.neighbors(i).end());
             for (std::int32_t& id : row) id += 3;

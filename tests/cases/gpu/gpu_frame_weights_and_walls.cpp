@@ -30,7 +30,7 @@ PlanOptions plan_options(std::size_t n, const votess::Box& box) {
     return options;
 }
 
-// The library's centroids of a periodic domain lie in it, those of a frame by their seed.
+// Replaces centroids: the library's lie in the periodic domain, those of a frame near their seed.
 void take_centroids(Rows& rows, const Target& target, const votess::Tessellation& t) {
     for (std::size_t i = 0; i < t.size(); ++i)
         if (target.cell(t.size())[i].status == 0)
@@ -40,11 +40,11 @@ void take_centroids(Rows& rows, const Target& target, const votess::Tessellation
 
 struct Moving {
     PointSet set;
-    std::vector<double> weights;  // none: a plan without
+    std::vector<double> weights;  // empty: the plan has none
 };
 
-// Two frames in one command buffer, twice, each with seeds and weights that move(random) makes. Returns the larger
-// share of cells that are left, and how many were certified empty.
+// Runs two frames in one command buffer, twice, each with seeds and weights of move(random). Returns the largest share
+// of unresolved cells, and the number of empty cells.
 struct Outcome {
     double left = 0;
     std::uint32_t empty = 0;
@@ -80,7 +80,7 @@ Outcome in_flight(const PlanOptions& options, bool by_subgroup, const auto& move
             CHECK(compare(rows, expected) == "");
         }
     }
-    // Nothing is taken while recording; but the validation layer does.
+    // Recording allocates nothing, except in the validation layer.
     host.commands.begin();
     const auto recording = test::allocations();
     first.frame.record(host.commands.handle(), {.count = options.most_seeds - 1});
@@ -133,7 +133,7 @@ TEST_SUITE("cases") {
         CHECK(outcome.left < 0.1);
     }
 
-    TEST_CASE("gpu frame: float32 weights beside their seeds, some not as promised") {
+    TEST_CASE("gpu frame: float32 weights next to their seeds, some out of range") {
         Host host;
         const std::size_t n = 200;
         PlanOptions options = plan_options(n, test::unit_box());
@@ -155,7 +155,7 @@ TEST_SUITE("cases") {
         const auto both = target.weights.as<float>();
         for (std::size_t i = 0; i < both.size(); ++i)
             both[i] = static_cast<float>(i % 4 == 3 ? random.uniform(0.25, 0.27) : random.uniform());
-        both[3] = 0.25f, both[7] = 0.5f;  // as promised
+        both[3] = 0.25f, both[7] = 0.5f;  // on the bounds
         const std::vector<float> bad{std::nextafter(0.25f, 0.0f), std::nextafter(0.5f, 1.0f), -0.3f,
                                      std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()};
         for (std::size_t k = 0; k < bad.size(); ++k) both[4 * (5 + k) + 3] = bad[k];
@@ -167,7 +167,7 @@ TEST_SUITE("cases") {
         CHECK(h.unresolved < n / 10);
         const Resolved more = plan.resolve(std::span<const float>(both), std::span<const float>(both), target.cell(n));
         CHECK(more.cells.size() == h.unresolved);
-        // As if those had never been there.
+        // The other rows are those of the good seeds.
         PointSet kept;
         std::vector<double> weights;
         std::vector<std::int32_t> ids;
@@ -238,7 +238,7 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu frame: seeds on a wall and beside it, areas, float32") {
+    TEST_CASE("gpu frame: seeds on a wall and next to it, areas, float32") {
         Host host;
         const std::size_t n = 150;
         PlanOptions options = plan_options(n, test::unit_box());
@@ -257,7 +257,7 @@ TEST_SUITE("cases") {
             const Header h = target.head();
             check_header(h, target.cell(n));
             CHECK(h.outside > n / 3);
-            // On the wall, as far as the device can tell: then resolve() makes all.
+            // On the wall within rounding: then resolve() makes all cells.
             CHECK((h.certified == 0) == (x == 0.25f));
             CHECK((target.cell(n)[10].status == static_cast<std::uint32_t>(CellStatus::outside)) == (x > 0.25f));
             votess::Options whole = test::all_options(options.box);

@@ -1,4 +1,4 @@
-// Lattices on a Vulkan device, which decides their ties itself where coordinates are small whole numbers.
+// Ties and near ties on a Vulkan device. It decides ties of lattices with coordinates that are small whole numbers.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ using votess::gpu::Kernel;
 
 namespace {
 
-// The seeds below the upper faces of the box, so that the others are their images.
+// Returns the seeds below the upper faces of the box. The others are their images.
 PointSet one_period(PointSet set) {
     test::Coordinates inside;
     for (std::size_t i = 0; i < set.size(); ++i) {
@@ -25,8 +25,8 @@ PointSet one_period(PointSet set) {
     return set;
 }
 
-// Coordinates of float32 in clusters far smaller than their steps: whole numbers of steps, and many equal seeds in one
-// block of the curve that seeds are sorted along, so that the device does not mark them all.
+// Returns float32 coordinates in clusters far smaller than their steps. They are whole numbers of steps, and many equal
+// seeds are in one block of the curve, so that the device does not mark them all.
 PointSet crowded_steps() {
     PointSet set = test::nested_clusters(500, 63);
     for (double& x : set.points) x = static_cast<float>(x);
@@ -39,24 +39,32 @@ struct Case {
     double max_left_to_cpu = 0;  // share of the cells
 };
 
-// The CPU's lists, counts and geometry, by both kernels.
-void check_on_device(const std::vector<Case>& cases) {
+// Compares lists, counts and geometry with the CPU's, for both kernels and these lengths of lists.
+void check_on_device(const std::vector<Case>& cases, const std::vector<unsigned>& k_inits = {0}) {
     votess::Tessellator tessellator;
+    std::vector<votess::Options> options;
+    std::vector<votess::Tessellation> on_cpu;
+    for (const Case& c : cases) {
+        options.push_back(test::all_options(c.set.box));
+        options.back().periodic = {c.periodic, c.periodic, c.periodic};
+        on_cpu.push_back(votess::tessellate(c.set.points, options.back()));
+        options.back().device = test::device_name();
+    }
     for (const Kernel kernel : {Kernel::invocation, test::by_subgroup()}) {
         const test::UseKernel chosen(kernel);
-        for (const Case& c : cases) {
-            votess::Options options = test::all_options(c.set.box);
-            options.periodic = {c.periodic, c.periodic, c.periodic};
-            CAPTURE(c.set.name);
-            CAPTURE(c.periodic);
-            CAPTURE(static_cast<int>(kernel));
-            const auto cpu = votess::tessellate(c.set.points, options);
-            options.device = test::device_name();
-            const auto gpu = tessellator.tessellate(c.set.points, options);
-            CHECK(test::check_same(gpu, cpu, c.set.points, test::tolerance(options)) == "");
-            CHECK(static_cast<double>(gpu.stats().fallback_cells) <=
-                  c.max_left_to_cpu * static_cast<double>(c.set.size()));
-        }
+        for (const unsigned k_init : k_inits)  // the outer loop: other pipelines take long to make
+            for (std::size_t i = 0; i < cases.size(); ++i) {
+                const Case& c = cases[i];
+                options[i].k_init = k_init;
+                CAPTURE(c.set.name);
+                CAPTURE(i);
+                CAPTURE(k_init);
+                CAPTURE(static_cast<int>(kernel));
+                const auto gpu = tessellator.tessellate(c.set.points, options[i]);
+                CHECK(test::check_same(gpu, on_cpu[i], c.set.points, test::tolerance(options[i])) == "");
+                CHECK(static_cast<double>(gpu.stats().fallback_cells) <=
+                      c.max_left_to_cpu * static_cast<double>(c.set.size()));
+            }
     }
 }
 
@@ -83,7 +91,7 @@ TEST_SUITE("cases") {
                          {one_period(test::diamond(large)), true}});
     }
 
-    TEST_CASE("gpu lattices: where coordinates are no small numbers the CPU decides") {
+    TEST_CASE("gpu lattices: the CPU decides where coordinates are not small numbers") {
         check_on_device({{test::cubic(8, 1.0 / 3), false, 1}, {test::jittered(8, 1e-12, 3), false, 1}});
     }
 
@@ -97,5 +105,29 @@ TEST_SUITE("cases") {
                          {test::cocircular(65, 4), false, 1},
                          {test::on_oblique_plane(300, 4), false, 1},
                          {test::on_oblique_line(200, 5), false, 1}});
+    }
+
+    // In steps of 2^32 units of the device. The middle seed is at nearly 1, and its neighbors make its cell a cube. The
+    // last seed is at 33 and cuts off a corner, at a distance of 32 along each axis; the one at -32 is at a distance of
+    // 33. Whole steps give the wrong order.
+    TEST_CASE("gpu near ties: a seed that cuts is nearer than one that is fewer whole steps away") {
+        const double step = 0x1p-29, middle = 0.5 + step - 0x1p-53, side = 32.005 * step;
+        PointSet set{"corner of a cube", {middle, middle, middle}, test::unit_box()};
+        for (int k = 0; k < 6; ++k)
+            for (int a = 0; a < 3; ++a)
+                set.points.push_back(a == k / 2 ? middle + (k % 2 == 0 ? side : -side) : middle);
+        set.points.insert(set.points.end(), {middle - 45 * step, middle, middle - 20 * step});  // cuts nothing
+        for (const double whole : {-32.0, 33.0}) set.points.insert(set.points.end(), 3, 0.5 + whole * step);
+        check_on_device({{set, false, 1}}, {0, 12});
+    }
+
+    TEST_CASE("gpu near ties: clusters of few seeds in a large box equal the CPU") {
+        std::vector<Case> cases;
+        for (std::uint64_t seed = 1; seed <= test::by_size(60, 6); ++seed) {
+            cases.push_back({test::uniform(30 + seed % 34, seed), false, 1});
+            const double room = std::ldexp(1.0, 18 + static_cast<int>(seed % 6));
+            cases.back().set.box = test::cube(-room, room);
+        }
+        check_on_device(cases, {0, 12});
     }
 }

@@ -1,4 +1,4 @@
-// Polytopes made from the device's lists are those of the CPU.
+// Polytopes made from the device's lists equal the CPU's.
 #include <doctest/doctest.h>
 
 #include "support/gpu/gpu.hpp"
@@ -35,7 +35,7 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu: lists still come from the device when polytopes are wanted") {
+    TEST_CASE("gpu: lists still come from the device when polytopes are requested") {
         votess::Tessellator tessellator;
         const auto set = test::uniform(test::by_size(8000, 1500), 171);
         votess::Options options;

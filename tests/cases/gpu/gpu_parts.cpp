@@ -38,7 +38,7 @@ TEST_SUITE("cases") {
             CHECK(compare(large, set) == "");
     }
 
-    TEST_CASE("gpu: chunks of as many cells as the device does in a given time, and the same digits") {
+    TEST_CASE("gpu: chunks follow the device's speed, and digits stay the same") {
         test::Gpu gpu;
         // Half of the cells are hopeless for the device.
         const std::size_t side = test::by_size(16, 13);
@@ -85,7 +85,7 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu: parts spare the CPU most cells") {
+    TEST_CASE("gpu: parts leave few cells to the CPU") {
         test::Gpu gpu;
         test::GpuRunner runner(gpu, {.max_seeds = test::reduced() ? 2000u : 5000u});
         const PointSet set = test::uniform(test::by_size(12000, 4000), 92);
@@ -141,7 +141,7 @@ TEST_SUITE("cases") {
         CHECK(compare(runner, set) == "");
     }
 
-    TEST_CASE("gpu: duplicates in different parts are refused with the CPU's words") {
+    TEST_CASE("gpu: duplicates in different parts are refused with the CPU's message") {
         test::Gpu gpu;
         test::GpuRunner runner(gpu, {.max_seeds = 100});
         Options options = test::all_options();
@@ -208,7 +208,7 @@ TEST_SUITE("cases") {
                 }
         }
         Options options = test::all_options();
-        options.precision = test::double_precision();  // in float64 all the same
+        options.precision = test::double_precision();  // in float64 nevertheless
         CHECK(compare(runner, test::uniform(300, 110), options) == "");
     }
 }

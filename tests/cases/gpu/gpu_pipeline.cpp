@@ -1,5 +1,4 @@
-// The pipeline on a Vulkan device gives what it gives on the CPU: every family, every option, every way of cutting the
-// work into pieces.
+// A Vulkan device has the CPU's answer: every family, every option, every division of the work into pieces.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -21,7 +20,7 @@ std::string compare(votess::Tessellator& tessellator, const PointSet& set, Optio
     return test::check_same(gpu, votess::tessellate(set.points, options), set.points, test::tolerance(options));
 }
 
-// What the clipper of the device meets: certain cells, ties, overflows, lost digits, duplicates.
+// Inputs with certain cells, ties, overflows, lost digits, duplicates.
 std::vector<PointSet> samples(std::size_t n) {
     return {test::uniform(n, 61),
             test::clustered(n, 62),
@@ -78,7 +77,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: clusters of the size of the coarse coordinates' steps among spread seeds") {
-        // Coordinates take some 2^62 units; searches for far neighbors look at the upper 32 bits alone.
+        // Coordinates are about 2^62 units; searches for far neighbors use only the upper 32 bits.
         votess::Tessellator tessellator;
         for (const int exponent : {-26, -28, -30})
             for (const unsigned k : {12u, 64u}) {
@@ -245,7 +244,7 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu: duplicates refused with the CPU's words") {
+    TEST_CASE("gpu: duplicates are refused with the CPU's message") {
         votess::Tessellator tessellator;
         const auto refusal = [&](const PointSet& set, const char* device) {
             Options options = test::all_options(set.box);

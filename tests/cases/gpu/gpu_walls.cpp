@@ -1,4 +1,4 @@
-// Walls of any direction on a Vulkan device: cells are clipped there, with the answer of the CPU.
+// Walls of any direction: the device clips the cells, with the CPU's answer.
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST_SUITE("cases") {
         Coordinates points = random_points(many, 6);
         for (std::size_t i = 0; i < points.size(); i += 3) points[i] *= 1000;
         CHECK(compare_domain(on_device, points, options).failure == "");
-        // It is far smaller than the box, whose side is its unit of length.
+        // The cell is far smaller than the box, whose side is its unit of length.
         options.box = test::unit_box();
         options.walls = votess::sphere_walls({0.3, 0.6, 0.2}, 1e-5, 12);
         CHECK(compare_domain(on_device, {0.3, 0.6, 0.2}, options).failure == "");

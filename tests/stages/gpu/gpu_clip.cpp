@@ -1,4 +1,4 @@
-// Stages clip and download of the GPU engine: what it certifies equals the CPU's cells, and the rest says why.
+// Stages clip and download of the GPU engine: certified cells equal the CPU's, and others have a reason.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct Wanted {
     std::uint32_t chunk = 0;  // cells; 0 = all
 };
 
-// What a batch brings, by member.
+// The results of a batch, by member.
 struct DownloadedCells {
     std::vector<std::size_t> begins{0};
     std::vector<std::int32_t> rows;
@@ -117,7 +117,7 @@ Counts check_cells(GpuStages& gpu, const PointSet& set, const Wanted& wanted = {
             for (std::uint32_t a = 0; a < 3; ++a) {
                 const double centroid =
                     set.points[3 * input + a] + std::ldexp(cells.geometry[4 * input + 1 + a], exponent);
-                // Certified cells are no needles: their volume tells their size.
+                // Certified cells are not needles: their volume gives their size.
                 REQUIRE(std::abs(centroid - cpu.centroids()[3 * input + a]) <=
                         1e-4 * std::cbrt(exact) + 1e-15 * std::abs(centroid));
             }
@@ -160,7 +160,7 @@ void with_both(auto&& check) {
     }
 }
 
-// Subgroups of sizes that lavapipe lacks, by work-groups that do what subgroups do; that is slow.
+// Subgroups of sizes that lavapipe lacks, emulated by work-groups; that is slow.
 void check_by_work_groups(std::uint32_t lanes) {
     Kernels kernels(Kernel::invocation);
     GpuStages& gpu = kernels.gpu;
@@ -205,7 +205,7 @@ TEST_SUITE("stages") {
         const PointSet set = test::uniform(400, 22);
         const auto cpu = test::run(set, test::all_options());
         gpu.upload_and_sort(set);
-        constexpr std::uint32_t window_bits = 11;  // four of them are too few for all rows
+        constexpr std::uint32_t window_bits = 11;  // four windows are too small for all rows
         const auto entries = static_cast<std::uint32_t>(cpu.indices().size());
         REQUIRE(entries > 5u << (window_bits - 1));
         for (const std::uint32_t capacity : {4u << window_bits, entries - 700, 3u << window_bits, 1000u}) {
@@ -293,7 +293,7 @@ TEST_SUITE("stages") {
             kernels.use([](PassSettings& s) { s.k = 8; });
             const PointSet set = test::uniform(test::by_size(700, 300), 26);
             const Counts short_lists = check_cells(gpu, set, {.second_tier = false});
-            // A subgroup goes on where the first search ended.
+            // A subgroup continues where the first search ended.
             if (!kernels.by_subgroup()) CHECK(fraction(short_lists, STATUS_CANDIDATES_EXHAUSTED) > 0.9);
             CHECK(fraction(check_cells(gpu, set), STATUS_CERTIFIED) > 0.95);
 
@@ -377,7 +377,7 @@ TEST_SUITE("stages") {
         check_by_work_groups(32);
     }
 
-    // Under sanitizers one size has to do.
+    // Sanitizers get one size.
     TEST_CASE("gpu clip: subgroups of 16, by work-groups") {
         if (!test::reduced()) check_by_work_groups(16);
     }

@@ -1,5 +1,5 @@
-// What decides and prunes on a device, see shaders/clip/filter.glsl, against the exact sign on near-ties: a vertex of
-// three bisectors, and a seed that nearly lies on the sphere through the cell's own and those three.
+// The decisions of a device (shaders/clip/filter.glsl) against exact signs of near-ties: a vertex of three bisectors,
+// and a seed nearly on the sphere through the cell's own seed and those three.
 #include <doctest/doctest.h>
 #include <gmpxx.h>
 
@@ -30,9 +30,8 @@ struct CountPush {
 enum Bits : std::uint32_t { vertex = 1, outside = 2, inside = 4, pruned = 0xf8 };
 
 struct Case {
-    std::array<Offset, 4>
-        seed;          // those of the vertex, in positive orientation as far as float64 tells, and the last one
-    int exponent = 0;  // of the unit of length
+    std::array<Offset, 4> seed;  // those of the vertex, in positive orientation in float64, and the last one
+    int exponent = 0;            // of the unit of length
     bool lossy = false;
     std::array<Wide, 3> origin;  // the cell's seed, in sixteenths too; whole units where nothing is lossy
     double distance = 0;         // about, of the last seed to the sphere, over its radius
@@ -60,7 +59,7 @@ double log_uniform(test::Random& random, double lower, double upper) {
     return std::exp2(random.uniform(std::log2(lower), std::log2(upper)));
 }
 
-// Returns the determinant of the vertex's planes as the device has them.
+// Returns the determinant of the vertex's planes on the device.
 double orientation(const Case& c) {
     std::array<Vector, 3> n;
     for (std::size_t i = 0; i < 3; ++i)
@@ -72,7 +71,7 @@ double orientation(const Case& c) {
 
 struct Family {
     bool float64 = false, lossy = false;
-    // Half of the vertices are of three planes nearly through one line: how far, and about one over their condition.
+    // Half of the vertices have three planes nearly through one line. This is about one over their condition.
     double narrowest = 1e-3, widest = 1;
     int max_exponent = 57;
     bool weights = false;
@@ -83,11 +82,11 @@ Case random_case(test::Random& random, const Family& family) {
     c.lossy = family.lossy;
     c.exponent = static_cast<int>(random.integer(SMALLEST_CELL_EXPONENT, family.max_exponent));
     const double length = std::ldexp(1.0, c.exponent);
-    const double most = std::ldexp(0.4, COORDINATE_BITS - 1 - c.exponent);  // what the box has room for
+    const double most = std::ldexp(0.4, COORDINATE_BITS - 1 - c.exponent);  // the room in the box
     const double radius = length * (random.chance(0.7) ? random.uniform(0.8, 3) : log_uniform(random, 0.8, most));
     const Vector to_center = unit(random_vector(random));
     const double narrow = random.chance(0.5) ? 1 : log_uniform(random, family.narrowest, family.widest);
-    // Seeds nearly in one plane with the cell's own, the normal of which this is; or near to each other.
+    // Seeds nearly in one plane with the cell's own, with this normal; or near each other.
     Vector normal = unit(random_vector(random));
     while (std::abs(dot(to_center, normal)) > 0.6) normal = unit(random_vector(random));
     const bool through_line = random.chance(0.7);
@@ -102,7 +101,7 @@ Case random_case(test::Random& random, const Family& family) {
             along[k] = height * normal[k] + std::sqrt(std::max(1 - height * height, 0.0)) * along[k];
         return along;
     };
-    // As seen from the sphere's center; none may be nearer to the cell's own seed than the unit of length.
+    // Relative to the sphere's center. None may be nearer to the cell's own seed than the unit of length.
     const auto place = [&](bool last, double size) {
         for (;;) {
             const Vector any = random_vector(random);
@@ -124,10 +123,10 @@ Case random_case(test::Random& random, const Family& family) {
         }
     };
     const auto rounded = [&](double x) {
-        const Wide sixteenths = static_cast<Wide>(x * 16);  // differences of 2^62 units lose some, which is no matter
+        const Wide sixteenths = static_cast<Wide>(x * 16);  // differences of 2^62 units lose digits, which is harmless
         return c.lossy ? sixteenths + static_cast<Wide>(random.below(16)) : sixteenths / fractions * fractions;
     };
-    // Mostly about as far as what is not certain.
+    // Mostly about as far as the uncertain range.
     const double unsure = std::max(family.float64 ? 0x1p-53 : 0x1p-24, c.lossy ? 1 / length : 0) / narrow;
     c.distance =
         random.chance(0.3) ? log_uniform(random, 1e-19, 1e-2) : std::min(unsure * log_uniform(random, 0.1, 1000), 0.1);
@@ -151,7 +150,7 @@ Case random_case(test::Random& random, const Family& family) {
     return c;
 }
 
-// As the device has it: whole units, rounded down.
+// Whole units, rounded down, as on the device.
 std::array<std::uint64_t, words_each> words(const Case& c) {
     std::array<std::uint64_t, words_each> all{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -231,7 +230,7 @@ struct Counts {
     std::string first;  // wrong one
 };
 
-// Nothing that the device says may contradict the exact signs.
+// No decision of the device may contradict the exact signs.
 Counts judge(test::Gpu& gpu, const Family& family, std::uint64_t seed) {
     const std::size_t all = test::by_size(400000, 4000), batch = 20000;
     test::Random random(seed);
@@ -276,7 +275,7 @@ TEST_SUITE("stages") {
                 CAPTURE(weights);
                 const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4, 1, 57, weights}, 11);
                 CHECK_MESSAGE(counts.wrong == 0, counts.first);
-                // Both happen: what is decided, and what is not.
+                // Both decided and undecided cases occur.
                 CHECK(counts.vertices > test::by_size(200000, 2000));
                 CHECK(counts.decided > counts.vertices / 15);
                 CHECK(counts.decided < counts.vertices / 10 * 9);

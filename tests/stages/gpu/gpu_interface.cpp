@@ -1,5 +1,4 @@
-// Shaders and C++ agree on shaders/shared/interface.h: what Vulkan is given for each pipeline is what its SPIR-V
-// declares.
+// Shaders and C++ agree on shaders/shared/interface.h: Vulkan gets for each pipeline what its SPIR-V declares.
 #include <doctest/doctest.h>
 
 #include <set>
@@ -51,7 +50,7 @@ Declared read_spirv(std::span<const std::uint32_t> words) {
     return found;
 }
 
-// What the calls for one pipeline gave, in their order, and what all did together. Nothing is compiled.
+// The arguments of the calls for one pipeline, in their order, and of all together. Nothing is compiled.
 struct Calls {
     Ids bindings;
     Declared declared;
@@ -110,7 +109,7 @@ VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
 TEST_SUITE("stages") {
     TEST_CASE("gpu interface: all pipelines get the constants and the bindings that their shaders declare") {
         calls = {};
-        // Without the validation layer, which cannot know of what is not made.
+        // Without the validation layer, which does not know objects that were not made.
         const auto instance = test::vk::Instance::create({.validation = false});
         const auto device = test::vk::Device::create(instance, Gpu::first(*instance));
         calls.asks_for_nearest = device->adapter().can_ask_for_nearest32;
@@ -136,12 +135,12 @@ TEST_SUITE("stages") {
             CAPTURE(bits);
             const votess::gpu::Passes passes(*device, s);
         }
-        // No id of the table is left over.
+        // All ids of the table are used.
         CHECK(calls.all_bindings.size() == BINDING_COUNT);
         CHECK(*calls.all_bindings.rbegin() == BINDING_COUNT - 1);
         CHECK(calls.all_constants.size() == CONSTANT_COUNT);
         CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
-        // Adapter::missing() asks for so many.
+        // Adapter::missing() requires this many.
         CHECK(calls.max_bindings == 18);
     }
 

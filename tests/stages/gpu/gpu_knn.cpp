@@ -71,7 +71,7 @@ struct Lists {
     }
     [[nodiscard]] bool is_duplicate(std::size_t s) const { return seeds[0][s] == test::no_coordinate; }
 
-    // Of the cell of sorted seed `s`, which is `cell` in the chunk; "" when all is well.
+    // Checks the list of sorted seed `s`, which is `cell` in the chunk. Returns an empty text when it is right.
     [[nodiscard]] std::string check(std::size_t s, std::size_t cell) const {
         const std::uint32_t n = length(cell);
         const auto wrong = [&](const char* what) { return "seed " + std::to_string(s) + ": " + what; };
@@ -86,7 +86,7 @@ struct Lists {
             if (!listed[q] && q != s && !is_duplicate(q) &&
                 static_cast<long double>(distance(s, q)) < static_cast<long double>(reach(cell)))
                 return wrong("misses a seed within its reach");
-        Squared nearest_beyond = 0;  // none of what follows may be nearer
+        Squared nearest_beyond = 0;  // later ones may not be nearer
         for (std::uint32_t i = 0; i < n; ++i) {
             const std::uint32_t q = neighbor(cell, i);
             const Squared d = distance(s, q);
@@ -126,11 +126,11 @@ Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t
 }
 
 struct Reached {
-    std::size_t cells = 0, none = 0, all = 0;  // lists that reach nowhere, and everywhere
+    std::size_t cells = 0, none = 0, all = 0;  // lists without reach, and with unlimited reach
     double mean_length = 0;
 };
 
-// All lists of a set; every one of some `samples` is checked against all seeds.
+// Checks all lists of a set, and about `samples` of them against all seeds.
 Reached check_lists(GpuStages& gpu, const PointSet& set, std::uint32_t k, std::size_t samples) {
     CAPTURE(set.name);
     CAPTURE(set.size());
@@ -200,7 +200,7 @@ TEST_SUITE("stages") {
         for (const std::uint32_t k : {1u, 8u, 64u, 200u}) {
             gpu.use(test::pass_settings(k));
             const Reached uniform = check_lists(gpu, test::uniform(n, 2), k, samples);
-            // The last bucket may not fit, nor the only one.
+            // The last bucket may not fit, or the only one.
             CHECK(uniform.none <= (k >= 8 ? 0 : uniform.cells / 10));
             if (k >= 64) CHECK(uniform.mean_length > 0.75 * k);
             for (const PointSet& set :
@@ -238,7 +238,7 @@ TEST_SUITE("stages") {
             set.box->upper[2] *= thickness;
             CHECK(check_lists(gpu, set, 64, n / 4).none == 0);
         }
-        for (const double room : {1e3, 1e9, 1e14}) {  // the seeds take but few units
+        for (const double room : {1e3, 1e9, 1e14}) {  // the seeds take few units
             PointSet set = test::uniform(n, 13);
             set.box = test::cube(-room, room);
             check_lists(gpu, set, 64, n / 4);
@@ -253,7 +253,7 @@ TEST_SUITE("stages") {
                     PointSet set = test::uniform(n, 17);
                     set.box = test::cube(-room, room);
                     check_lists(gpu, set, k, n);
-                    // One far away: the search reaches there and still has to tell the near ones apart.
+                    // One is far away: the search reaches it and still orders the near ones.
                     for (int a = 0; a < 3; ++a) set.points.push_back(0.7 * room);
                     check_lists(gpu, set, k, n);
                 }

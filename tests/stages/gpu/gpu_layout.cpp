@@ -1,4 +1,4 @@
-// The structs of shaders/shared/layout.h mean the same bytes to GLSL and to C++.
+// The structs of shaders/shared/layout.h have the same layout in GLSL and C++.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -13,7 +13,7 @@ using Words = std::vector<std::uint32_t>;
 
 namespace {
 
-// Distinct words, none of which is a NaN or a subnormal number to a driver that touches floats.
+// Distinct words. None is a NaN or a subnormal number, which a driver might change.
 std::uint32_t word(std::size_t i) {
     return 0x3f800000u + 0x1111u * static_cast<std::uint32_t>(i + 1);
 }
@@ -44,7 +44,7 @@ Words words_of(const Fields&... fields) {
 
 class Reader {
 public:
-    // What the shader found in the push constants or in the buffer at binding 0.
+    // Returns the words that the shader read from the push constants or from the buffer at binding 0.
     Words run(std::span<const std::uint32_t> spirv, std::span<const std::byte> push,
               std::span<const std::byte> buffer = {}) {
         constexpr VkDeviceSize bytes = 400;
@@ -93,8 +93,8 @@ TEST_SUITE("stages") {
         const auto check = [&](const char* name, std::span<const std::uint32_t> spirv, const auto& value,
                                const Words& expected) {
             CAPTURE(name);
-            CHECK(sizeof value == 4 * expected.size());  // nothing forgotten, no padding
-            CHECK(sizeof value <= 128);                  // what every device has
+            CHECK(sizeof value == 4 * expected.size());  // all fields, no padding
+            CHECK(sizeof value <= 128);                  // the limit of every device
             CHECK(reader.push(spirv, value) == expected);
         };
         const auto upload = filled<UploadPush>();
@@ -181,7 +181,7 @@ TEST_SUITE("stages") {
         CHECK(reader.buffer(shaders::test_layout_wall, push_bytes(wall)) == wall_words);
         // They lie behind the run state.
         static_assert(sizeof(RunState) % 8 == 0 && sizeof(WallPlane) % 8 == 0);
-        // What an indirect dispatch reads.
+        // The words that an indirect dispatch reads.
         static_assert(offsetof(ChunkState, groups_y) == offsetof(ChunkState, groups_x) + 4);
         static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);
     }

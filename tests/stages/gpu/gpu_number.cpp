@@ -1,4 +1,4 @@
-// The numbers that cells are measured in, see shaders/numbers/number.glsl, against those of 64 bits of the CPU.
+// The numbers that measure cells (shaders/numbers/number.glsl) against long double.
 #include <doctest/doctest.h>
 
 #include <bit>
@@ -75,7 +75,7 @@ void check_numbers(test::Gpu& gpu, bool float64) {
     std::vector<std::uint64_t> operands;
     for (const double x : given) operands.push_back(words_of(x, float64));
     const auto found = results_of(gpu, operands, float64);
-    // Unit roundoffs that the shader promises, and those of long double itself.
+    // The shader's promised unit roundoffs, and that of long double.
     const long double unit = float64 ? 0x1.01p-53L : 0x1p-44L, unit_of_division = float64 ? 0x1.01p-53L : 0x1p-42L;
     for (std::size_t i = 0; i < pairs; ++i) {
         const long double a = value_of(operands[2 * i], float64), b = value_of(operands[2 * i + 1], float64);

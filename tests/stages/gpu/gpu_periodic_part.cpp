@@ -1,4 +1,4 @@
-// The images that a periodic domain has on a device: all within the bounds that cells rely on, at their exact places.
+// The images of a periodic domain on a device: all within the bounds that cells rely on, at their exact places.
 #include <doctest/doctest.h>
 #include <gmpxx.h>
 
@@ -37,7 +37,7 @@ std::optional<PeriodicPart> part_of(const votess::Job& job) {
     return votess::gpu::periodic_part(job, *domain->images, 1u << 20);
 }
 
-// Shifts up to `reach` are tried. Returns how many images are members; 0 when the device does not take the job.
+// Tries shifts up to `reach`. Returns the number of images; 0 when the device does not clip the job.
 std::size_t check_part(const Coordinates& points, const votess::Options& options, int reach) {
     const votess::Job job = votess::validate({points, {}}, options);
     const std::size_t count = points.size() / 3;
@@ -94,13 +94,13 @@ std::size_t check_part(const Coordinates& points, const votess::Options& options
                         };
                         const mpq_class error = scaled(1, -30);
                         REQUIRE((is_floor(x[k]) || is_floor(x[k] - error) || is_floor(x[k] + error)));
-                        // Cells rely on it that nothing was lost.
+                        // Cells rely on exact coordinates then.
                         if (!part->lossy) REQUIRE(x[k] == floor_of(x[k]));
                     }
                     members.erase(found);
                 }
     }
-    REQUIRE(members.empty());  // each is an image that was tried
+    REQUIRE(members.empty());  // each is a tried image
     return part->part.members.size() - count;
 }
 

@@ -1,4 +1,4 @@
-// The schedule of pieces: what is left to the CPU does not depend on the sizes of pieces.
+// The schedule of pieces: cells left to the CPU do not depend on the sizes of pieces.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::uint32_t window = 10 * 1024;
 
-// A letter for each 1,024 seeds: left to the CPU, or clipped with one tier or two. Cell i is hopeless for the device
-// where hard(i / 1024). Two pieces are under way at a time, and the sizes are chance.
+// Returns a letter for each 1,024 seeds: left to the CPU, or clipped with one tier or two. Cell i is hopeless for the
+// device where hard(i / 1024). Two pieces are in flight at a time, with random sizes.
 std::string run(std::uint32_t seeds, auto hard, test::Random random) {
     Schedule schedule(seeds, window);
     std::string out(votess::ceil_div(seeds, 1024u), '?');
@@ -93,7 +93,7 @@ TEST_SUITE("gpu schedule") {
 
     TEST_CASE("gpu schedule: hopeless windows are noticed, and the end of them") {
         const std::string found = always_the_same(20 * window, [](std::uint32_t k) { return k >= 30 && k < 80; });
-        CHECK(found.substr(0, 50) == std::string(50, '2'));  // two windows pass before it can be known
+        CHECK(found.substr(0, 50) == std::string(50, '2'));  // it is known after two windows
         CHECK(found.substr(50, 10) == std::string(10, 'c'));
         CHECK(found.substr(100) == std::string(100, '1'));
     }

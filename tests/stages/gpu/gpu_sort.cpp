@@ -19,7 +19,7 @@ using votess::gpu::RunState;
 
 namespace {
 
-// floor(x 2^shift) modulo 2^64; whether anything was lost.
+// Returns floor(x 2^shift) modulo 2^64, and whether it lost digits.
 std::pair<std::uint64_t, bool> exact_units(double x, int shift) {
     const auto bits = std::bit_cast<std::uint64_t>(x);
     const int field = static_cast<int>(bits >> 52 & 0x7ff);
@@ -79,7 +79,7 @@ void check_upload_of_floats(GpuStages& gpu, const std::vector<float>& points, co
     check_upload(gpu, job);
 }
 
-// Numbers of both signs with magnitudes of factor times a power of two between 2^-decades and 1, and zeros.
+// Returns numbers of both signs with magnitudes of factor times a power of two between 2^-decades and 1, and zeros.
 PointSet over_magnitudes(std::size_t n, double factor, int decades, std::uint64_t seed) {
     test::Random random(seed);
     PointSet set{"magnitudes", {}, test::cube(-factor, factor)};
@@ -93,7 +93,7 @@ PointSet over_magnitudes(std::size_t n, double factor, int decades, std::uint64_
 
 // --- keys -------------------------------------------------------------------------------------------------------
 
-// Place along the Hilbert curve, as in shaders/sort/sort_key.comp, but bit by bit into one number.
+// Returns the place along the Hilbert curve, as in shaders/sort/sort_key.comp, but bit by bit into one number.
 std::uint64_t hilbert(std::array<std::uint32_t, 3> x, std::uint32_t bits) {
     for (std::uint32_t q = 1u << (bits - 1); q > 1; q >>= 1)
         for (std::size_t i = 0; i < 3; ++i) {
@@ -133,7 +133,7 @@ Integers keys_of(const GpuStages& gpu, const std::vector<Integers>& points, std:
     return keys;
 }
 
-// Whether more seeds than a group have one key.
+// Returns whether more seeds than a group have one key.
 bool is_crowded(Integers keys) {
     std::ranges::sort(keys);
     for (std::size_t s = GROUP_SEEDS; s < keys.size(); ++s)
@@ -216,7 +216,7 @@ TEST_SUITE("stages") {
                 set.points.push_back(offset + step * static_cast<double>(random.below(1000)));
             check_upload(gpu, set);
         }
-        // The box is no whole number of units, the points are.
+        // The box is not a whole number of units, the points are.
         PointSet set = test::uniform(n, 11);
         set.box = test::cube(-0x1p-80, 1);
         check_upload(gpu, set);

@@ -1,4 +1,4 @@
-// The exact side of a vertex on a device, see shaders/clip/exact_side.glsl, against that of the CPU.
+// The exact side of a vertex on a device (shaders/clip/exact_side.glsl) against the CPU's.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -27,7 +27,7 @@ struct TiesPush {
 // Coordinates of seeds are whole numbers up to `extent`, which are 2^zeros units.
 struct Case {
     std::array<std::array<std::int64_t, 3>, 5> seeds;  // the cell's, and those of planes a, b, c, d
-    std::array<std::int32_t, 4> walls{};               // of the box, in the place of a seed's bisector where not 0
+    std::array<std::int32_t, 4> walls{};               // of the box, instead of a seed's bisector where not 0
 };
 
 Plane plane(const Case& c, std::size_t i, std::int64_t extent) {
@@ -40,7 +40,7 @@ Plane plane(const Case& c, std::size_t i, std::int64_t extent) {
     return Plane::bisector(q);
 }
 
-// The exact sides, after planes a and b were put into positive orientation; cases without a vertex are made anew.
+// Returns the exact sides, after ordering planes a and b positively. Replaces cases without a vertex.
 int exact_side(Case& c, std::int64_t extent, const auto& make) {
     for (;;) {
         Point p;
@@ -148,7 +148,7 @@ TEST_SUITE("stages") {
                 CHECK(counts.unknown == 0);
                 if (reach <= 5) CHECK(counts.zeros > test::by_size(400, 40));
             }
-            // Larger ones are beyond it, but for those with zeros behind.
+            // Larger ones are undecided, except with trailing zeros.
             const Counts counts = judge(gpu, std::int64_t{1} << 20, 4000, zeros, 72);
             CHECK(counts.wrong == 0);
             CHECK(counts.unknown > test::by_size(20000, 2000));

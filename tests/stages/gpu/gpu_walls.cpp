@@ -1,5 +1,5 @@
-// Walls of any direction as a device has them, see shaders/clip/walls.glsl, against exact arithmetic: their distances
-// from places next to them, in boxes of any size anywhere.
+// Walls of any direction on a device (shaders/clip/walls.glsl) against exact arithmetic: their distances from near
+// places, in boxes of any size anywhere.
 #include <doctest/doctest.h>
 #include <gmpxx.h>
 
@@ -21,7 +21,7 @@ namespace {
 
 using votess::gpu::WallPlane;
 
-constexpr int bits = 700;  // of numbers that stand for exact ones
+constexpr int bits = 700;  // of numbers treated as exact
 
 mpf_class power(mpf_class x, int exponent) {
     if (exponent >= 0)
@@ -100,7 +100,7 @@ Found check(test::Gpu& gpu, const votess::Options& options, test::Random& random
             places.push_back(static_cast<std::uint64_t>(random.uniform(0.05, 0.9) * static_cast<double>(extent[k])));
         places.push_back(static_cast<std::uint64_t>(random.integer(SMALLEST_CELL_EXPONENT, COORDINATE_BITS - 1)));
         if (i % 4 == 0) continue;
-        // Onto a wall, as far as the rounding of doubles goes.
+        // Moves onto a wall, up to rounding of doubles.
         const WallPlane& wall = walls[random.below(walls.size())];
         if (wall.rough[3] >= UNBOUNDED) continue;
         double over = -wall.rough[3];

@@ -32,7 +32,7 @@ struct LeaksIgnored {
     }
 };
 
-// A function of Vulkan that does nothing but fail.
+// A function of Vulkan that only fails.
 template <VkResult result, class... Arguments>
 VKAPI_ATTR VkResult VKAPI_CALL failing(Arguments...) {
     return result;
@@ -42,7 +42,7 @@ void fail(VkResult(VKAPI_PTR*& entry)(Arguments...)) {
     entry = failing<result, Arguments...>;
 }
 
-// All that an engine does, on little data.
+// Does all that an engine does, on little data.
 void everything(Device& device) {
     Memory memory(device);
     Buffer source = memory.buffer(400, MemoryKind::upload, "source");
@@ -61,7 +61,7 @@ void everything(Device& device) {
     commands.wait();
 }
 
-// A folder that is gone at the end.
+// A temporary folder.
 struct TemporaryFolder {
     fs::path path;
 
@@ -134,7 +134,7 @@ TEST_SUITE("stages") {
         check_all(refused, ErrorCode::unsupported, "the driver refuses, VK_ERROR_");
         const Break other[] = {[](VolkDeviceTable& t) { fail<VK_ERROR_FRAGMENTED_POOL>(t.vkEndCommandBuffer); }};
         check_all(other, ErrorCode::internal, "VK_ERROR_FRAGMENTED_POOL in vkEndCommandBuffer");
-        everything(*gpu.device);  // nothing is broken for good
+        everything(*gpu.device);  // the device still works
     }
 
     TEST_CASE("vulkan: a large block that cannot be had becomes a small one") {
@@ -188,14 +188,14 @@ TEST_SUITE("stages") {
         VkBufferCreateInfo info{};
         info.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO;
         info.size = 16;
-        info.usage = 0;  // must not be
+        info.usage = 0;  // invalid
         VkBuffer buffer = VK_NULL_HANDLE;
         device->table().vkCreateBuffer(device->handle(), &info, nullptr, &buffer);
         device->table().vkDestroyBuffer(device->handle(), buffer, nullptr);
         const auto messages = instance->take_messages();
         REQUIRE(messages.size() == 1);
         CHECK(messages[0].rfind("error: ", 0) == 0);
-        // Its last part differs: with VkBufferUsageFlags2CreateInfo the rule got another name.
+        // Its last part differs: the rule has another name with VkBufferUsageFlags2CreateInfo.
         CHECK_MESSAGE(messages[0].find("VUID-VkBufferCreateInfo-") != std::string::npos, messages[0]);
         CHECK(instance->take_messages().empty());
     }

@@ -1,4 +1,4 @@
-// The Vulkan layer on whatever device there is, usually lavapipe.
+// The Vulkan layer on any device, usually lavapipe.
 #include <doctest/doctest.h>
 
 #include <cstring>
@@ -22,7 +22,7 @@ void run(Commands& commands) {
     commands.wait();
 }
 
-// `buffer` as the host sees it, through a download buffer.
+// Returns `buffer` as the host sees it, through a download buffer.
 std::vector<std::uint32_t> contents(Gpu& gpu, Memory& memory, const Buffer& buffer) {
     Buffer result = memory.buffer(buffer.size(), MemoryKind::download);
     Commands commands(*gpu.device);
@@ -184,7 +184,7 @@ TEST_SUITE("stages") {
             const std::uint64_t product = std::uint64_t{x} * y * z;
             REQUIRE(std::max({x, y, z}) <= 100);
             REQUIRE(product * 8 >= n);
-            REQUIRE((product - std::uint64_t{y} * z) * 8 < n);  // one column less is too few
+            REQUIRE((product - std::uint64_t{y} * z) * 8 < n);  // one column fewer is too few
         }
         CHECK_THROWS_AS((void)group_counts(8000001, 8, limits), votess::Error);
     }
@@ -289,7 +289,7 @@ TEST_SUITE("stages") {
         CHECK(cache.get(test::scale_info(64, 4)).pipeline() != first.pipeline());
         CHECK(cache.get(test::scale_info(32, 3)).pipeline() != first.pipeline());
         CHECK(made == 3);
-        // More than it keeps: the one in use stays, and so does the last.
+        // More than it keeps: the one in use stays, and the last one.
         for (std::uint32_t factor = 5; factor < 75; ++factor) (void)cache.get(test::scale_info(64, factor));
         CHECK(made == 73);
         CHECK(cache.get(test::scale_info(64, 3)).pipeline() == first.pipeline());

@@ -1,7 +1,7 @@
-// What tests/stages/gpu/gpu_filter.cpp runs: the filter of shaders/clip/filter.glsl on one vertex and one more seed. A case
-// has 21 numbers of 64 bits: the seed, three more and the last one in units, the exponent of the unit of length in the
-// low word, and in the high word 1 when coordinates and weights have been rounded to units, and times two the exponent of a
-// unit of weight; then the five weights. Variant: CLIP_FLOAT64.
+// For tests/stages/gpu/gpu_filter.cpp: the filter of shaders/clip/filter.glsl on one vertex and one more seed. A case
+// has 21 numbers of 64 bits: the seed, three more and the last one in units; a number of two words; the five weights.
+// Its low word is the exponent of the unit of length. Its high word is 1 when coordinates and weights were rounded to
+// units, plus twice the exponent of a unit of weight. Variant: CLIP_FLOAT64.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "clip/filter.glsl"
@@ -50,7 +50,7 @@ void main() {
         const real side = side_of(d, v.x, v.y, v.z), bound = side_bound(d, v.error);
         if (side > bound) verdict |= 2u;
         if (side < -bound) verdict |= 4u;
-        // A box of no size, and all that leaves it out.
+        // A box of no size, and whether it is skipped.
         if (!is_in_reach(v.x, v.y, v.z, v.error, d.x, d.x, d.y, d.y, d.z, d.z, heavier)) verdict |= 8u;
         if (is_secure(real(2) * d.h, security_radius_squared(v.norm, v.error))) verdict |= 16u;
         vec3 down = vec3(0.0), up = vec3(0.0);

@@ -1,5 +1,5 @@
-// What tests/stages/gpu/gpu_layout.cpp runs: writes each field of a struct of shaders/shared/layout.h, by name, into a word
-// each. The variants are named like the structs.
+// For tests/stages/gpu/gpu_layout.cpp: writes each field of a struct of shaders/shared/layout.h, by name, to a word.
+// The variants are named like the structs.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "shared/layout.h"

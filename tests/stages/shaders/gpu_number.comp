@@ -1,4 +1,4 @@
-// What tests/stages/gpu/gpu_number.cpp runs: the arithmetic of shaders/numbers/number.glsl on given numbers.
+// For tests/stages/gpu/gpu_number.cpp: the arithmetic of shaders/numbers/number.glsl on given numbers.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "numbers/number.glsl"

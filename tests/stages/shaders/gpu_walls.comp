@@ -1,5 +1,5 @@
-// What tests/stages/gpu/gpu_walls.cpp runs: the distances of walls of shaders/clip/walls.glsl from places in units, each
-// with the exponent of its unit of length. Of every pair it gives the distance, the rough one and the plane's.
+// For tests/stages/gpu/gpu_walls.cpp: the distances of walls of shaders/clip/walls.glsl from places in units, each with
+// the exponent of its unit of length. It outputs the distance, the rough one and the plane's for each pair.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "clip/walls.glsl"

@@ -1,4 +1,4 @@
-// What tests/stages/gpu/vulkan_layer.cpp runs. Variants: SCALE scales and adds; ARGUMENTS writes the group counts of an
+// For tests/stages/gpu/vulkan_layer.cpp. Variants: SCALE scales and adds; ARGUMENTS writes the group counts of an
 // indirect dispatch; DOUBLES scales in double precision.
 #version 450
 
@@ -26,7 +26,7 @@ void main() {
     target[i] = uint(double(source[i]) * (double(factor) / double(divisor))) + addend;
 #else
     if (i >= count) return;
-    // Adds to what is there: an invocation that runs twice shows.
+    // Adds to the buffer: an invocation that runs twice shows.
     target[i] += source[i] * factor / divisor + addend;
 #endif
 }

@@ -149,12 +149,9 @@ votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan, std::s
 }
 
 std::string check(Host& host, const PointSet& set, PlanOptions options) {
-    const Plan plan(host.device(), options);
-    Target target(host, plan);
-    target.write<double>(set.points, options.stride);
-    run(host, target, options.most_seeds);
-    check_header(target.head(), target.cell(set.size()));
-    return compare(collect<double>(plan, target, set.size()), on_cpu(set, options));
+    const OneFrame frame(host, options, set.points);
+    check_header(frame.head(), frame.cells());
+    return compare(frame.rows(), on_cpu(set, options));
 }
 
 std::string check(Host& host, std::span<const PointSet> sets, PlanOptions options) {

@@ -1,4 +1,4 @@
-// Frames recorded into a command buffer of a host, and what the CPU gives for the same seeds.
+// Frames recorded into a command buffer of a host, and the CPU's answer for the same seeds.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -43,7 +43,7 @@ struct Host {
     vk::Loader loader;
 };
 
-// Buffers of a frame, which the host can see.
+// Buffers of a frame, visible to the host.
 struct Target {
     vk::Buffer seeds, weights, workspace, header, cells, indices, geometry, areas, shifts;
     Frame frame;
@@ -100,19 +100,35 @@ struct Rows {
     std::vector<CellStatus> status;
 };
 
-// The frame, with what resolve() adds; Real is the type of its seeds.
+// Returns the rows of the frame and of resolve(). Real: the type of its seeds.
 template <class Real>
 Rows collect(const Plan& plan, const Target& target, std::size_t count, const std::optional<votess::Box>& box = {},
              const std::optional<votess::TriclinicBox>& cell = {});
 
-// One line on the first difference.
+// A frame of a plan of its own, recorded and done.
+struct OneFrame {
+    Plan plan;
+    Target target;
+    std::size_t count;
+
+    OneFrame(Host& host, const PlanOptions& options, const Coordinates& points)
+        : plan(host.device(), options), target(host, plan), count(points.size() / 3) {
+        target.write<double>(points, options.stride);
+        run(host, target, static_cast<std::uint32_t>(count));
+    }
+    [[nodiscard]] Header head() const { return target.head(); }
+    [[nodiscard]] std::span<const Cell> cells() const { return target.cell(count); }
+    [[nodiscard]] Rows rows() const { return collect<double>(plan, target, count); }
+};
+
+// Returns a line about the first difference; empty when equal.
 std::string compare(const Rows& rows, const votess::Tessellation& t);
 void check_header(const Header& h, std::span<const Cell> cells);
 PlanOptions options_for(const PointSet& set);
 votess::Tessellation on_cpu(const PointSet& set, const PlanOptions& plan, std::span<const double> weights = {});
-// A frame of the set against the CPU.
+// Compares a frame of the set with the CPU.
 std::string check(Host& host, const PointSet& set, PlanOptions options);
-// Frames of several sets, each in its own box, by one plan: its pipelines take long to make.
+// Compares frames of several sets, each in its own box, with one plan, whose pipelines take long to make.
 std::string check(Host& host, std::span<const PointSet> sets, PlanOptions options);
 
 }  // namespace test::frame

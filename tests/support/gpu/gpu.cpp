@@ -11,11 +11,12 @@ namespace test {
 
 namespace {
 
-// At most the diameter of a cell: what its volume, its neighbors and the walls around it tell.
+// Returns a lower bound of a cell's diameter, from its volume, its neighbors and the walls around it.
 double size_of(const votess::Tessellation& t, std::span<const double> points, std::size_t i) {
     double size = t.volumes().empty() ? 0 : std::cbrt(t.volumes()[i]);
     double to_wall[3][2]{};
     for (const std::int32_t j : t.neighbors(i)) {
+        if (j < -6) continue;
         if (j < 0) {
             const auto axis = static_cast<std::size_t>(-1 - j) / 2, side = static_cast<std::size_t>(-1 - j) % 2;
             const double wall = side == 0 ? t.box().lower[axis] : t.box().upper[axis];
@@ -27,7 +28,7 @@ double size_of(const votess::Tessellation& t, std::span<const double> points, st
         size = std::max(size, std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]) / 2);
     }
     for (const auto& w : to_wall) size = std::max(size, w[0] + w[1]);
-    // With neither volumes nor rows: that of the mean cell.
+    // Without volumes and rows: that of the mean cell.
     return size > 0 ? size : std::cbrt(t.stats().box_volume / static_cast<double>(t.size()));
 }
 

@@ -1,4 +1,4 @@
-// The GPU engine beside the CPU's.
+// Compares the GPU engine with the CPU's.
 #pragma once
 
 #include <span>
@@ -12,31 +12,32 @@
 
 namespace test {
 
-// Relative errors that are promised of volumes, and of centroids in sizes of the cell.
+// Promised relative errors of volumes, and of centroids over the size of the cell.
 inline constexpr double single_tolerance = 1e-5, double_tolerance = 1e-10;
 
 inline double tolerance(const votess::Options& options) {
     return options.precision == votess::Precision::double_ ? double_tolerance : single_tolerance;
 }
 
-// What the GPU must give given what the CPU gives: the same lists, counts, statuses; volumes and centroids within the
-// tolerance. One line on the first difference.
+// Compares results: lists, counts and statuses must be equal, volumes and centroids within the tolerance. Returns a
+// line about the first difference.
 std::string check_same(const votess::Tessellation& gpu, const votess::Tessellation& cpu, std::span<const double> points,
                        double tolerance);
 
-// The device that tests of the whole library name: lavapipe, or VOTESS_TEST_DEVICE.
+// Returns the device name for tests of the whole library: lavapipe, or VOTESS_TEST_DEVICE.
 std::string device_name();
 
-// Kernel::subgroup and Precision::double_ where the tests' device has what they need, else what every device can do.
+// Return Kernel::subgroup and Precision::double_ where the tests' device supports them, else what every device
+// supports.
 votess::gpu::Kernel by_subgroup();
 votess::Precision double_precision();
 
-// During its life this kernel makes the cells of engines and plans that are made or set up anew.
+// During its life, new engines and plans use this kernel.
 struct UseKernel : Environment {
     explicit UseKernel(votess::gpu::Kernel kernel);
 };
 
-// An engine of its own on the tests' device, and the pipeline on it.
+// An engine on the tests' device.
 struct GpuRunner {
     votess::cpu::CpuClipper clipper;
     votess::gpu::GpuEngine engine;

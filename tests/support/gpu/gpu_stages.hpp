@@ -1,4 +1,4 @@
-// Single passes of the GPU engine, and what they leave in the device's memory.
+// Runs single passes of the GPU engine and reads their results.
 #pragma once
 
 #include <memory>
@@ -44,7 +44,7 @@ struct GpuStages {
         passes = std::make_unique<votess::gpu::Passes>(*gpu.device, settings);
     }
 
-    // The upload of a set, whose points must stay.
+    // Uploads a set, whose points must stay.
     votess::Job upload(const PointSet& set) {
         votess::Options options;
         options.box = set.box;
@@ -81,7 +81,7 @@ struct GpuStages {
         FAIL("no such binding");
         return {};
     }
-    // Coordinates in units, of points (BINDING_POINTS_X) or seeds (BINDING_SEEDS_X), one axis after the other.
+    // Returns coordinates in units, of points (BINDING_POINTS_X) or seeds (BINDING_SEEDS_X), axis by axis.
     std::vector<Integers> coordinates(std::uint32_t binding_of_x) {
         std::vector<Integers> all;
         for (std::uint32_t a = 0; a < 3; ++a) all.push_back(read<std::uint64_t>(binding_of_x + a, seeds.count()));

@@ -1,4 +1,4 @@
-// A device for tests, whose end checks that nothing was misused.
+// A device for tests. Its destructor checks that Vulkan was not misused.
 #pragma once
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ private:
     std::optional<std::string> old_;
 };
 
-// The first device that votess can use, under validation when VOTESS_VULKAN_VALIDATION says so.
+// The first device that votess can use, with validation where VOTESS_VULKAN_VALIDATION requests it.
 struct Gpu {
     std::shared_ptr<vk::Instance> instance = vk::Instance::create();
     vk::Adapter adapter = first(*instance);
@@ -51,7 +51,7 @@ struct Gpu {
         for (const std::string& message : instance->take_messages()) FAIL_CHECK(message);
     }
 
-    // Runs a pass alone, and waits until the host may read what it wrote.
+    // Runs one pass, and waits until the host may read its output.
     void run(const vk::Pass& pass, std::span<const vk::BufferBinding> bindings, std::span<const std::byte> push,
              std::uint32_t invocations) const {
         vk::Commands commands(*device);
