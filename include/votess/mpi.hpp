@@ -7,7 +7,7 @@
 
 #include <mpi.h>
 
-#include "votess/blocks.hpp"
+#include "votess/block_cells.hpp"
 
 namespace votess::mpi {
 

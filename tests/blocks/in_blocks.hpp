@@ -5,7 +5,8 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <votess/blocks.hpp>
+
+#include "distributed/blocks/blocks.hpp"
 
 namespace test {
 

@@ -5,8 +5,9 @@
 #include <span>
 #include <string>
 #include <vector>
-#include <votess/blocks.hpp>
 #include <votess/stream.hpp>
+
+#include "distributed/blocks/blocks.hpp"
 
 namespace test {
 

@@ -170,7 +170,7 @@ void finds_damage(World& world) {
     std::ranges::fill(part.result.cells.face_counts, 2u);  // so that Euler's formula holds
     std::ranges::fill(part.result.cells.edge_counts, 0u);
     std::ranges::fill(part.result.cells.vertex_counts, 0u);
-    fails(world, "a buried seed", part, "seed 0 is said to have a cell, trying every seed leaves none");
+    fails(world, "a buried seed", part, "seed 0 is reported to have a cell, trying every seed leaves none");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// The interface of votess/blocks.hpp.
-#include "votess/blocks.hpp"
+#include "distributed/blocks/blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +19,7 @@ struct BlockDomainState {
 };
 
 struct BlockState {
-    BlockState(const Options& options, blocks::Seeds own) : block(options, std::move(own)) {}
+    BlockState(const Options& options, Seeds own) : block(options, std::move(own)) {}
     blocks::LocalBlock block;
 };
 
@@ -128,10 +127,10 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
         throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block are not as many: give " +
                                                      std::to_string(count) + " of each, points three times that");
     state_ = with_memory([&] {
-        blocks::Seeds own{{ids.begin(), ids.end()},
-                          {points.begin(), points.end()},
-                          {weights.begin(), weights.end()},
-                          {tags.begin(), tags.end()}};
+        Seeds own{{ids.begin(), ids.end()},
+                  {points.begin(), points.end()},
+                  {weights.begin(), weights.end()},
+                  {tags.begin(), tags.end()}};
         for (std::size_t i = 0; i < count; ++i)
             if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
                 throw Error(ErrorCode::invalid_argument, "ids of a block ascend from 0 on: the one at " +
@@ -146,14 +145,14 @@ Block& Block::operator=(Block&&) noexcept = default;
 Block::~Block() = default;
 
 Message Block::outline() const {
-    return with_memory([&] { return blocks::to_message(blocks::summary_of(state_->block.outline())); });
+    return with_memory([&] { return to_message(blocks::summary_of(state_->block.outline())); });
 }
 
 Message Block::layer_for(const Message& outline) const {
     return with_memory([&] {
         blocks::Outline other;
-        blocks::from_message(outline, other);
-        return blocks::to_message(state_->block.layer_for(other), state_->block.outline());
+        from_message(outline, other);
+        return to_message(state_->block.layer_for(other), state_->block.outline());
     });
 }
 
@@ -165,12 +164,12 @@ void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<c
                         std::to_string(own));
     with_memory([&] {
         std::vector<blocks::Outline> others(outlines.size());
-        blocks::Seeds given;
+        Seeds given;
         for (std::size_t b = 0; b < outlines.size(); ++b) {
             if (b == own) continue;
-            blocks::from_message(outlines[b], others[b]);
-            blocks::Seeds layer;
-            blocks::from_message(layers[b], layer, others[b]);
+            from_message(outlines[b], others[b]);
+            Seeds layer;
+            from_message(layers[b], layer, others[b]);
             given.add(layer);
         }
         state_->block.clip(std::move(others), own, std::move(given));
@@ -178,23 +177,23 @@ void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<c
 }
 
 Message Block::question_for(std::size_t block) const {
-    return with_memory([&] { return blocks::to_message(state_->block.questions().at(block)); });
+    return with_memory([&] { return to_message(state_->block.questions().at(block)); });
 }
 
 Message Block::answer(const Message& question) {
     return with_memory([&] {
         blocks::Questions questions;
-        blocks::from_message(question, questions);
-        return blocks::to_message(state_->block.answer(questions));
+        from_message(question, questions);
+        return to_message(state_->block.answer(questions));
     });
 }
 
 BlockCells Block::finish(std::span<const Message> answers) {
     return with_memory([&] {
-        blocks::Seeds given;
+        Seeds given;
         for (const Message& answer : answers) {
-            blocks::Seeds seeds;
-            blocks::from_message(answer, seeds);
+            Seeds seeds;
+            from_message(answer, seeds);
             given.add(seeds);
         }
         return state_->block.finish(given);

@@ -20,12 +20,12 @@
 #include <vector>
 
 #include "cpu/cpu_clipper.hpp"
+#include "distributed/blocks/blocks.hpp"
 #include "distributed/blocks/outline.hpp"
-#include "distributed/blocks/seeds.hpp"
 #include "domain/probe.hpp"
 #include "input/job.hpp"
+#include "input/seeds.hpp"
 #include "result/result.hpp"
-#include "votess/blocks.hpp"
 
 namespace votess::blocks {
 

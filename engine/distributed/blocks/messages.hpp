@@ -3,36 +3,15 @@
 
 #include "core/bytes.hpp"
 #include "distributed/blocks/local_block.hpp"
-#include "votess/blocks.hpp"
 
 namespace votess::blocks {
 
-inline void put(Writer& writer, const Seeds& seeds) {
-    writer.put(seeds.ids);
-    writer.put(seeds.points);
-    writer.put(seeds.weights);
-    writer.put(seeds.tags);
-}
-inline void get(Reader& reader, Seeds& seeds) {
-    reader.get(seeds.ids);
-    reader.get(seeds.points);
-    reader.get(seeds.weights);
-    reader.get(seeds.tags);
-    reader.end();
-}
-
-inline Message to_message(const Seeds& seeds) {
-    if (seeds.size() == 0) return {};
-    Writer writer;
-    put(writer, seeds);
-    return writer.take();
-}
 // A layer, and the tiles of the block that gives it.
 inline Message to_message(const Seeds& layer, const Outline& outline) {
     if (layer.size() == 0) return {};
     Writer writer;
     writer.put(outline.tiles);
-    put(writer, layer);
+    layer.put_to(writer);
     return writer.take();
 }
 inline Message to_message(const Outline& outline) {
@@ -49,18 +28,14 @@ inline Message to_message(const Questions& questions) {
     return writer.take();
 }
 
-inline void from_message(const Message& message, Seeds& seeds) {
-    if (message.empty()) return;
-    Reader reader(message);
-    get(reader, seeds);
-}
 // Leaves the outline where there is no layer.
 inline void from_message(const Message& message, Seeds& layer, Outline& outline) {
     if (message.empty()) return;
     Reader reader(message);
     std::vector<Tile> tiles;
     reader.get(tiles);
-    get(reader, layer);
+    layer.get_from(reader);
+    reader.end();
     outline = outline_of(std::move(tiles));
 }
 inline void from_message(const Message& message, Outline& outline) {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "votess/blocks.hpp"
+#include "core/bytes.hpp"
 
 namespace votess::mpi {
 

@@ -6,8 +6,10 @@
 #include <optional>
 #include <string>
 
+#include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/travel.hpp"
+#include "input/seeds.hpp"
 #include "votess/mpi.hpp"
 
 namespace votess::mpi {
@@ -179,19 +181,24 @@ private:
     void send_seeds() {
         const std::vector<std::uint32_t> block_of = domain_->blocks_of(places_);
         places_ = {};
-        std::vector<Handed> to(ranks());
+        std::vector<Seeds> to(ranks());
         for (std::size_t s = 0; s < inside_.size(); ++s) {
-            Handed& handed = to[block_of[s]];
             const std::size_t i = inside_[s];
-            handed.ids.push_back(ids_[i]);
-            handed.points.insert(handed.points.end(), &points_[3 * i], &points_[3 * i] + 3);
-            if (!weights_.empty()) handed.weights.push_back(weights_[i]);
+            to[block_of[s]].add(ids_[i], points_, weights_, i);
         }
         std::vector<Message> messages;
-        for (const Handed& handed : to) messages.push_back(handed.to_message());
+        for (const Seeds& seeds : to) messages.push_back(to_message(seeds));
         to.clear();
         const std::vector<Message> from = ranks_.exchange(messages);
-        ranks_.together([&] { made_ = Handed::of(from); });
+        ranks_.together([&] {
+            for (std::size_t r = 0; r < from.size(); ++r) {
+                Seeds seeds;
+                from_message(from[r], seeds);
+                seeds.tags.assign(seeds.size(), static_cast<std::int32_t>(r));
+                made_.add(seeds);
+            }
+            made_ = made_.sorted();
+        });
         counts_.largest_block = ranks_.maximum(std::uint64_t{made_.ids.size()});
     }
 
@@ -199,7 +206,7 @@ private:
         std::optional<Block> block;
         Message outline;
         ranks_.together([&] {
-            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.owners);
+            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.tags);
             outline = block->outline();
         });
         const std::vector<Message> outlines = ranks_.gather_all(outline);
@@ -242,8 +249,8 @@ private:
 
     Result send_back() {
         std::vector<std::vector<std::size_t>> of_owner(ranks());
-        for (std::size_t i = 0; i < made_.owners.size(); ++i)
-            of_owner[static_cast<std::size_t>(made_.owners[i])].push_back(i);
+        for (std::size_t i = 0; i < made_.tags.size(); ++i)
+            of_owner[static_cast<std::size_t>(made_.tags[i])].push_back(i);
         std::vector<Message> to;
         OwnCells own;
         ranks_.together([&] {
@@ -308,7 +315,7 @@ private:
     std::vector<CellStatus> status_;
     std::vector<std::size_t> inside_;
     std::vector<double> places_;
-    Handed made_;
+    Seeds made_;  // tags: the ranks that handed them in
     BlockCells cells_;
     Counts counts_;
     double done_ = 0;  // what the user's progress callback was told

@@ -46,7 +46,7 @@ struct Arrived {
 
 Arrived read(const Message& message) {
     Arrived arrived;
-    blocks::Reader reader(message);
+    Reader reader(message);
     reader.get(arrived.ids);
     reader.get(arrived.cells.indptr);
     for_cell_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
@@ -75,43 +75,6 @@ std::int64_t none(std::vector<std::int64_t> BlockCells::*) {
 
 }  // namespace
 
-Message Handed::to_message() const {
-    if (ids.empty()) return {};
-    blocks::Writer writer;
-    writer.put(ids);
-    writer.put(points);
-    writer.put(weights);
-    return writer.take();
-}
-
-Handed Handed::of(const std::vector<Message>& from) {
-    Handed all;
-    for (std::size_t r = 0; r < from.size(); ++r) {
-        if (from[r].empty()) continue;
-        Handed some;
-        blocks::Reader reader(from[r]);
-        reader.get(some.ids);
-        reader.get(some.points);
-        reader.get(some.weights);
-        reader.end();
-        append(all.ids, some.ids, 0, some.ids.size());
-        append(all.points, some.points, 0, some.points.size());
-        append(all.weights, some.weights, 0, some.weights.size());
-        all.owners.resize(all.ids.size(), static_cast<std::int32_t>(r));
-    }
-    std::vector<std::size_t> order(all.ids.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t i) { return all.ids[i]; });
-    Handed sorted;
-    for (const std::size_t i : order) {
-        sorted.ids.push_back(all.ids[i]);
-        append(sorted.points, all.points, 3 * i, 3 * i + 3);
-        if (!all.weights.empty()) sorted.weights.push_back(all.weights[i]);
-        sorted.owners.push_back(all.owners[i]);
-    }
-    return sorted;
-}
-
 Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places) {
     if (places.empty()) return {};
     std::vector<std::int64_t> some_ids, indptr{0};
@@ -129,7 +92,7 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
     };
     for_cell_arrays(count(places.size()));
     for_entry_arrays(count(entries));
-    blocks::Writer writer;
+    Writer writer;
     writer.reserve(bytes + sizeof(std::int64_t) * (some_ids.size() + indptr.size() + 2));
     writer.put(some_ids);
     writer.put(indptr);

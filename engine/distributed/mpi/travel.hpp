@@ -4,31 +4,9 @@
 #include <vector>
 
 #include "core/bytes.hpp"
-#include "votess/blocks.hpp"
+#include "votess/block_cells.hpp"
 
 namespace votess::mpi {
-
-template <class T>
-Message to_bytes(const std::vector<T>& values) {
-    const auto bytes = std::as_bytes(std::span(values));
-    return {bytes.begin(), bytes.end()};
-}
-template <class T>
-void append_bytes(const Message& message, std::vector<T>& values) {
-    const std::size_t old = values.size();
-    values.resize(old + message.size() / sizeof(T));
-    if (!message.empty()) std::memcpy(values.data() + old, message.data(), message.size());
-}
-
-struct Handed {
-    std::vector<std::int64_t> ids;
-    std::vector<double> points, weights;
-    std::vector<std::int32_t> owners;  // by whom; not in messages
-
-    [[nodiscard]] Message to_message() const;
-    // Joins those of all ranks, ascending by id.
-    static Handed of(const std::vector<Message>& from);
-};
 
 // The cells of a block at these places.
 Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places);

@@ -12,16 +12,15 @@
 #include "distributed/stream/assembler.hpp"
 #include "distributed/stream/intake.hpp"
 #include "distributed/stream/plan.hpp"
-#include "distributed/stream/row_checks.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "verify/row_checker.hpp"
 
 namespace votess {
 namespace {
 
 using namespace stream;
 using blocks::Questions;
-using blocks::Seeds;
 
 std::string in_units(std::uint64_t bytes) {
     constexpr double mega = 1e6, giga = 1e9;
@@ -51,7 +50,7 @@ void for_messages(Spool& spool, const Task& task) {
     }
 }
 
-class Run {
+class Run final : public RunBlocks {
 public:
     Run(StreamSource& source, StreamSink& sink, const Options& options, const StreamOptions& stream)
         : sink_(sink),
@@ -147,7 +146,7 @@ private:
     }
 
     void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
-        blocks::Writer writer;
+        Writer writer;
         writer.put(tiled.outline.tiles);
         writer.put(tiled.order);
         writer.put(tiled.begin);
@@ -157,7 +156,7 @@ private:
         blocks::TiledSeeds tiled;
         blocks_[b].tiles.rewind();
         for_messages(blocks_[b].tiles, [&](std::size_t, const Message& message) {
-            blocks::Reader reader(message);
+            Reader reader(message);
             std::vector<blocks::Tile> tiles;
             reader.get(tiles);
             reader.get(tiled.order);
@@ -176,8 +175,7 @@ private:
             const blocks::LocalBlock block(*settled_, seeds_of(b));
             put_tiles(b, block.tiled());
             for (std::size_t to = 0; to < count_; ++to)
-                if (to != b)
-                    put(blocks_[to].layers, b, blocks::to_message(block.layer_for(outlines_[to]), block.outline()));
+                if (to != b) put(blocks_[to].layers, b, to_message(block.layer_for(outlines_[to]), block.outline()));
         }
     }
 
@@ -194,13 +192,13 @@ private:
             Seeds given;
             for_messages(blocks_[b].layers, [&](std::size_t from, const Message& message) {
                 Seeds layer;
-                blocks::from_message(message, layer, others[from]);
+                from_message(message, layer, others[from]);
                 given.add(layer);
             });
             block.clip(std::move(others), b, std::move(given));
             blocks_[b].settled.add(block.run(), static_cast<std::size_t>(dealt_->counts[b]), block.asking());
             for (std::size_t to = 0; to < count_; ++to)
-                put(blocks_[to].questions, b, blocks::to_message(block.questions()[to]));
+                put(blocks_[to].questions, b, to_message(block.questions()[to]));
             add_stats(block.run().result.stats);
             if (block.asking().empty()) continue;
             const blocks::Asked asked = block.asked();
@@ -211,7 +209,7 @@ private:
     }
 
     [[nodiscard]] static Message asked_message(const blocks::Asked& asked) {
-        blocks::Writer writer;
+        Writer writer;
         for (const Seeds* seeds : {&asked.cells, &asked.friends}) {
             writer.put(seeds->ids);
             writer.put(seeds->points);
@@ -238,14 +236,14 @@ private:
             if (blocks_[b].questions.size() == 0) continue;
             std::vector<std::pair<std::size_t, Questions>> asked;
             for_messages(blocks_[b].questions, [&](std::size_t from, const Message& message) {
-                blocks::from_message(message, asked.emplace_back(from, Questions{}).second);
+                from_message(message, asked.emplace_back(from, Questions{}).second);
             });
             blocks::Run run;
             run.seeds = seeds_near(b, asked);
             run.prepare(*settled_);
             blocks::Responder responder(*settled_, run);
             for (const auto& [from, questions] : asked)
-                put(blocks_[from].answers, b, blocks::to_message(responder.answer(questions)));
+                put(blocks_[from].answers, b, to_message(responder.answer(questions)));
         }
     }
 
@@ -269,7 +267,7 @@ private:
         for (Block& block : blocks_) {
             for_messages(block.asked, [&](std::size_t, const Message& message) {
                 blocks::Asked asked;
-                blocks::Reader reader(message);
+                Reader reader(message);
                 for (Seeds* seeds : {&asked.cells, &asked.friends}) {
                     reader.get(seeds->ids);
                     reader.get(seeds->points);
@@ -278,7 +276,7 @@ private:
                 Seeds answers;
                 for_messages(block.answers, [&](std::size_t, const Message& some) {
                     Seeds seeds;
-                    blocks::from_message(some, seeds);
+                    from_message(some, seeds);
                     answers.add(seeds);
                 });
                 blocks::Run run;
@@ -320,11 +318,12 @@ private:
         ThreadPool pool(options_.threads);
         Assembler assembler(*layout_, head, std::move(stores), count_, pool);
         sink_.begin(head);
-        if (stream_.verify) checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));
+        if (stream_.verify)
+            checker_.emplace(CheckedRun{domain_->options(), head.seeds, result_.stats.box_volume}, sample(), *this);
         Stats& stats = result_.stats;
         do {
             const StreamRows rows = assembler.next(most);
-            if (checks_) checks_->take(rows);
+            if (checker_) checker_->take(rows);
             sink_.rows(rows);
             for (const double volume : rows.volumes) stats.volume_sum += volume;
             stats.empty_cells += static_cast<std::uint64_t>(std::ranges::count(rows.status, CellStatus::outside));
@@ -337,16 +336,38 @@ private:
         stats.peak_memory_bytes = peak_memory();
     }
 
+    // Blocks are read for each round of the sample, so there is one: as many cells as the usual budget pays for, and no
+    // more than fit a tenth of the memory with what the blocks reply.
+    [[nodiscard]] RowChecker::Sample sample() const {
+        constexpr double bytes_of_reply = 2000, share = 0.1;
+        const double room =
+            share * static_cast<double>(stream_.memory) / (bytes_of_reply * static_cast<double>(count_ + 1));
+        const std::size_t cells = sample_size(intake_.seeds(), count_, domain_is_periodic());
+        RowChecker::Sample sample;
+        sample.most = sample.at_once = std::max(least_sample, std::min(cells, static_cast<std::size_t>(room)));
+        return sample;
+    }
+
     void verify() {
-        if (!checks_) return;
+        if (!checker_) return;
         stages_.begin(&StageSeconds::download, 1, "checking the cells");
-        std::uint64_t read = 0;
-        result_.verified = checks_->report(result_.stats, *domain_, count_, [&](std::size_t b) {
-            stages_.at(read++, 2 * count_);
-            Spool& status = blocks_[b].settled.of(Array::status);
-            status.rewind();
-            return RowChecks::BlockSeeds{seeds_of(b), status.read_rest<CellStatus>()};
-        });
+        result_.verified = checker_->report();
+    }
+
+    // Is called twice, to find the seeds of the sample and to clip their cells.
+    void for_blocks(const std::function<void(Seeds)>& task) override {
+        for (std::size_t b = 0; b < count_; ++b) {
+            stages_.at(blocks_checked_++, 2 * count_);
+            give_back_memory();
+            const Seeds all = seeds_of(b);
+            Spool& spool = blocks_[b].settled.of(Array::status);
+            spool.rewind();
+            const auto status = spool.read_rest<CellStatus>();
+            Seeds seeds;
+            for (std::size_t i = 0; i < all.size(); ++i)
+                if (takes_part(status[i])) seeds.add(all, i);
+            task(std::move(seeds));
+        }
     }
 
     StreamSink& sink_;
@@ -362,7 +383,8 @@ private:
     std::optional<Intake::Dealt> dealt_;
     std::vector<Block> blocks_;
     std::vector<blocks::Outline> outlines_;  // to those that were given no layer
-    std::optional<RowChecks> checks_;
+    std::optional<RowChecker> checker_;
+    std::uint64_t blocks_checked_ = 0;
     StreamResult result_;
 };
 

@@ -185,11 +185,11 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(with_parts(t, whole), set.points).failure == "");
         Parts parts = whole;
         parts.status[static_cast<std::size_t>(empty - whole.status.begin())] = votess::CellStatus::certified;
-        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is said to have a cell") !=
+        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is reported to have a cell") !=
               std::string::npos);
         parts = whole;
         parts.status[13] = votess::CellStatus::empty;
         CHECK(votess::verify(with_parts(t, parts), set.points).failure ==
-              "seed 13 is said to have no cell, trying every seed leaves one");
+              "seed 13 is reported to have no cell, trying every seed leaves one");
     }
 }

@@ -24,17 +24,14 @@
 #include <string>
 #include <vector>
 
-#include "votess/votess.hpp"
+#include "core/bytes.hpp"
+#include "votess/block_cells.hpp"
 
 namespace votess {
-
-// What one block says to another: for the same version of votess on a machine of the same kind.
-using Message = std::vector<std::byte>;
 
 namespace detail {
 struct BlockDomainState;
 struct BlockState;
-struct BlockVerifierState;
 }  // namespace detail
 
 class VOTESS_API BlockDomain {
@@ -63,20 +60,6 @@ public:
 private:
     friend class Block;
     std::shared_ptr<detail::BlockDomainState> state_;
-};
-
-// The cells of a block's seeds, in their order. Arrays as those of Tessellation, but rows hold ids, or walls below 0,
-// and ascend by them, then by shift. Arrays that are not wanted are empty; the rows are always there.
-struct BlockCells {
-    std::vector<CellStatus> status;          // N
-    std::vector<std::int64_t> duplicate_of;  // N: the id of the seed that has the cell, -1 for others; or none at all
-    std::vector<std::int64_t> indptr;        // N+1
-    std::vector<std::int64_t> neighbors;     // entries
-    std::vector<std::int32_t> tags;          // entries: of the neighbors, -1 for walls
-    std::vector<std::int8_t> shifts;         // (entries, 3), where the domain is periodic
-    std::vector<double> areas, normals;      // entries, (entries, 3)
-    std::vector<double> volumes, centroids, surface_areas, security_radii;  // N, (N, 3), N, N
-    std::vector<std::uint32_t> face_counts, edge_counts, vertex_counts;     // N
 };
 
 struct BlockCounts {
@@ -110,45 +93,6 @@ public:
 
 private:
     std::unique_ptr<detail::BlockState> state_;
-};
-
-// Checks cells as verify() does, those of each block against the seeds of all. Texts are one line on the first thing
-// that is wrong, "" where nothing is. In the order of use:
-//
-//   1. check_rows(), check_euler(); volumes of all sum to that of the domain
-//   2. pairs() go to their blocks; check_pairs() of each that comes
-//   3. seeds() of some cells go to all blocks; from each faces_of() them come back; check_cells()
-//
-// Not for several threads at once. Errors as of tessellate().
-class VOTESS_API BlockVerifier {
-public:
-    // The arrays must outlive it. ids: N, each unlike those of other blocks. points: (N, 3). weights: N in a power
-    // diagram, else none. cells: of these seeds. holders: entries, which block has the cell of each neighbor; any
-    // number for walls.
-    BlockVerifier(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
-                  std::span<const double> weights, const BlockCells& cells, std::span<const std::int32_t> holders);
-    BlockVerifier(BlockVerifier&&) noexcept;
-    BlockVerifier& operator=(BlockVerifier&&) noexcept;
-    ~BlockVerifier();
-
-    [[nodiscard]] std::string check_rows() const;   // ascend, without which pairs are not found
-    [[nodiscard]] std::string check_euler() const;  // where there are counts
-    // By block: what rows first to last, in the order of ids, say of its cells.
-    [[nodiscard]] std::vector<Message> pairs(std::size_t blocks, std::size_t first, std::size_t last) const;
-    [[nodiscard]] std::string check_pairs(const Message& pairs) const;
-
-    // Cells that may be tried by brute force: of seeds that are neither duplicates nor outside.
-    [[nodiscard]] std::size_t candidates() const noexcept;
-    [[nodiscard]] Message seeds(std::span<const std::size_t> candidates) const;
-    // Clips the cells of these seeds by every seed of the block, without any search structure.
-    [[nodiscard]] Message faces_of(const Message& seeds);
-    // faces: from each block, of the seeds() of these candidates.
-    [[nodiscard]] std::string check_cells(std::span<const std::size_t> candidates, std::span<const Message> faces);
-    // Whether faces_of() has taken about a second, counted in what it did.
-    [[nodiscard]] bool has_worked_enough() const noexcept;
-
-private:
-    std::unique_ptr<detail::BlockVerifierState> state_;
 };
 
 }  // namespace votess
