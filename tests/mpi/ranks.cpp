@@ -212,17 +212,17 @@ void check_errors(MPI_Comm comm) {
     if (is_last) twice[1] = -3;
     refuses(comm, at_last + "id 1 = -3 is negative", points, is_last ? twice : ids, options);
     if (last == 0) return;
-    refuses(comm, at_last + "it has no ids, but another rank has: give them on all or none", points,
+    refuses(comm, at_last + "it has no ids, but another rank has: give them on all ranks or on none", points,
             is_last ? std::vector<std::int64_t>{} : ids, options);
     votess::Options other = options;
     other.want.volumes = !is_last;
-    refuses(comm, "its domain or what it wants is not that of another rank: give all the same options", points, ids,
+    refuses(comm, "its domain or `want` differs from another rank's: give all ranks the same options", points, ids,
             other);
     const std::vector<double> weights(2);
     other = options;
     if (!is_last) other.weights = weights;
-    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give all", points, ids,
-            other);
+    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks",
+            points, ids, other);
 }
 
 // Two communicators at once, which know nothing of each other.

@@ -1,27 +1,21 @@
-// A run in blocks: each has some of the seeds, and finds the cells that these have among the seeds of all blocks. The
-// rows are those of one tessellate() with all seeds, whatever the blocks are. How blocks reach each other is up to the
-// caller, who carries bytes between them; votess/mpi.hpp does it by MPI. In the order of use:
+// A run in blocks: each has some of the seeds, and finds their cells among the seeds of all blocks; local_block.hpp
+// explains why that works. The rows are those of one tessellate() with all seeds, whatever the blocks are. The caller
+// carries messages between blocks, as distributed/mpi does over ranks. The order of use:
 //
-//   1. BlockDomain, the same for all, from the options and what bounds all seeds; check() the seeds
-//   2. split(), the same for all, from a sample of their places; blocks_of() says where each seed belongs
-//   3. Block, with its seeds; each outline() goes to all
-//   4. layer_for() each outline goes to its block; clip() with all layers
-//   5. question_for() each block goes to it, its answer() comes back; finish() with all answers
+//   1. BlockDomain, the same for all blocks, from the options and the bounds of all seeds; check() the seeds
+//   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
+//   3. Block, with its seeds; send each outline() to all blocks
+//   4. send halo_for() each outline to its block; clip() with all halos
+//   5. send request_for() each block to it, and its reply() back; finish() with all replies
 //
-// An empty Message says nothing and need not be sent. If j is a neighbor of i among all seeds, it is one among any that
-// contain both, so a block that is asked may answer for its own seeds alone (Levy: Large-scale semi-discrete
-// optimal transport with distributed Voronoi diagrams, arXiv 2406.04192, 2024). One question is enough: what comes back
-// makes a cell smaller, and a smaller cell reaches nothing that the larger one did not.
-//
-// Cells are found on the CPU. Not with want.vertices or want.faces, nor min_face or min_area (`unsupported`). Errors as
-// of tessellate().
+// Cells are found on the CPU. want.vertices, want.faces, min_face, min_area and duplicates = error are `unsupported`.
+// Errors are those of tessellate(). libvotess_mpi uses these classes of libvotess; neither is installed.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "core/bytes.hpp"
@@ -36,25 +30,24 @@ struct BlockState;
 
 class VOTESS_API BlockDomain {
 public:
-    // options: those of the run, except weights and radii; each Block calls progress while it finds cells, from 0 on.
-    // bounds: of all seeds, where options name neither box nor cell; seeds: how many there are in all.
+    // options: of the run; weights and radii are ignored. Each Block calls progress while it finds cells, from 0 on.
+    // bounds: of all seeds, used when the options have neither box nor cell. seeds: their number in all.
     BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds);
 
-    // The options with the box that was settled.
+    // Returns the options with the box of the run.
     [[nodiscard]] const Options& options() const noexcept;
-    // The volume of the domain; with walls 0 unless some seed is given, inside of them.
+    // Returns the volume of the domain. With walls, it is 0 unless a seed inside them is given.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
-    // N bytes for the points (N, 3): `outside` for seeds that are to be left out, else `certified`. Throws
-    // invalid_argument that names the first bad point by its index, counted from `first` on. weights, radii: N, or
-    // none.
+    // Returns N statuses: `outside` for seeds to drop, else `certified`. Throws invalid_argument that names the first
+    // bad point by its index plus `first`. points: (N, 3). weights, radii: N, or none.
     [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, std::span<const double> weights = {},
                                                 std::span<const double> radii = {}, std::uint64_t first = 0) const;
-    // (N, 3): where seeds lie after wrapping, in a unit of its own.
+    // Returns (N, 3): where seeds are after wrapping, in an internal unit.
     [[nodiscard]] std::vector<double> places(std::span<const double> points) const;
-    // Splits space into so many blocks of about equal numbers of seeds, by a sample (M, 3) of places that must be the
-    // same, in the same order, for all.
+    // Splits space into blocks with about equal numbers of seeds. sample: (M, 3) places, the same for all in the same
+    // order.
     void split(std::span<const double> sample, std::size_t blocks);
-    // N numbers of blocks, after split(). Seeds at one place belong to one block.
+    // After split(): returns N block numbers. Seeds at one place have the same block.
     [[nodiscard]] std::vector<std::uint32_t> blocks_of(std::span<const double> places) const;
 
 private:
@@ -63,18 +56,18 @@ private:
 };
 
 struct BlockCounts {
-    std::uint64_t given = 0;        // seeds that other blocks gave: layers and answers
+    std::uint64_t given = 0;        // seeds from other blocks: halos and replies
     std::uint64_t needed = 0;       // of these, neighbors of cells of the block
-    std::uint64_t tested = 0;       // cells whose vertices were compared with where other seeds may be
-    std::uint64_t questions = 0;    // cells asked about, once for each block asked
-    std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign, twice if also after an answer
+    std::uint64_t tested = 0;       // cells whose vertices were compared with boxes of unknown seeds
+    std::uint64_t questions = 0;    // requests: a cell counts once for each block
+    std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign; twice if also after a reply
 };
 
-// One block. Not for several threads at once; options.threads work inside of a call.
+// Calls for one block must not overlap. options.threads work inside a call.
 class VOTESS_API Block {
 public:
-    // ids: N, ascending, from 0 on, unlike those of any other block. points: (N, 3). weights: N in a power diagram, if
-    // need be squares of radii; else none. tags: N numbers that stand in rows beside the ids, or none: 0.
+    // ids: N, ascending, 0 or more, unique over all blocks. points: (N, 3). weights: N in a power diagram (squares of
+    // radii if these were given), else none. tags: N numbers that rows list beside the ids; none: 0.
     Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
           std::span<const double> weights = {}, std::span<const std::int32_t> tags = {});
     Block(Block&&) noexcept;
@@ -82,13 +75,12 @@ public:
     ~Block();
 
     [[nodiscard]] Message outline() const;
-    [[nodiscard]] Message layer_for(const Message& outline) const;
-    // outlines: of all blocks, in their order; own: which of them is this one's. layers: those that others made for it,
-    // in the same order, its own empty.
-    void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers);
-    [[nodiscard]] Message question_for(std::size_t block) const;
-    [[nodiscard]] Message answer(const Message& question);
-    [[nodiscard]] BlockCells finish(std::span<const Message> answers);
+    [[nodiscard]] Message halo_for(const Message& outline) const;
+    // outlines: of all blocks in order, this one's at `own`. halos: from the others for this block, in the same order.
+    void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos);
+    [[nodiscard]] Message request_for(std::size_t block) const;
+    [[nodiscard]] Message reply(const Message& request);
+    [[nodiscard]] BlockCells finish(std::span<const Message> replies);
     [[nodiscard]] const BlockCounts& counts() const noexcept;
 
 private:
