@@ -143,7 +143,7 @@ Fault get_fault(Reader& reader) {
 
 std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) {
     const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
-    return std::max(least_sample, static_cast<std::size_t>(sample_budget / work));
+    return std::max(min_sample, static_cast<std::size_t>(sample_budget / work));
 }
 
 void RowChecker::take(const StreamRows& rows, const RowNames& names) {
@@ -179,8 +179,8 @@ void RowChecker::take_row(const StreamRows& rows, std::size_t k, std::int64_t id
 
 void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
     const std::uint64_t key = mixed(mixed(sample_.rng_seed) + static_cast<std::uint64_t>(id));
-    if (kept_.size() == sample_.most) {
-        if (sample_.most == 0 || key >= kept_.front().key) return;
+    if (kept_.size() == sample_.max_cells) {
+        if (sample_.max_cells == 0 || key >= kept_.front().key) return;
         std::ranges::pop_heap(kept_, before);
         kept_.pop_back();
     }
@@ -317,19 +317,19 @@ std::string RowChecker::check_sample(std::size_t& sampled) {
     std::ranges::sort(kept_, before);
     const Seeds named = seeds_of_sample();
     double work = 0;
-    std::size_t next = 0, round = sample_.at_once;
+    std::size_t next = 0, round = sample_.first_round;
     while (true) {
-        const double most_work = std::ranges::max(gathered(blocks_, std::vector{work}));
-        if (most_work >= sample_.budget) return {};
+        const double max_work = std::ranges::max(gathered(blocks_, std::vector{work}));
+        if (max_work >= sample_.budget) return {};
         if (sampled > 0) {  // as many as the rest of the budget pays for
-            const double done = static_cast<double>(sampled), rest = done * (sample_.budget / most_work - 1);
-            round = static_cast<std::size_t>(std::clamp(rest, static_cast<double>(least_sample), 8 * done));
+            const double done = static_cast<double>(sampled), rest = done * (sample_.budget / max_work - 1);
+            round = static_cast<std::size_t>(std::clamp(rest, static_cast<double>(min_sample), 8 * done));
         }
         std::vector<std::uint64_t> keys;
         for (std::size_t k = next; k < std::min(kept_.size(), next + round); ++k) keys.push_back(kept_[k].key);
         keys = gathered(blocks_, keys);
         std::ranges::sort(keys);
-        keys.resize(std::min({keys.size(), round, sample_.most - sampled}));
+        keys.resize(std::min({keys.size(), round, sample_.max_cells - sampled}));
         if (keys.empty()) return {};
         std::vector<ReportedCell> cells;
         for (; next < kept_.size() && kept_[next].key <= keys.back(); ++next)

@@ -21,7 +21,7 @@ namespace votess {
 // A sample costs about a second: this many distance tests. They are counted, so that every machine tries the same
 // cells.
 inline constexpr double sample_budget = 5e8;
-inline constexpr std::size_t least_sample = 64;
+inline constexpr std::size_t min_sample = 64;
 // Returns how many cells the budget pays for, at least 64. seeds: of all blocks.
 [[nodiscard]] VOTESS_API std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic);
 
@@ -55,10 +55,10 @@ public:
 class VOTESS_API RowChecker {
 public:
     struct Sample {
-        std::size_t most = 0;  // cells
+        std::size_t max_cells = 0;
         std::uint64_t rng_seed = 1;
-        double budget = sample_budget;       // no more cells once some rank has done this many distance tests
-        std::size_t at_once = least_sample;  // cells in the first round
+        double budget = sample_budget;         // no more cells once some rank has done this many distance tests
+        std::size_t first_round = min_sample;  // cells in the first round
     };
     // blocks: must outlive this object.
     RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)

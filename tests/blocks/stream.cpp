@@ -172,7 +172,7 @@ TEST_CASE("stream: damaged rows are found") {
         rows.edge_counts = cells.edge_counts;
         rows.vertex_counts = cells.vertex_counts;
         Halves halves(set);
-        votess::RowChecker checker({options, set.size(), whole.stats().box_volume}, {.most = set.size()}, halves);
+        votess::RowChecker checker({options, set.size(), whole.stats().box_volume}, {.max_cells = set.size()}, halves);
         checker.take(rows);
         const votess::VerifyReport report = checker.report();
         CHECK(report.passed == report.failure.empty());

@@ -80,7 +80,7 @@ VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double>
         block.emplace(ranks, result, points);
         const auto& axes = result.options.cell ? result.options.cell->periodic : result.options.periodic;
         RowChecker::Sample sample{0, options.rng_seed};
-        sample.most = options.sample.value_or(sample_size(
+        sample.max_cells = options.sample.value_or(sample_size(
             result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, axes != std::array<bool, 3>{}));
         if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
         checker.emplace(CheckedRun{result.options, result.counts.seeds, result.counts.box_volume}, sample, *block);

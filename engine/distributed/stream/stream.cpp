@@ -337,7 +337,7 @@ private:
             share * static_cast<double>(stream_.memory) / (bytes_of_reply * static_cast<double>(count_ + 1));
         const std::size_t cells = sample_size(intake_.seeds(), count_, domain_is_periodic());
         RowChecker::Sample sample;
-        sample.most = sample.at_once = std::max(least_sample, std::min(cells, static_cast<std::size_t>(room)));
+        sample.max_cells = sample.first_round = std::max(min_sample, std::min(cells, static_cast<std::size_t>(room)));
         return sample;
     }
 
