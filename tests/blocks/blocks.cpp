@@ -103,7 +103,7 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
                         test::difference(test::in_blocks(job.points, options, 2 + number % 4), whole);
                     CHECK(wrong == "");
                 } catch (const votess::Error& error) {
-                    // Some sets are there to be refused; of skewed cells a block may see neighbors too far away.
+                    // Some sets are refused on purpose. In a skewed cell a block may meet neighbors too far away.
                     CHECK(error.code() != votess::ErrorCode::internal);
                 }
             }

@@ -87,7 +87,7 @@ TEST_CASE("stream: the families have the lists of all seeds at once") {
 TEST_CASE("stream: everything that can be wanted, and nothing") {
     const PointSet set = test::clustered(3000, 7);
     votess::Options options = options_of(set);
-    options.box.reset();  // which needs the bounds of all
+    options.box.reset();  // so that the bounds of all seeds count
     options.list_walls = true;
     auto& want = options.want;
     want.areas = want.normals = want.surfaces = want.radii = true;
@@ -139,7 +139,7 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
     }
 }
 
-// Rows of a run in memory, as a stream hands them out, some of them damaged.
+// Rows of a run in memory, damaged in one place and fed to the checker as a stream does.
 TEST_CASE("stream: damaged rows are found") {
     const PointSet set = test::uniform(300, 4);
     votess::Options options = options_of(set);
@@ -188,14 +188,14 @@ TEST_CASE("stream: damaged rows are found") {
               std::swap(cells.neighbors[row], cells.neighbors[row + 1]);
           }).starts_with("the row of seed 100 does not ascend at "));
     CHECK(failure([&] { cells.neighbors[end - 1] = 299 - (cells.neighbors[end - 1] == 299); }) == asymmetric);
-    for (std::size_t entry = row; entry < end; ++entry)  // the shift of the last face of several with one seed
+    for (std::size_t entry = row; entry < end; ++entry)  // the last of several faces with one seed
         if (entry + 1 == end || cells.neighbors[entry] != cells.neighbors[entry + 1]) {
             CHECK(failure([&] { ++cells.shifts[3 * entry]; }) == asymmetric);
             CHECK(failure([&] { ++cells.neighbors[entry]; }) != "");
         }
     CHECK(failure([&] { --cells.indptr[100]; }) != "");
     CHECK(failure([&] { cells.normals[3 * row] += 0.001; }).starts_with("cell 100 is not closed: area times normal "));
-    // What keeps the sums is found by brute force.
+    // Damage that keeps the sums is found by brute force.
     CHECK(failure([&] {
               cells.volumes[3] += 1e-6;
               cells.volumes[5] -= 1e-6;
@@ -267,29 +267,29 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
     CHECK(rows.pieces == 0);
 }
 
-TEST_CASE("stream: what it tells, and that it stops") {
+TEST_CASE("stream: log, progress, and stops") {
     const PointSet set = test::uniform(3000, 9);
     votess::Options options = options_of(set);
-    std::vector<std::string> said;
+    std::vector<std::string> logged;
     std::vector<double> fractions;
-    options.log = [&](std::string_view text) { said.emplace_back(text); };
+    options.log = [&](std::string_view text) { logged.emplace_back(text); };
     options.progress = [&](double fraction) {
         fractions.push_back(fraction);
         return true;
     };
     const test::Streamed found = test::streamed(set.points, options, little);
-    CHECK(said.size() == 6 + found.result.blocks);
-    CHECK(said[1].starts_with("about "));
+    CHECK(logged.size() == 6 + found.result.blocks);
+    CHECK(logged[1].starts_with("about "));
     CHECK(std::ranges::is_sorted(fractions));
     CHECK(fractions.back() == 1);
     CHECK(found.result.stats.volume_sum == doctest::Approx(1).epsilon(1e-12));
-    // Wherever it is told to stop, no call of the sink is left to come.
+    // After a stop at any call of progress the run ends with an error.
     for (std::size_t calls = 0; calls < fractions.size(); calls += 2) {
         std::size_t left = calls;
         options.progress = [&](double) { return left-- > 0; };
         CHECK(message([&] { test::streamed(set.points, options, little); }) == "cancelled by the progress callback");
     }
-    // What a sink throws goes through.
+    // An exception of the sink reaches the caller.
     struct Broken : votess::StreamSink {
         void rows(const votess::StreamRows&) override { throw std::runtime_error("the disk is full"); }
     } broken;
