@@ -51,7 +51,7 @@ votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t 
                                     const votess_options* options, int32_t cells, votess_mpi_result** out) {
     return guarded([&] {
         if (out != nullptr) *out = nullptr;
-        // What only one rank has wrong all learn before any goes on.
+        // An argument that is wrong on one rank is an error on all.
         std::span<const double> input;
         votess::Options converted;
         votess::mpi::Ranks(comm).together([&] {

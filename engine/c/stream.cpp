@@ -15,7 +15,7 @@ constexpr std::size_t first_stream_size = offsetof(votess_stream, user) + sizeof
 constexpr std::size_t first_counts_size =
     offsetof(votess_stream_counts, temporary_bytes) + sizeof(votess_stream_counts::temporary_bytes);
 
-// Calls back. Whether the answer is that there is more.
+// Calls back. Returns false when the callback ends the stream.
 template <typename Function>
 bool going_on(const char* callback, const Function& function) {
     const int answer = call_back(callback, function);

@@ -7,40 +7,40 @@
 #include <utility>
 #include <vector>
 
-#include "votess/blocks.hpp"
+#include "votess/votess.hpp"
 
-namespace votess::blocks {
+namespace votess {
+
+// Bytes that one block or rank sends to another: for the same version of votess on a machine of the same kind. An empty
+// message need not be sent.
+using Message = std::vector<std::byte>;
 
 class Writer {
 public:
     template <class T>
     void put(const T& value) {
         static_assert(std::is_trivially_copyable_v<T>);
-        put_all(std::span(&value, 1));
+        append(std::span(&value, 1));
     }
     template <class T>
     void put(const std::vector<T>& values) {
         put(static_cast<std::uint64_t>(values.size()));
-        put_all(std::span(values));
+        append(std::span(values));
     }
     void reserve(std::size_t bytes) { bytes_.reserve(bytes); }
-    // Appends to an array whose length has been written.
-    template <class T>
-    void append(std::span<const T> values) {
-        put_all(values);
+    // Puts more values of an array whose length has been put.
+    template <class T, std::size_t N>
+    void append(std::span<const T, N> values) {
+        const auto bytes = std::as_bytes(values);
+        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
     }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
 private:
-    template <class T, std::size_t N>
-    void put_all(std::span<const T, N> values) {
-        const auto bytes = std::as_bytes(values);
-        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
-    }
     Message bytes_;
 };
 
-// Throws invalid_argument if the bytes do not match the types read.
+// Throws invalid_argument when the bytes do not have the form that is read.
 class Reader {
 public:
     explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -71,10 +71,22 @@ private:
         return begin;
     }
     [[noreturn]] static void refuse() {
-        throw Error(ErrorCode::invalid_argument,
-                    "a message between blocks is damaged or from another version: run the same version everywhere");
+        throw Error(ErrorCode::invalid_argument, "a message between blocks was not written by this version of votess");
     }
     std::span<const std::byte> bytes_;
 };
 
-}  // namespace votess::blocks
+// One array as a message, without its length.
+template <class T>
+Message to_bytes(const std::vector<T>& values) {
+    const auto bytes = std::as_bytes(std::span(values));
+    return {bytes.begin(), bytes.end()};
+}
+template <class T>
+void append_bytes(const Message& message, std::vector<T>& values) {
+    const std::size_t old = values.size();
+    values.resize(old + message.size() / sizeof(T));
+    if (!message.empty()) std::memcpy(values.data() + old, message.data(), message.size());
+}
+
+}  // namespace votess

@@ -8,20 +8,14 @@
 namespace votess {
 namespace {
 
-// In distance tests.
+// Work, in distance tests.
 constexpr double work_of_cell = 1e4, work_of_range = 60, work_of_image = 150, work_of_plane = 100, work_of_vertex = 1;
-constexpr std::size_t no_slot = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
-BruteForce::BruteForce(const Job& job, std::span<const CellStatus> status)
-    : job_(job), domain_(*job.domain), slot_(status.size()) {
-    for (std::size_t j = 0; j < status.size(); ++j) {
-        if (!takes_part(status[j])) continue;
-        slot_[j] = id_.size();
-        id_.push_back(static_cast<std::int32_t>(j));
-        place_.push_back(place_of(seed_of(j)));
-    }
+BruteForce::BruteForce(const Job& job) : job_(job), domain_(*job.domain) {
+    place_.reserve(job.points.count());
+    for (std::size_t i = 0; i < job.points.count(); ++i) place_.push_back(place_of(seed_of(i)));
 }
 
 exact::Point BruteForce::seed_of(std::size_t j) const {
@@ -32,7 +26,7 @@ double BruteForce::weight_of(std::size_t j) const {
     return domain_.has_weights() ? domain_.weights[j] : 0;
 }
 
-// The places of two seeds are each rounded once, along axes that box vectors have a component of.
+// Rounds the place of a seed once, along axes that box vectors have a component of.
 BruteForce::Place BruteForce::place_of(const exact::Point& seed) {
     Place place{{}, seed};
     if (!domain_.is_periodic()) return place;
@@ -49,16 +43,16 @@ BruteForce::Place BruteForce::place_of(const exact::Point& seed) {
 }
 
 void BruteForce::clip(std::size_t i, cpu::Cell& cell) {
-    clip({seed_of(i), weight_of(i), place_[slot_[i]], static_cast<std::int32_t>(i), slot_[i]}, cell);
+    clip({seed_of(i), weight_of(i), place_[i], i}, cell);
 }
 
 void BruteForce::clip(const exact::Point& seed, double weight, cpu::Cell& cell) {
-    clip({seed, weight, place_of(seed), static_cast<std::int32_t>(slot_.size()), no_slot}, cell);
+    clip({seed, weight, place_of(seed), place_.size()}, cell);
 }
 
 void BruteForce::clip(const Own& own, cpu::Cell& cell) {
     own_ = own;
-    cell.start(own_.seed, domain_, own_.id);
+    cell.start(own_.seed, domain_, static_cast<std::int32_t>(own_.index));
     work_ += work_of_cell;
     cut_by_nearest(cell);
     images_.clear();
@@ -75,60 +69,60 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
         const Images next = images_.back();
         images_.pop_back();
         work_ += work_of_image;
-        const Box bounds = bounds_of(next.slot, next.shifts);
-        if (!cell.in_reach(bounds, more()) || !cell.may_cut(bounds, more())) continue;
+        const Box bounds = bounds_of(next.seed, next.shifts);
+        if (!cell.in_reach(bounds, max_extra_weight()) || !cell.may_cut(bounds, max_extra_weight())) continue;
         if (next.shifts.is_single())
-            cut(next.slot, next.shifts, cell);
+            cut(next.seed, next.shifts, cell);
         else
             halve(next);
     }
 }
 
-double BruteForce::more() const {
+double BruteForce::max_extra_weight() const {
     return domain_.has_weights() ? domain_.max_heavier_by(own_.weight) : 0;
 }
 
-// No seed farther away cuts: R + sqrt(R^2 + w - w_i) for the largest weight w.
+// Returns a distance beyond which no seed cuts: R + sqrt(R^2 + w - w_i) for the largest weight w.
 double BruteForce::reach_of(cpu::Cell& cell) const {
     constexpr double slack = 1 + 1e-9, least = 1e-150;  // squares below the least number are lost
     const double square = cell.radius_squared();
-    return (std::sqrt(square) + std::sqrt(square + more())) * slack + rounding_ + least;
+    return (std::sqrt(square) + std::sqrt(square + max_extra_weight())) * slack + rounding_ + least;
 }
 
-Box BruteForce::bounds_of(std::size_t slot, const ShiftRange& shifts) const {
-    const exact::Point& q = place_[slot].at;
+Box BruteForce::bounds_of(std::size_t seed, const ShiftRange& shifts) const {
+    const exact::Point& q = place_[seed].at;
     if (!domain_.is_periodic()) return cpu::seen_from(own_.place.at, {q, q});
     return cpu::seen_from({}, images_of(domain_, {q, q}, shifts, own_.place.at), place_rounding_);
 }
 
-void BruteForce::add(std::size_t slot, const ShiftRange& shifts, double most) {
-    const Box box = bounds_of(slot, shifts);
+void BruteForce::add(std::size_t seed, const ShiftRange& shifts, double max_square) {
+    const Box box = bounds_of(seed, shifts);
     double square = 0;
     for (int k = 0; k < 3; ++k) {
         const double gap = std::max({0.0, box.lower[k], -box.upper[k]});
         square += gap * gap;
     }
-    if (square > most) return;
-    images_.push_back({square, slot, shifts});
+    if (square > max_square) return;
+    images_.push_back({square, seed, shifts});
     std::ranges::push_heap(images_, farther);
 }
 
 void BruteForce::halve(const Images& images) {
     const int axis = longest_extent(domain_, images.shifts).axis;
-    for (const ShiftRange& half : halves(images.shifts, axis)) add(images.slot, half, infinity);
+    for (const ShiftRange& half : halves(images.shifts, axis)) add(images.seed, half, infinity);
 }
 
-// By a few seeds, so that others are soon out of reach.
+// Cuts by a few seeds, so that the others are soon out of reach.
 void BruteForce::cut_by_nearest(cpu::Cell& cell) {
-    constexpr std::size_t most = 48;
+    constexpr std::size_t count = 48;
     images_.clear();
     for (std::size_t s = 0; s < place_.size(); ++s) {
         const exact::Point &p = own_.place.at, &q = place_[s].at;
         const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
         double key = x * x + y * y + z * z;
-        if (domain_.has_weights()) key -= weight_of(static_cast<std::size_t>(id_[s]));
-        if (images_.size() == most && !(key < images_.front().distance_squared)) continue;
-        if (images_.size() == most) {
+        if (domain_.has_weights()) key -= weight_of(s);
+        if (images_.size() == count && !(key < images_.front().distance_squared)) continue;
+        if (images_.size() == count) {
             std::ranges::pop_heap(images_, {}, &Images::distance_squared);
             images_.pop_back();
         }
@@ -137,18 +131,17 @@ void BruteForce::cut_by_nearest(cpu::Cell& cell) {
     }
     work_ += static_cast<double>(place_.size());
     std::ranges::sort(images_, {}, &Images::distance_squared);
-    for (const Images& image : images_) cut(image.slot, {}, cell);
+    for (const Images& image : images_) cut(image.seed, {}, cell);
 }
 
-void BruteForce::cut(std::size_t slot, const ShiftRange& range, cpu::Cell& cell) {
+void BruteForce::cut(std::size_t seed, const ShiftRange& range, cpu::Cell& cell) {
     const exact::Shift shift = domain_.is_periodic() ? only_shift(domain_, range) : exact::Shift{};
-    const auto id = id_[slot];
-    const auto j = static_cast<std::size_t>(id);
-    if ((slot == own_.slot && shift == exact::Shift{}) || cell.has_plane(id, shift)) return;
+    const auto id = static_cast<std::int32_t>(seed);
+    if ((seed == own_.index && shift == exact::Shift{}) || cell.knows(id, shift)) return;
     exact::Shift total;
-    for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + place_[slot].shift[k] - own_.place.shift[k];
-    exact::Plane plane = exact::Plane::bisector(seed_of(j), total, domain_.lattice);
-    if (domain_.has_weights()) plane.power = exact::two_sum(own_.weight, -domain_.weights[j]);
+    for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + place_[seed].shift[k] - own_.place.shift[k];
+    exact::Plane plane = exact::Plane::bisector(seed_of(seed), total, domain_.lattice);
+    if (domain_.has_weights()) plane.power = exact::two_sum(own_.weight, -domain_.weights[seed]);
     work_ += work_of_plane + work_of_vertex * cell.slots();
     cell.clip(id, plane, shift);
 }

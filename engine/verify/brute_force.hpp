@@ -1,10 +1,9 @@
-// Cells clipped by every seed, without any search structure.
+// Cells clipped by every seed of a job, without any search structure.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "input/job.hpp"
@@ -12,42 +11,35 @@
 
 namespace votess {
 
-// Duplicates and seeds outside have no cell.
-inline bool takes_part(CellStatus status) {
-    return status != CellStatus::duplicate && status != CellStatus::outside;
-}
-
-// Seeds that take part, where they lie in the domain; by slot.
 class BruteForce {
 public:
-    // status: of the seeds of the job, which must outlive it.
-    BruteForce(const Job& job, std::span<const CellStatus> status);
+    // All seeds of the job have cells. The job must outlive this object.
+    explicit BruteForce(const Job& job);
 
     // Clips the cell of seed i by every seed, in a periodic domain by every image that can reach it: ranges of shifts
-    // are halved until they hold one. Nearest first, for speed alone. Adds to work().
+    // are halved until they hold one shift. Starts with the nearest, for speed. Adds to work().
     void clip(std::size_t i, cpu::Cell& cell);
-    // The cell of a seed that is none of the job's; lengths and weight are times its scale. Images of itself are not
-    // tried. Its number, for planes, is that of the job's seeds.
+    // Clips the cell of a seed that is not in the job, but not by its own images. Lengths and weight are times the
+    // job's scale. Planes of this cell have the job's number of seeds as their own id.
     void clip(const exact::Point& seed, double weight, cpu::Cell& cell);
 
-    // Counted in distance tests.
+    // The work so far, in distance tests.
     [[nodiscard]] double work() const noexcept { return work_; }
 
 private:
     struct Place {             // of a seed in the domain
         exact::Shift shift{};  // that wrapped it
-        exact::Point at;       // where to, rounded
+        exact::Point at;       // wrapped and rounded
     };
-    struct Own {  // the seed whose cell it is
+    struct Own {  // the seed of the cell
         exact::Point seed;
         double weight;
         Place place;
-        std::int32_t id;
-        std::size_t slot;
+        std::size_t index;  // in the job, or its number of seeds
     };
     struct Images {               // of one seed by a range of shifts
-        double distance_squared;  // of the nearest, or less
-        std::size_t slot;
+        double distance_squared;  // of the nearest image, or less
+        std::size_t seed;
         ShiftRange shifts;
     };
     static bool farther(const Images& a, const Images& b) { return a.distance_squared > b.distance_squared; }
@@ -57,18 +49,16 @@ private:
     [[nodiscard]] double weight_of(std::size_t index) const;
     [[nodiscard]] Place place_of(const exact::Point& seed);
     void clip(const Own& own, cpu::Cell& cell);
-    [[nodiscard]] double more() const;
+    [[nodiscard]] double max_extra_weight() const;
     [[nodiscard]] double reach_of(cpu::Cell& cell) const;
-    [[nodiscard]] Box bounds_of(std::size_t slot, const ShiftRange& shifts) const;
-    void add(std::size_t slot, const ShiftRange& shifts, double most);
+    [[nodiscard]] Box bounds_of(std::size_t seed, const ShiftRange& shifts) const;
+    void add(std::size_t seed, const ShiftRange& shifts, double max_square);
     void halve(const Images& images);
     void cut_by_nearest(cpu::Cell& cell);
-    void cut(std::size_t slot, const ShiftRange& range, cpu::Cell& cell);
+    void cut(std::size_t seed, const ShiftRange& range, cpu::Cell& cell);
 
     const Job& job_;
     const Domain& domain_;
-    std::vector<std::size_t> slot_;  // by index
-    std::vector<std::int32_t> id_;
     std::vector<Place> place_;
     exact::Point largest_{}, place_rounding_{};
     double rounding_ = 0;  // of distances

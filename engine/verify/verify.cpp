@@ -1,57 +1,132 @@
-// The public checker: what holds for all cells, and the sampled ones of verify_sample.cpp.
+// verify() of a whole result: its rows go through the RowChecker in pieces, and its polygons are compared.
 #include <algorithm>
 
 #include "input/domain_of_result.hpp"
-#include "input/options.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
-#include "verify/invariants.hpp"
-#include "verify/verify_mesh.hpp"
-#include "verify/verify_sample.hpp"
+#include "verify/row_checker.hpp"
 
 namespace votess {
 namespace {
 
-std::string check_volumes(const Tessellation& t) {
-    const bool certified = std::ranges::count(t.status(), CellStatus::certified) > 0;
-    return check_volume_sum(t.stats(), certified, volume_tolerance(t).sum);
+using detail::Result;
+
+constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+
+std::size_t at(std::int64_t i) {
+    return static_cast<std::size_t>(i);
 }
 
-// Rows ascend, so that none lists a face twice, and each entry is answered by one of the cell behind the face.
-std::string check_symmetry(const Tessellation& t) {
-    const Rows rows{t.indptr(), t.indices(), t.shifts()};
-    for (std::size_t i = 0; i < t.size(); ++i)
+class WholeResult : public RunBlocks {
+public:
+    WholeResult(const Result& result, std::span<const double> points)
+        : r_(result), points_(points.begin(), points.end()) {}  // read once, see input/snapshot.hpp
+
+    bool for_rows(const Visit& visit) override {
+        std::vector<std::int64_t> neighbors;
+        for (std::size_t begin = 0; begin < r_.status.size(); begin += rows_at_once) {
+            const std::size_t size = std::min(rows_at_once, r_.status.size() - begin);
+            const auto piece = []<class T>(const Buffer<T>& all, std::size_t first, std::size_t count) {
+                return all.empty() ? std::span<const T>() : std::span<const T>(all).subspan(first, count);
+            };
+            StreamRows rows;
+            rows.first = begin;
+            rows.status = piece(r_.status, begin, size);
+            rows.volumes = piece(r_.volumes, begin, size);
+            rows.face_counts = piece(r_.face_counts, begin, size);
+            rows.edge_counts = piece(r_.edge_counts, begin, size);
+            rows.vertex_counts = piece(r_.vertex_counts, begin, size);
+            if (!r_.indptr.empty()) {
+                const std::size_t first = at(r_.indptr[begin]), count = at(r_.indptr[begin + size]) - first;
+                const auto narrow = piece(r_.indices, first, count);
+                neighbors.assign(narrow.begin(), narrow.end());
+                rows.indptr = piece(r_.indptr, begin, size + 1);
+                rows.neighbors = neighbors;
+                rows.shifts = piece(r_.shifts, 3 * first, 3 * count);
+                rows.areas = piece(r_.face_areas, first, count);
+                rows.normals = piece(r_.face_normals, 3 * first, 3 * count);
+            }
+            visit(rows, {});
+        }
+        return true;
+    }
+
+    void for_blocks(const std::function<void(Seeds)>& task) override {
+        Seeds seeds;
+        for (std::size_t i = 0; i < r_.status.size(); ++i)
+            if (takes_part(r_.status[i])) seeds.add(static_cast<std::int64_t>(i), points_, r_.weights, i);
+        task(std::move(seeds));
+    }
+
+private:
+    const Result& r_;
+    std::vector<double> points_;
+};
+
+std::span<const std::int32_t> polygon(const Result& r, std::size_t entry) {
+    const std::span<const std::int32_t> all = r.face_vertices;
+    return all.subspan(at(r.face_offsets[entry]), at(r.face_offsets[entry + 1] - r.face_offsets[entry]));
+}
+
+// Whether each edge occurs twice, in opposite directions. edges: scratch.
+bool is_watertight(const Result& r, const Rows& rows, std::size_t i, std::vector<std::uint64_t>& edges) {
+    edges.clear();
+    for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
+        const auto corners = polygon(r, entry);
+        if (corners.size() < 3) return false;
+        for (std::size_t k = 0; k < corners.size(); ++k)
+            edges.push_back(static_cast<std::uint64_t>(corners[k]) << 32 |
+                            static_cast<std::uint32_t>(corners[k + 1 == corners.size() ? 0 : k + 1]));
+    }
+    std::ranges::sort(edges);
+    return std::ranges::adjacent_find(edges) == edges.end() && std::ranges::all_of(edges, [&](std::uint64_t edge) {
+               return std::ranges::binary_search(edges, edge << 32 | edge >> 32);
+           });
+}
+
+// Whether both have the same vertices, or images of them, in opposite order.
+bool same_polygon(const Result& r, std::size_t entry, std::size_t other) {
+    const auto original = [&](std::int32_t v) { return r.vertex_image_of.empty() ? v : r.vertex_image_of[at(v)]; };
+    const auto here = polygon(r, entry), there = polygon(r, other);
+    if (here.size() != there.size()) return false;
+    for (std::size_t turn = 0; turn < here.size(); ++turn) {
+        std::size_t k = 0;
+        while (k < here.size() && original(here[k]) == original(there[(turn + here.size() - k) % here.size()])) ++k;
+        if (k == here.size()) return true;
+    }
+    return false;
+}
+
+// The rows are symmetric.
+std::string check_polygons(const Result& r) {
+    const Rows rows{r.indptr, r.indices, r.shifts};
+    std::vector<std::uint64_t> edges;
+    for (std::size_t i = 0; i < r.status.size(); ++i) {
+        if (!is_watertight(r, rows, i, edges)) return "cell " + std::to_string(i) + " is not watertight";
         for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
             const FaceLabel label = rows.label(entry);
-            if (entry > rows.begin(i) && !(rows.label(entry - 1) < label))
-                return not_ascending(static_cast<std::int64_t>(i), label.id);
-            if (label.id < 0) continue;
-            const auto j = static_cast<std::size_t>(label.id);
-            if (rows.find(j, label.seen_from_behind(i)) == rows.end(j))
-                return "seed " + std::to_string(i) + " lists " + std::to_string(j) + ", which does not list it";
+            if (label.id < static_cast<std::int32_t>(i)) continue;
+            if (!same_polygon(r, entry, rows.find(at(label.id), label.seen_from_behind(i))))
+                return "cells " + std::to_string(i) + " and " + std::to_string(label.id) +
+                       " have different polygons between them";
         }
+    }
     return {};
 }
 
-std::string check_euler(const Tessellation& t) {
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        if (t.status()[i] != CellStatus::certified) continue;
-        auto wrong = check_euler_formula(static_cast<std::int64_t>(i), t.vertex_counts()[i], t.edge_counts()[i],
-                                         t.face_counts()[i]);
-        if (!wrong.empty()) return wrong;
-    }
-    return {};
+void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
+    require_whole_diagram(t, function);
+    if (points.size() != 3 * t.size())
+        throw Error(ErrorCode::invalid_argument, function + ": points hold " + std::to_string(points.size()) +
+                                                     " coordinates, the result has " + std::to_string(t.size()) +
+                                                     " cells");
 }
 
 }  // namespace
 
 std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> points) {
-    require_whole_diagram(t, "count_tiny_faces");
+    require_points(t, points, "count_tiny_faces");
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
-    if (points.size() != 3 * t.size())
-        throw Error(ErrorCode::invalid_argument, "count_tiny_faces: points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells");
     Options options = domain_options(t);
     options.weights = t.weights();
     options.device = "cpu";
@@ -60,29 +135,24 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     return tessellate(points, options).stats().tiny_faces.value();
 }
 
-VerifyReport verify(const Tessellation& t, std::span<const double> given, const VerifyOptions& options) {
-    require_whole_diagram(t, "verify");
-    if (given.size() != 3 * t.size())
-        throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(given.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells");
-    const std::vector<double> points(given.begin(), given.end());  // read once, see input/snapshot.hpp
-    VerifyReport report;
-    auto check = [&](const char* name, bool possible, auto run) {
-        if (!possible)
-            report.skipped.emplace_back(name);
-        else if (report.failure.empty())
-            report.failure = run();
-    };
-    const bool any = t.size() > 0;
-    check("volumes", !any || !t.volumes().empty(), [&] { return check_volumes(t); });
-    check("symmetry", !any || !t.indptr().empty(), [&] { return check_symmetry(t); });
-    check("euler", !any || (!t.face_counts().empty() && t.least_face() == 0), [&] { return check_euler(t); });
-    if (report.failure.empty() && has_mesh(*t.result_))
-        report.failure = check_mesh(*t.result_, volume_tolerance(t).sum);
-    check("sample", !any || !t.indptr().empty() || !t.volumes().empty(),
-          [&] { return any ? check_sample(t, points, options, report.sampled) : std::string(); });
-    report.passed = report.failure.empty();
+VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+    require_points(t, points, "verify");
+    const Result& result = *t.result_;
+    const bool single = t.stats().precision == Precision::single;
+    CheckedRun run{domain_options(t), t.size(), t.stats().box_volume, t.least_face(),
+                   single ? single_tolerance : double_tolerance};
+    run.options.list_walls = t.lists_walls();
+    const bool periodic = t.periodic() != std::array<bool, 3>{};
+    RowChecker::Sample sample{options.sample.value_or(sample_size(t.size(), 1, periodic)), options.rng_seed};
+    if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
+    WholeResult whole(result, points);
+    RowChecker checker(std::move(run), sample, whole);
+    whole.for_rows([&](const StreamRows& rows, const RowNames& names) { checker.take(rows, names); });
+    VerifyReport report = checker.report();
+    if (report.passed && !result.face_offsets.empty() && result.least_face == 0) {
+        report.failure = check_polygons(result);
+        report.passed = report.failure.empty();
+    }
     report.tiny_faces = count_tiny_faces(t, points);
     return report;
 }

@@ -1,5 +1,4 @@
-// One tessellation over the ranks of an MPI communicator, by votess/blocks.hpp. The library is votess_mpi; libvotess
-// itself knows no MPI.
+// One tessellation over the ranks of an MPI communicator. The library is votess_mpi; libvotess itself does not use MPI.
 //
 // The rows do not depend on the number of ranks, nor on which rank hands in which seed: they are those of one
 // tessellate() with all seeds. Volumes, centroids and areas agree with it to the digits promised.
@@ -7,7 +6,7 @@
 
 #include <mpi.h>
 
-#include "votess/blocks.hpp"
+#include "votess/block_cells.hpp"
 
 namespace votess::mpi {
 
@@ -17,15 +16,17 @@ enum class Cells : std::int32_t {
 };
 
 struct Counts {
-    std::uint64_t seeds = 0;                  // of all ranks
-    std::uint64_t largest_block = 0;          // seeds of the largest
-    std::uint64_t given = 0, needed = 0;      // sums of BlockCounts over all ranks
-    std::uint64_t tested = 0, questions = 0;  // the same
-    std::uint64_t bytes = 0;                  // that ranks sent to others, of seeds, questions, answers and cells
-    unsigned rounds = 2;                      // exchanges of seeds between blocks: layers, answers
-    std::uint64_t exact_cells = 0;            // the same
-    double box_volume = 0;                    // of the domain
-    double volume_sum = 0;                    // of all cells; 0 when volumes were not wanted
+    std::uint64_t seeds = 0;          // of all ranks
+    std::uint64_t largest_block = 0;  // seeds of the largest
+    std::uint64_t given = 0;          // seeds that ranks got from others to clip their cells
+    std::uint64_t needed = 0;         // of these, neighbors of the rank's cells
+    std::uint64_t tested = 0;         // cells whose vertices were compared with boxes of unknown seeds
+    std::uint64_t questions = 0;      // cells sent to other ranks, once for each
+    std::uint64_t bytes = 0;          // that ranks sent to others: seeds, requests, replies and cells
+    unsigned rounds = 2;              // exchanges of seeds between blocks
+    std::uint64_t exact_cells = 0;    // cells where exact arithmetic decided a sign
+    double box_volume = 0;            // of the domain
+    double volume_sum = 0;            // of all cells; 0 when volumes were not wanted
 };
 
 // BlockCells::tags are the ranks that handed the neighbors in. Seeds that were dropped have status `outside`.
@@ -46,16 +47,16 @@ struct Result {
 // ranks; or none on any rank: seeds are numbered rank after rank. Of seeds at one place the lowest id has the cell.
 // options: the same on all ranks, except weights and radii, which are N of this rank's own, and threads and progress,
 // which are those of each rank. progress is called while the rank finds its cells; where it returns false on one rank
-// all ranks stop. Errors as of BlockDomain and Block; where one rank fails all throw the same error, which names the
-// rank, and indices of its own points, or where there are no ids the numbers that these get.
+// all ranks stop. Errors are those of tessellate(). Vertices, faces, min_face, min_area, duplicates =
+// error and GPUs are `unsupported`. If one rank fails, all throw the same error, which names the rank and the index of
+// its point, or without ids the number that this point gets.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
 
-// Collective: checks what tessellate() returned, as verify() does; the report is the same on all ranks. Volumes sum to
-// the domain's (relative 1e-9), rows ascend, each pair is in both rows, over borders of ranks too, Euler's formula
-// holds, and a sample of all cells equals cells clipped anew by every seed of every rank. points: those that were
-// handed in; none for Cells::made. Errors as of tessellate().
+// Checks what tessellate() returned, as verify() does. Collective; the report is the same on all ranks. The sample of
+// all cells is clipped by every seed of every rank. Owners (BlockCells::tags) of Cells::handed_in are checked with the
+// pairs. points: those that were handed in; none for Cells::made. Throws invalid_argument when arrays do not fit.
 [[nodiscard]] VOTESS_API VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

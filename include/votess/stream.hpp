@@ -1,5 +1,5 @@
 // Tessellates seeds that do not fit into memory: they come in pieces, wait in temporary files, are tessellated block by
-// block (votess/blocks.hpp), and rows go out in pieces, in the order of the seeds. Rows are those of one tessellate()
+// block, and rows go out in pieces, in the order of the seeds. Rows are those of one tessellate()
 // with all seeds, bit for bit, whatever the memory is.
 //
 //     struct Seeds : votess::StreamSource { bool next(votess::StreamSeeds& some) override { ... } };
@@ -86,15 +86,14 @@ struct StreamResult {
     std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
     std::uint64_t asked_cells = 0;                // that were completed by other blocks
     std::uint64_t temporary_bytes = 0;            // in all files
-    // With StreamOptions::verify. Symmetry is tested by a sum of 128 bits over the entries of all rows, so that a fault
-    // goes unseen with a probability of about 2^-128, and the text does not name the seeds. How many cells are tried by
-    // brute force, against all seeds, depends on the input, the number of blocks and the memory: as many as take about
-    // a second, at least 64 or all. Without neighbors only volumes and Euler's formula are tested.
+    // With StreamOptions::verify. Rows pass once, so the text on rows that are not symmetric does not name the seeds.
+    // How many cells are tried against all seeds depends on the input, the number of blocks and the memory: as many as
+    // take about a second, at least 64 or all.
     std::optional<VerifyReport> verified;
 };
 
 // options: weights and radii come from the source. want.vertices and want.faces, min_face, min_area, duplicates = error
-// and GPUs are `unsupported`, as in votess/blocks.hpp. options.log is told each stage, and how much room the temporary
+// and GPUs are `unsupported`. options.log is told each stage, and how much room the temporary
 // files take before the first of them is written. Errors: those of tessellate(), `storage` where a temporary file
 // cannot be written or there is no room, and what source and sink throw.
 VOTESS_API StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,

@@ -368,7 +368,7 @@ struct Delaunay {
 // are skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in
 // opposite directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces,
 // it is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face or min_area neither these nor
-// Euler's formula.
+// Euler's formula. Symmetry is tested by a sum of 128 bits, which misses a fault with a probability of about 2^-128.
 struct VerifyOptions {
     // Nothing: as many as take about a second, at least 64 or all. How many depends on the input alone, not on a clock.
     std::optional<std::size_t> sample;
@@ -378,7 +378,7 @@ struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
-    std::size_t sampled = 0;           // cells tried by brute force, up to the one that failed
+    std::size_t sampled = 0;           // cells tried by brute force
     // No failure: as in Stats. Of rows found in blocks unknown.
     std::optional<std::uint64_t> tiny_faces;
 };

@@ -103,7 +103,7 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
                         test::difference(test::in_blocks(job.points, options, 2 + number % 4), whole);
                     CHECK(wrong == "");
                 } catch (const votess::Error& error) {
-                    // Some sets are there to be refused; of skewed cells a block may see neighbors too far away.
+                    // Some sets are refused on purpose. In a skewed cell a block may meet neighbors too far away.
                     CHECK(error.code() != votess::ErrorCode::internal);
                 }
             }
@@ -130,7 +130,7 @@ TEST_CASE("blocks: what is refused, and by which words") {
     CHECK(message([&] { (void)domain.check(outside); }).starts_with("point 1: y = 1.5 is outside the box"));
     CHECK(message([&] { (void)domain.blocks_of(points); }) == "blocks_of() before split()");
     CHECK(message([&] { votess::Block(domain, equal, points); }) ==
-          "ids of a block ascend from 0 on: the one at 1 is 4");
+          "ids of a block must ascend from 0 on: the one at 1 is 4");
     CHECK(message([&] { votess::Block(domain, ids, std::span(points).first(3)); }).starts_with("ids, points, weights"));
     for (const unsigned what : {0u, 1u, 2u, 3u}) {
         votess::Options wrong = options;
@@ -144,7 +144,7 @@ TEST_CASE("blocks: what is refused, and by which words") {
     votess::Message outline = block.outline();
     CHECK(!outline.empty());
     outline.pop_back();
-    CHECK(message([&] { (void)block.layer_for(outline); }) ==
-          "a message between blocks is damaged or from another version: run the same version everywhere");
-    CHECK(block.layer_for({}).empty());
+    CHECK(message([&] { (void)block.halo_for(outline); }) ==
+          "a message between blocks was not written by this version of votess");
+    CHECK(block.halo_for({}).empty());
 }

@@ -58,19 +58,19 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
         outlines.push_back(all.back().outline());
     }
     for (std::size_t b = 0; b < count; ++b) {
-        std::vector<Message> layers(all.size());
+        std::vector<Message> halos(all.size());
         for (std::size_t from = 0; from < count; ++from)
-            if (from != b) layers[from] = all[from].layer_for(outlines[b]);
-        all[b].clip(outlines, b, layers);
+            if (from != b) halos[from] = all[from].halo_for(outlines[b]);
+        all[b].clip(outlines, b, halos);
     }
     InBlocks result;
     result.seeds = inside.size();
     std::vector<BlockCells> cells;
     for (std::size_t b = 0; b < count; ++b) {
-        std::vector<Message> answers;
+        std::vector<Message> replies;
         for (std::size_t to = 0; to < count; ++to)
-            if (to != b) answers.push_back(all[to].answer(all[b].question_for(to)));
-        cells.push_back(all[b].finish(answers));
+            if (to != b) replies.push_back(all[to].reply(all[b].request_for(to)));
+        cells.push_back(all[b].finish(replies));
         const BlockCounts& counts = all[b].counts();
         result.counts.given += counts.given;
         result.counts.needed += counts.needed;

@@ -1,11 +1,12 @@
-// A run in blocks within one process, as a whole result to compare.
+// A run in blocks in one process, joined to a whole result.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
-#include <votess/blocks.hpp>
+
+#include "distributed/blocks/blocks.hpp"
 
 namespace test {
 
@@ -16,7 +17,7 @@ struct InBlocks {
 };
 InBlocks in_blocks(std::span<const double> points, const votess::Options& options, std::size_t blocks);
 
-// "" when these are the cells of t: rows, shifts, statuses and counts exactly, geometry to the digits promised.
+// Returns "" when the cells are those of t, to the last digit, else the first difference.
 std::string difference(const InBlocks& found, const votess::Tessellation& t);
 
 }  // namespace test

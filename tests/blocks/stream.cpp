@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "blocks/streamed.hpp"
-#include "distributed/stream/row_checks.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
-#include "verify/brute_force.hpp"
+#include "verify/row_checker.hpp"
 
 namespace {
 
@@ -44,6 +43,20 @@ void check(const PointSet& set, const votess::Options& options) {
           (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
 }
 
+// Seeds in two blocks. The rows come once.
+struct Halves : votess::RunBlocks {
+    explicit Halves(const PointSet& some) : set(some) {}
+    void for_blocks(const std::function<void(votess::Seeds)>& task) override {
+        for (const bool second : {false, true}) {
+            votess::Seeds half;
+            for (std::size_t i = 0; i < set.size(); ++i)
+                if ((i >= set.size() / 2) == second) half.add(static_cast<std::int64_t>(i), set.points, {}, i);
+            task(half);
+        }
+    }
+    const PointSet& set;
+};
+
 std::string message(const auto& work) {
     try {
         work();
@@ -74,7 +87,7 @@ TEST_CASE("stream: the families have the lists of all seeds at once") {
 TEST_CASE("stream: everything that can be wanted, and nothing") {
     const PointSet set = test::clustered(3000, 7);
     votess::Options options = options_of(set);
-    options.box.reset();  // which needs the bounds of all
+    options.box.reset();  // so that the bounds of all seeds count
     options.list_walls = true;
     auto& want = options.want;
     want.areas = want.normals = want.surfaces = want.radii = true;
@@ -126,12 +139,12 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
     }
 }
 
-// Rows of a run in memory, as a stream hands them out, some of them damaged.
+// Rows of a run in memory, damaged in one place and fed to the checker as a stream does.
 TEST_CASE("stream: damaged rows are found") {
     const PointSet set = test::uniform(300, 4);
     votess::Options options = options_of(set);
     options.periodic = {true, true, true};
-    options.want.areas = true;
+    options.want.areas = options.list_walls = true;
     const auto whole = votess::tessellate(set.points, options);
     votess::BlockCells cells;
     const auto copy = [](auto from, auto& to) { to.assign(from.begin(), from.end()); };
@@ -141,6 +154,7 @@ TEST_CASE("stream: damaged rows are found") {
         copy(whole.indices(), cells.neighbors);
         copy(whole.shifts(), cells.shifts);
         copy(whole.face_areas(), cells.areas);
+        copy(whole.face_normals(), cells.normals);
         copy(whole.volumes(), cells.volumes);
         copy(whole.face_counts(), cells.face_counts);
         copy(whole.edge_counts(), cells.edge_counts);
@@ -152,25 +166,15 @@ TEST_CASE("stream: damaged rows are found") {
         rows.neighbors = cells.neighbors;
         rows.shifts = cells.shifts;
         rows.areas = cells.areas;
+        rows.normals = cells.normals;
         rows.volumes = cells.volumes;
         rows.face_counts = cells.face_counts;
         rows.edge_counts = cells.edge_counts;
         rows.vertex_counts = cells.vertex_counts;
-        const votess::stream::Layout layout(options.want, true, set.size());
-        votess::stream::RowChecks checks(layout, set.size());
-        checks.take(rows);
-        votess::Stats stats = whole.stats();
-        stats.volume_sum = std::accumulate(cells.volumes.begin(), cells.volumes.end(), 0.0);
-        const votess::BlockDomain domain(options, *options.box, set.size());
-        const votess::VerifyReport report = checks.report(stats, domain, 2, [&](std::size_t b) {
-            votess::stream::RowChecks::BlockSeeds half;
-            for (std::size_t i = b * 150; i < 150 * (b + 1); ++i) {
-                half.seeds.ids.push_back(static_cast<std::int64_t>(i));
-                half.seeds.points.insert(half.seeds.points.end(), &set.points[3 * i], &set.points[3 * i] + 3);
-            }
-            half.status.assign(150, votess::CellStatus::certified);
-            return half;
-        });
+        Halves halves(set);
+        votess::RowChecker checker({options, set.size(), whole.stats().box_volume}, {.max_cells = set.size()}, halves);
+        checker.take(rows);
+        const votess::VerifyReport report = checker.report();
         CHECK(report.passed == report.failure.empty());
         return report.failure;
     };
@@ -184,18 +188,22 @@ TEST_CASE("stream: damaged rows are found") {
               std::swap(cells.neighbors[row], cells.neighbors[row + 1]);
           }).starts_with("the row of seed 100 does not ascend at "));
     CHECK(failure([&] { cells.neighbors[end - 1] = 299 - (cells.neighbors[end - 1] == 299); }) == asymmetric);
-    for (std::size_t entry = row; entry < end; ++entry)  // the shift of the last face of several with one seed
+    for (std::size_t entry = row; entry < end; ++entry)  // the last of several faces with one seed
         if (entry + 1 == end || cells.neighbors[entry] != cells.neighbors[entry + 1]) {
             CHECK(failure([&] { ++cells.shifts[3 * entry]; }) == asymmetric);
             CHECK(failure([&] { ++cells.neighbors[entry]; }) != "");
         }
     CHECK(failure([&] { --cells.indptr[100]; }) != "");
-    // What keeps the sums is found by brute force.
+    CHECK(failure([&] { cells.normals[3 * row] += 0.001; }).starts_with("cell 100 is not closed: area times normal "));
+    // Damage that keeps the sums is found by brute force.
     CHECK(failure([&] {
               cells.volumes[3] += 1e-6;
               cells.volumes[5] -= 1e-6;
           }).starts_with("cell 3 has volume "));
-    CHECK(failure([&] { cells.areas[row] *= 1.001; }).starts_with("the face of cell 100 with "));
+    CHECK(failure([&] {
+              cells.normals.clear();
+              cells.areas[row] *= 1.001;
+          }).starts_with("the face of cell 100 with "));
 }
 
 TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give the same") {
@@ -259,29 +267,29 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
     CHECK(rows.pieces == 0);
 }
 
-TEST_CASE("stream: what it tells, and that it stops") {
+TEST_CASE("stream: log, progress, and stops") {
     const PointSet set = test::uniform(3000, 9);
     votess::Options options = options_of(set);
-    std::vector<std::string> said;
+    std::vector<std::string> logged;
     std::vector<double> fractions;
-    options.log = [&](std::string_view text) { said.emplace_back(text); };
+    options.log = [&](std::string_view text) { logged.emplace_back(text); };
     options.progress = [&](double fraction) {
         fractions.push_back(fraction);
         return true;
     };
     const test::Streamed found = test::streamed(set.points, options, little);
-    CHECK(said.size() == 6 + found.result.blocks);
-    CHECK(said[1].starts_with("about "));
+    CHECK(logged.size() == 6 + found.result.blocks);
+    CHECK(logged[1].starts_with("about "));
     CHECK(std::ranges::is_sorted(fractions));
     CHECK(fractions.back() == 1);
     CHECK(found.result.stats.volume_sum == doctest::Approx(1).epsilon(1e-12));
-    // Wherever it is told to stop, no call of the sink is left to come.
+    // After a stop at any call of progress the run ends with an error.
     for (std::size_t calls = 0; calls < fractions.size(); calls += 2) {
         std::size_t left = calls;
         options.progress = [&](double) { return left-- > 0; };
         CHECK(message([&] { test::streamed(set.points, options, little); }) == "cancelled by the progress callback");
     }
-    // What a sink throws goes through.
+    // An exception of the sink reaches the caller.
     struct Broken : votess::StreamSink {
         void rows(const votess::StreamRows&) override { throw std::runtime_error("the disk is full"); }
     } broken;

@@ -1,16 +1,17 @@
-// A run of tessellate_stream() as a whole result, to compare.
+// A run of tessellate_stream(), joined to a whole result.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
-#include <votess/blocks.hpp>
 #include <votess/stream.hpp>
+
+#include "distributed/blocks/blocks.hpp"
 
 namespace test {
 
-// Arrays in pieces of so many seeds. once: they do not begin again.
+// A source that cuts arrays into pieces. once: it does not restart.
 class Pieces : public votess::StreamSource {
 public:
     Pieces(std::span<const double> points, const votess::Options& options, std::size_t piece, bool once = false)
@@ -24,26 +25,26 @@ private:
     bool once_;
 };
 
-// Puts rows one after the other.
+// A sink that joins the rows.
 struct StreamedRows : votess::StreamSink {
-    void begin(const votess::StreamHead& said) override { head = said; }
+    void begin(const votess::StreamHead& of_run) override { head = of_run; }
     void rows(const votess::StreamRows& some) override;
 
     votess::StreamHead head;
     votess::BlockCells cells;  // without tags
     std::size_t pieces = 0;
-    std::string wrong;  // how a piece does not follow the one before
+    std::string wrong;  // the first piece that does not continue the one before
 };
 
 struct Streamed {
     StreamedRows rows;
     votess::StreamResult result;
 };
-// piece: of source and once more of it; how many seeds at once.
+// piece: the number of seeds that the source gives at once.
 Streamed streamed(std::span<const double> points, const votess::Options& options, std::uint64_t memory,
                   std::size_t piece = 777, bool once = false, bool verify = false);
 
-// "" when these are the arrays of t, bit for bit.
+// Returns "" when the arrays are those of t, bit for bit, else the first difference.
 std::string difference(const Streamed& found, const votess::Tessellation& t);
 
 }  // namespace test

@@ -6,7 +6,7 @@ set -eu
 prefix=$1
 version=$2
 
-for header in mpi.h mpi.hpp; do
+for header in mpi.h mpi.hpp block_cells.hpp; do
     with_library=$(find "$prefix" -name 'libvotess_mpi.*' | head -1)
     with_header=$(find "$prefix" -path "*/votess/$header")
     if [ -n "$with_library" ] && [ -z "$with_header" ] || [ -z "$with_library" ] && [ -n "$with_header" ]; then

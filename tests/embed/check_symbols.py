@@ -1,11 +1,11 @@
 """The shared library shows its own interface and nothing else.
 
 Defined dynamic symbols must be exactly: the functions that votess.h and stream.h declare, and members of what the C++ headers mark
-with VOTESS_API (with type information and vtables of those), as ENGINE_HEADER does for libvotess_mpi. So no function of
+with VOTESS_API (with type information and vtables of those), as ENGINE_HEADERs do for libvotess_mpi. So no function of
 Vulkan or volk, whatever its prefix, and no instantiation of a template of std or boost, not even a weak one: a second
 copy in the process, or a host with another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
 
-Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER ENGINE_HEADER
+Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER ENGINE_HEADER...
 """
 
 import re
@@ -33,8 +33,8 @@ def without_comments(path):
 
 
 def main():
-    nm, library, include, shared = sys.argv[1:]
-    headers = [*sorted(Path(include, "votess").glob("*.hpp")), Path(shared)]
+    nm, library, include, *shared = sys.argv[1:]
+    headers = [*sorted(Path(include, "votess").glob("*.hpp")), *map(Path, shared)]
     c_text = "".join(without_comments(Path(include, "votess", name)) for name in ["votess.h", "stream.h"])
     c_functions = set(re.findall(r"VOTESS_API[^;]*?\b(votess_\w+)\(", c_text))
     cpp_text = "".join(without_comments(header) for header in headers)

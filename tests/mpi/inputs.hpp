@@ -1,4 +1,4 @@
-// What ranks share out among them, in domains of all kinds.
+// Inputs for ranks, in domains of all kinds.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ inline Input input_of(const PointSet& set, const std::string& more = "") {
     return input;
 }
 
-// Some for a test that is about something else.
+// A few inputs, for tests of something else.
 inline std::vector<Input> some_inputs(std::uint64_t seed) {
     return {input_of(uniform(1000, seed)), input_of(clustered(1000, seed))};
 }

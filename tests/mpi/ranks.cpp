@@ -1,8 +1,8 @@
-// Cells of ranks against those of one tessellate(), which each rank makes for itself.
+// Cells of ranks against those of one tessellate(), which each rank calls for itself.
 //
 //   mpirun -np P votess_mpi_tests [POINTS.xyz]
 //
-// Any number of ranks. Prints what is wrong and exits 1; else rank 0 says how many runs were compared.
+// Any number of ranks. Prints failures and exits 1; else rank 0 prints how many runs were compared.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -56,7 +56,7 @@ std::vector<int> owners_of(const Input& input, Share share, int ranks) {
     return owners;
 }
 
-// "" when these are the cells of t. Tags are owners.
+// Returns "" when these are the cells of t, else the first difference. Tags are owners.
 std::string difference(const votess::mpi::Result& result, const votess::Tessellation& t,
                        const std::vector<int>& owners) {
     const votess::BlockCells& cells = result.cells;
@@ -91,7 +91,7 @@ std::string difference(const votess::mpi::Result& result, const votess::Tessella
     return "";
 }
 
-// What must travel, by the rows of all cells.
+// Compares the lists of the exchange with those that follow from all rows.
 std::string wrong_exchange(const votess::mpi::Result& result, const votess::Tessellation& t,
                            const std::vector<int>& owners, int rank, int ranks) {
     std::vector<std::set<std::int64_t>> send(static_cast<std::size_t>(ranks)), receive(send);
@@ -132,7 +132,7 @@ void compare(MPI_Comm comm, const Input& input, Share share) {
     const votess::Tessellation whole = votess::tessellate(input.points, options);
     options.radii = radii;
     const std::string name = input.name + ", share " + std::to_string(static_cast<int>(share)) + ": ";
-    // Slices in the order of ranks have the numbers that they get without ids.
+    // Slices in the order of ranks have the ids that seeds get by default.
     const auto given = share == Share::slices ? std::span<const std::int64_t>() : std::span<const std::int64_t>(ids);
     ++runs;
     try {
@@ -164,7 +164,7 @@ void compare(MPI_Comm comm, const Input& input, Share share) {
     }
 }
 
-// All ranks must throw the same, which ends with these words.
+// All ranks must throw the same message, which ends with these words.
 void refuses(MPI_Comm comm, const std::string& words, const std::vector<double>& points,
              const std::vector<std::int64_t>& ids, const votess::Options& options) {
     ++runs;
@@ -212,20 +212,20 @@ void check_errors(MPI_Comm comm) {
     if (is_last) twice[1] = -3;
     refuses(comm, at_last + "id 1 = -3 is negative", points, is_last ? twice : ids, options);
     if (last == 0) return;
-    refuses(comm, at_last + "it has no ids, but another rank has: give them on all or none", points,
+    refuses(comm, at_last + "it has no ids, but another rank has: give them on all ranks or on none", points,
             is_last ? std::vector<std::int64_t>{} : ids, options);
     votess::Options other = options;
     other.want.volumes = !is_last;
-    refuses(comm, "its domain or what it wants is not that of another rank: give all the same options", points, ids,
+    refuses(comm, "its domain or `want` differs from another rank's: give all ranks the same options", points, ids,
             other);
     const std::vector<double> weights(2);
     other = options;
     if (!is_last) other.weights = weights;
-    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give all", points, ids,
-            other);
+    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks",
+            points, ids, other);
 }
 
-// Two communicators at once, which know nothing of each other.
+// Two communicators at once.
 void check_parts() {
     MPI_Comm part = MPI_COMM_NULL;
     const int rank = rank_in(MPI_COMM_WORLD);
@@ -251,7 +251,7 @@ int main(int argc, char** argv) {
     if (argc > 1) {
         compare(MPI_COMM_WORLD, from_file(argv[1]), Share::spread);
     } else {
-        // Under sanitizers each input is shared out in one way, the next one in the next.
+        // Under sanitizers each input is distributed in one way only.
         const bool reduced = std::getenv("VOTESS_TEST_REDUCED") != nullptr;
         int next = 0;
         for (const Input& input : test::all_inputs())

@@ -15,7 +15,7 @@ namespace {
 using votess::mpi::Cells;
 using votess::mpi::Result;
 
-// The seeds that a rank hands in, and what came back.
+// The seeds that a rank hands in, and its result.
 struct Part {
     std::vector<double> points;
     std::vector<double> radii;
@@ -123,7 +123,7 @@ void finds_damage(World& world) {
         "a volume", "volumes sum to ");
     damaged(
         [&](Result& r) {
-            // The sum stays.
+            // The sum does not change.
             if (world.rank == 0) r.cells.volumes[2] += 1e-6;
             if (last) r.cells.volumes[3] -= 1e-6;
         },
@@ -170,7 +170,7 @@ void finds_damage(World& world) {
     std::ranges::fill(part.result.cells.face_counts, 2u);  // so that Euler's formula holds
     std::ranges::fill(part.result.cells.edge_counts, 0u);
     std::ranges::fill(part.result.cells.vertex_counts, 0u);
-    fails(world, "a buried seed", part, "seed 0 is said to have a cell, trying every seed leaves none");
+    fails(world, "a buried seed", part, "seed 0 is reported to have a cell, trying every seed leaves none");
 }
 
 }  // namespace
@@ -179,7 +179,7 @@ std::vector<std::string> check_verify(MPI_Comm comm) {
     World world{comm, 0, 1, {}};
     MPI_Comm_rank(comm, &world.rank);
     MPI_Comm_size(comm, &world.size);
-    // Under sanitizers some.
+    // Under sanitizers one input in four.
     const std::size_t step = std::getenv("VOTESS_TEST_REDUCED") != nullptr ? 4 : 1;
     const std::vector<Input> inputs = all_inputs();
     for (std::size_t k = 0; k < inputs.size(); k += step)

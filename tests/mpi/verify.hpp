@@ -1,4 +1,4 @@
-// verify() over ranks: it passes what is right, and finds what was damaged on one rank or on two.
+// verify() over ranks: it passes correct results, and finds damage on one rank or on two.
 #pragma once
 
 #include <mpi.h>
@@ -8,7 +8,7 @@
 
 namespace test {
 
-// Returns what is wrong on this rank, one line each. Collective.
+// Returns the failures on this rank, one line each. Collective.
 std::vector<std::string> check_verify(MPI_Comm comm);
 
 }  // namespace test

@@ -1,5 +1,4 @@
-// The interface of votess/blocks.hpp.
-#include "votess/blocks.hpp"
+#include "distributed/blocks/blocks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +19,7 @@ struct BlockDomainState {
 };
 
 struct BlockState {
-    BlockState(const Options& options, blocks::Seeds own) : block(options, std::move(own)) {}
+    BlockState(const Options& options, Seeds own) : block(options, std::move(own)) {}
     blocks::LocalBlock block;
 };
 
@@ -33,7 +32,7 @@ auto with_memory(const Work& work) {
     try {
         return work();
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory, "out of memory: take more blocks, each with fewer seeds");
+        throw Error(ErrorCode::out_of_memory, "out of memory: use more blocks, each with fewer seeds");
     }
 }
 
@@ -43,11 +42,11 @@ Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
                     "device '" + options.device + "': blocks find their cells on the CPU, give cpu or auto");
     const Want want = with_implied(options);
     if (want.vertices || want.faces)
-        throw Error(ErrorCode::unsupported, "vertices and faces are not known across blocks: leave them out");
+        throw Error(ErrorCode::unsupported, "vertices and faces are not available across blocks: leave them out");
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::unsupported, "min_face and min_area need the faces of all cells: leave them out");
     if (options.duplicates == Duplicates::error)
-        throw Error(ErrorCode::unsupported, "duplicates = error is not known across blocks: look at the statuses");
+        throw Error(ErrorCode::unsupported, "duplicates = error is not available across blocks: check the statuses");
     options.weights = options.radii = {};
     options.device = "cpu";
     check_options(options);
@@ -102,7 +101,7 @@ std::vector<double> BlockDomain::places(std::span<const double> points) const {
 }
 
 void BlockDomain::split(std::span<const double> sample, std::size_t blocks) {
-    if (blocks == 0) throw Error(ErrorCode::invalid_argument, "a run has one block or more");
+    if (blocks == 0) throw Error(ErrorCode::invalid_argument, "a run needs one block or more");
     std::vector<exact::Point> points(sample.size() / 3);
     for (std::size_t i = 0; i < points.size(); ++i) {
         points[i] = point_of(sample, i, 1);
@@ -125,16 +124,17 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
     const std::size_t count = ids.size();
     if (points.size() != 3 * count || (!weights.empty() && weights.size() != count) ||
         (!tags.empty() && tags.size() != count))
-        throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block are not as many: give " +
-                                                     std::to_string(count) + " of each, points three times that");
+        throw Error(ErrorCode::invalid_argument, "ids, points, weights and tags of a block differ in number: give " +
+                                                     std::to_string(count) +
+                                                     " of each, and three times as many coordinates");
     state_ = with_memory([&] {
-        blocks::Seeds own{{ids.begin(), ids.end()},
-                          {points.begin(), points.end()},
-                          {weights.begin(), weights.end()},
-                          {tags.begin(), tags.end()}};
+        Seeds own{{ids.begin(), ids.end()},
+                  {points.begin(), points.end()},
+                  {weights.begin(), weights.end()},
+                  {tags.begin(), tags.end()}};
         for (std::size_t i = 0; i < count; ++i)
             if (own.ids[i] < 0 || (i > 0 && own.ids[i] <= own.ids[i - 1]))
-                throw Error(ErrorCode::invalid_argument, "ids of a block ascend from 0 on: the one at " +
+                throw Error(ErrorCode::invalid_argument, "ids of a block must ascend from 0 on: the one at " +
                                                              std::to_string(i) + " is " + std::to_string(own.ids[i]));
         own.tags.resize(count, 0);
         return std::make_unique<detail::BlockState>(domain.options(), std::move(own));
@@ -146,58 +146,58 @@ Block& Block::operator=(Block&&) noexcept = default;
 Block::~Block() = default;
 
 Message Block::outline() const {
-    return with_memory([&] { return blocks::to_message(blocks::summary_of(state_->block.outline())); });
+    return with_memory([&] { return to_message(blocks::summary_of(state_->block.outline())); });
 }
 
-Message Block::layer_for(const Message& outline) const {
+Message Block::halo_for(const Message& outline) const {
     return with_memory([&] {
         blocks::Outline other;
-        blocks::from_message(outline, other);
-        return blocks::to_message(state_->block.layer_for(other), state_->block.outline());
+        from_message(outline, other);
+        return to_message(state_->block.halo_for(other), state_->block.outline());
     });
 }
 
-void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> layers) {
-    if (layers.size() != outlines.size() || own >= outlines.size())
+void Block::clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos) {
+    if (halos.size() != outlines.size() || own >= outlines.size())
         throw Error(ErrorCode::invalid_argument,
-                    "clip() of a block takes an outline and a layer of each block, but got " +
-                        std::to_string(outlines.size()) + " and " + std::to_string(layers.size()) + ", for block " +
+                    "clip() of a block needs an outline and a halo of each block, but got " +
+                        std::to_string(outlines.size()) + " and " + std::to_string(halos.size()) + ", for block " +
                         std::to_string(own));
     with_memory([&] {
         std::vector<blocks::Outline> others(outlines.size());
-        blocks::Seeds given;
+        Seeds all;
         for (std::size_t b = 0; b < outlines.size(); ++b) {
             if (b == own) continue;
-            blocks::from_message(outlines[b], others[b]);
-            blocks::Seeds layer;
-            blocks::from_message(layers[b], layer, others[b]);
-            given.add(layer);
+            from_message(outlines[b], others[b]);
+            Seeds halo;
+            from_message(halos[b], halo, others[b]);
+            all.add(halo);
         }
-        state_->block.clip(std::move(others), own, std::move(given));
+        state_->block.clip(std::move(others), own, std::move(all));
     });
 }
 
-Message Block::question_for(std::size_t block) const {
-    return with_memory([&] { return blocks::to_message(state_->block.questions().at(block)); });
+Message Block::request_for(std::size_t block) const {
+    return with_memory([&] { return to_message(state_->block.requests().at(block)); });
 }
 
-Message Block::answer(const Message& question) {
+Message Block::reply(const Message& request) {
     return with_memory([&] {
-        blocks::Questions questions;
-        blocks::from_message(question, questions);
-        return blocks::to_message(state_->block.answer(questions));
+        blocks::Requests requests;
+        from_message(request, requests);
+        return to_message(state_->block.reply(requests));
     });
 }
 
-BlockCells Block::finish(std::span<const Message> answers) {
+BlockCells Block::finish(std::span<const Message> replies) {
     return with_memory([&] {
-        blocks::Seeds given;
-        for (const Message& answer : answers) {
-            blocks::Seeds seeds;
-            blocks::from_message(answer, seeds);
-            given.add(seeds);
+        Seeds all;
+        for (const Message& reply : replies) {
+            Seeds seeds;
+            from_message(reply, seeds);
+            all.add(seeds);
         }
-        return state_->block.finish(given);
+        return state_->block.finish(all);
     });
 }
 

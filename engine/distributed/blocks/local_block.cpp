@@ -12,7 +12,7 @@
 namespace votess::blocks {
 namespace {
 
-constexpr double reach_slack = 1 + 1e-6;  // of what is rounded
+constexpr double reach_slack = 1 + 1e-6;  // covers the rounding of distances
 
 Options options_for(const Seeds& seeds, Options options) {
     options.weights = seeds.weights;
@@ -22,7 +22,7 @@ Options options_for(const Seeds& seeds, Options options) {
     return options;
 }
 
-// The place of each id among all; they ascend up to `middle`, and from there on.
+// Returns the rank of each id. The ids ascend up to `middle`, and again from there.
 std::vector<std::int32_t> places_by_id(std::span<const std::int64_t> ids, std::size_t middle) {
     std::vector<std::int32_t> order(ids.size()), places(ids.size());
     std::iota(order.begin(), order.end(), 0);
@@ -32,6 +32,48 @@ std::vector<std::int32_t> places_by_id(std::span<const std::int64_t> ids, std::s
         places[static_cast<std::size_t>(order[k])] = static_cast<std::int32_t>(k);
     return places;
 }
+
+// Appends cells to the arrays of the block.
+class Merger {
+public:
+    Merger(BlockCells& out, std::size_t cells, std::size_t entries) : out_(out), cells_(cells), entries_(entries) {
+        out_.indptr.reserve(cells + 1);
+        out_.indptr.push_back(0);
+    }
+
+    // from: the result of a run with these seeds.
+    void add(const detail::Result& from, std::size_t i, const Seeds& seeds) {
+        append(out_.status, from.status, i, 1, cells_);
+        append(out_.volumes, from.volumes, i, 1, cells_);
+        append(out_.centroids, from.centroids, i, 3, cells_);
+        append(out_.surface_areas, from.surface_areas, i, 1, cells_);
+        append(out_.security_radii, from.security_radii, i, 1, cells_);
+        append(out_.face_counts, from.face_counts, i, 1, cells_);
+        append(out_.edge_counts, from.edge_counts, i, 1, cells_);
+        append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
+        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
+            const std::int32_t index = from.indices[e];
+            const auto seed = static_cast<std::size_t>(index);
+            out_.neighbors.push_back(index < 0 ? index : seeds.ids[seed]);
+            out_.tags.push_back(index < 0 ? -1 : seeds.tags[seed]);
+            append(out_.shifts, from.shifts, e, 3, entries_);
+            append(out_.areas, from.face_areas, e, 1, entries_);
+            append(out_.normals, from.face_normals, e, 3, entries_);
+        }
+        out_.indptr.push_back(static_cast<std::int64_t>(out_.neighbors.size()));
+    }
+
+private:
+    template <class T>
+    static void append(std::vector<T>& to, const Buffer<T>& from, std::size_t i, std::size_t each, std::size_t count) {
+        if (from.size() == 0) return;
+        if (to.empty()) to.reserve(each * count);
+        for (std::size_t k = each * i; k < each * (i + 1); ++k) to.push_back(from[k]);
+    }
+
+    BlockCells& out_;
+    std::size_t cells_, entries_;
+};
 
 }  // namespace
 
@@ -65,7 +107,7 @@ void Run::clip(const Options& options, std::size_t first) {
     builder.finish(result, pool);
 }
 
-// It looks at all vertices of the cell: those that the cell did not find itself, a neighbor among the first ones found.
+// All vertices count. Those that the cell did not find itself, a neighbor among the first seeds found.
 double Run::reach_of(std::size_t cell, double heaviest) const {
     double power = powers[cell];
     for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
@@ -102,39 +144,39 @@ LocalBlock::LocalBlock(const Options& options, Seeds own, std::optional<TiledSee
 
 LocalBlock::~LocalBlock() = default;
 
-Seeds LocalBlock::layer_for(const Outline& other) const {
-    Seeds layer;
-    if (other.tiles.empty()) return layer;
+Seeds LocalBlock::halo_for(const Outline& other) const {
+    Seeds halo;
+    if (other.tiles.empty()) return halo;
     for (std::size_t t = 0; t < tiled_.outline.tiles.size(); ++t) {
-        const Nearness::Layer of_tile = nearness_.layer_of(tiled_.outline.tiles[t], other.box);
+        const Nearness::Halo of_tile = nearness_.halo_of(tiled_.outline.tiles[t], other.box);
         if (of_tile.by.empty()) continue;
         for (std::size_t k = tiled_.begin[t]; k < tiled_.begin[t + 1]; ++k)
-            if (Nearness::holds(of_tile, places_[tiled_.order[k]])) layer.add(all_.seeds, tiled_.order[k]);
+            if (Nearness::holds(of_tile, places_[tiled_.order[k]])) halo.add(all_.seeds, tiled_.order[k]);
     }
-    return layer;
+    return halo;
 }
 
-void LocalBlock::clip(std::vector<Outline> others, std::size_t number, Seeds given) {
-    outlines_ = std::move(others);
+void LocalBlock::clip(std::vector<Outline> outlines, std::size_t number, Seeds halo) {
+    outlines_ = std::move(outlines);
     number_ = number;
-    counts_.given += given.size();
-    all_.seeds.reserve(count_ + given.size());
-    all_.seeds.add(given.sorted());
-    given = {};
+    counts_.given += halo.size();
+    all_.seeds.reserve(count_ + halo.size());
+    all_.seeds.add(halo.sorted());
+    halo = {};
     all_.clip(options_, count_);
     positions_.assign(count_, -1);
     const auto& input = all_.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s)
         if (static_cast<std::size_t>(input[s]) < count_)
             positions_[static_cast<std::size_t>(input[s])] = static_cast<std::int32_t>(s);
-    ask();
+    make_requests();
 }
 
 double LocalBlock::weight_of(std::size_t cell) const {
     return job_.domain->weights.empty() ? 0 : job_.domain->weights[cell];
 }
 
-// Bounds the reach of all cells, without a look at their neighbors.
+// Returns a bound on the reach of all cells, whatever their neighbors are.
 double LocalBlock::longest_reach(double heaviest) const {
     if (all_.powers.empty()) return 0;
     const auto& weights = job_.domain->weights;
@@ -170,6 +212,63 @@ std::vector<LocalBlock::Unknown> LocalBlock::unknown_near(std::size_t tile, doub
                         });
     }
     return unknown;
+}
+
+PendingCells LocalBlock::pending_cells() const {
+    PendingCells pending;
+    for (const std::uint32_t cell : pending_) pending.cells.add(all_.seeds, cell);
+    for (const std::int32_t i : kept_neighbors_) pending.kept_neighbors.add(all_.seeds, static_cast<std::size_t>(i));
+    pending.kept_neighbors = pending.kept_neighbors.sorted();
+    pending.faces = pending_faces_;
+    return pending;
+}
+
+// The neighbors of pending cells are among those that they had and those of the replies.
+void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run) {
+    if (pending.cells.size() == 0) return;
+    run.seeds = pending.cells;
+    Seeds others = pending.kept_neighbors;
+    others.add(replies);
+    others = others.sorted();
+    for (std::size_t i = 0; i < others.size(); ++i)
+        if (!std::ranges::binary_search(pending.cells.ids, others.ids[i])) run.seeds.add(others, i);
+    run.clip(options, pending.cells.size());
+}
+
+BlockCells LocalBlock::finish(const Seeds& replies) {
+    counts_.given += replies.size();
+    Run pending_run;
+    finish_pending(options_, pending_cells(), replies, pending_run);
+    counts_.exact_cells = all_.result.stats.exact_cells + pending_run.result.stats.exact_cells;
+
+    BlockCells cells;
+    const std::size_t entries = all_.result.indices.size() + pending_run.result.indices.size();
+    cells.neighbors.reserve(entries);
+    cells.tags.reserve(entries);
+    Merger merger(cells, count_, entries);
+    const std::span own_ids = std::span(all_.seeds.ids).first(count_);
+    std::vector<std::int64_t> foreign_neighbors;
+    const auto add = [&](const Run& from, std::size_t i, std::size_t first_other) {
+        merger.add(from.result, i, from.seeds);
+        for (auto e = from.result.indptr[i]; e < from.result.indptr[i + 1]; ++e) {
+            const std::int32_t index = from.result.indices[static_cast<std::size_t>(e)];
+            if (index < 0 || static_cast<std::size_t>(index) < first_other) continue;
+            const std::int64_t id = from.seeds.ids[static_cast<std::size_t>(index)];
+            if (!std::ranges::binary_search(own_ids, id)) foreign_neighbors.push_back(id);
+        }
+    };
+    for (std::size_t i = 0, pending = 0; i < count_; ++i) {
+        if (pending < pending_.size() && pending_[pending] == i)
+            add(pending_run, pending++, pending_.size());
+        else
+            add(all_, i, count_);
+    }
+    std::ranges::sort(foreign_neighbors);
+    const auto [end, last] = std::ranges::unique(foreign_neighbors);
+    counts_.needed = static_cast<std::uint64_t>(end - foreign_neighbors.begin());
+    for (const std::int32_t of : all_.result.duplicate_of)
+        cells.duplicate_of.push_back(of < 0 ? -1 : all_.seeds.ids[static_cast<std::size_t>(of)]);
+    return cells;
 }
 
 }  // namespace votess::blocks

@@ -1,16 +1,13 @@
-// Some of the seeds of a run, and the cells that they have among all of them: what stands behind votess::Block.
+// One block of a run: some of the seeds, and their cells among all seeds.
 //
-// If j is a neighbor of i among all seeds, it is one among any that contain both: their common face can only be larger
-// there. So the neighbors of i are among those that it has in {i} and each block (Levy, arXiv
-// 2406.04192, 2024). A block clips its cells with its own seeds and the layers that others gave it. A cell that
-// reaches seeds which the block was not given asks their blocks: each clips the same cell further, from the faces that
-// it has, by its own seeds, and answers with those that are left. With all answers at hand the cell is complete. One
-// question is enough: a smaller cell reaches nothing that the larger one did not.
+// Two seeds that are neighbors among all seeds are neighbors in any subset that holds both (Levy, arXiv 2406.04192,
+// 2024). So each block clips with its own seeds and a halo. If a cell reaches beyond the halo, the block sends its
+// faces once to the block concerned, which returns the seeds that still cut it. There is no second round, because
+// cells only shrink.
 //
-// No block knows how another one is reached. In the order of use:
-//   layer_for() each other outline; clip() with all that others gave; questions(); answer() those of others; finish()
-// A run that cannot hold all blocks at once takes it apart: asked() is what finish_asked() needs once there are
-// answers, and Responder answers for a block from those of its seeds that mark_near() finds.
+// The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
+// of others; finish(). A run that cannot hold all blocks at once takes this apart: pending_cells() is what
+// finish_pending() needs with the replies, and Responder replies for a block from the seeds that mark_near() finds.
 #pragma once
 
 #include <cstdint>
@@ -20,23 +17,23 @@
 #include <vector>
 
 #include "cpu/cpu_clipper.hpp"
+#include "distributed/blocks/blocks.hpp"
 #include "distributed/blocks/outline.hpp"
-#include "distributed/blocks/seeds.hpp"
 #include "domain/probe.hpp"
 #include "input/job.hpp"
+#include "input/seeds.hpp"
 #include "result/result.hpp"
-#include "votess/blocks.hpp"
 
 namespace votess::blocks {
 
-// A cell as it is, for a block that may cut it further.
-struct Questions {
+// Pending cells with their neighbors so far, for a block that may cut them further.
+struct Requests {
     struct Cell {
         cpu::Probe seed;  // times the scale of the job
-        double reach;     // no seed cuts the cell from farther away
+        double reach;     // no seed beyond this distance cuts the cell
         std::uint64_t guards;
     };
-    // A neighbor that it has: the plane between them, relative to the seed.
+    // The plane between the cell and a neighbor, relative to the seed.
     struct Guard {
         exact::Point q;
         exact::Shift shift;
@@ -46,10 +43,10 @@ struct Questions {
     std::vector<Guard> guards;  // of all cells, one after the other
 };
 
-// Marks tiles whose seeds may cut a cell of the questions.
-void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near);
+// Marks the tiles whose seeds may cut a cell of the requests.
+void mark_near(const Outline& outline, const Nearness& nearness, const Requests& requests, std::vector<bool>& near);
 
-// Seeds at hand, and what votess made of them; the first ones have cells.
+// Seeds with their sorted copies and the result. The first seeds have cells.
 struct Run {
     Seeds seeds;
     std::vector<std::int32_t> row_order;  // see Job
@@ -58,67 +55,68 @@ struct Run {
     std::vector<double> powers;  // see CpuClipper::clip_first()
     detail::Result result;
 
-    // options: of the whole run, with its box and without weights. Sorts the seeds, and makes them fit to be searched.
+    // Sorts the seeds and builds the search. options: of the whole run, with its box and without weights.
     void prepare(const Options& options);
-    // And finds the cells of the first ones.
+    // Prepares, and finds the cells of the first seeds.
     void clip(const Options& options, std::size_t first);
-    // Then: no seed of at most that weight cuts the cell from farther away.
+    // After clip(): returns a distance beyond which no seed of at most that weight cuts the cell.
     [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
 };
 
-// Cells that had to ask, and seeds among which are all neighbors that they will keep of what they had.
-struct Asked {
-    Seeds cells, friends;
-    std::uint64_t faces = 0;  // that the cells had before they asked
+// Cells that wait for replies, and the seeds that include all neighbors which they keep.
+struct PendingCells {
+    Seeds cells, kept_neighbors;
+    std::uint64_t faces = 0;  // before the replies
 };
-// The complete cells: the first ones of the run, in the order of asked.cells.
-void finish_asked(const Options& options, const Asked& asked, const Seeds& answers, Run& run);
+// Finds the complete cells: the first ones of the run, in the order of pending.cells.
+void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run);
 
-// Answers for a block.
+// Replies for a block.
 class Responder {
 public:
+    // run: prepared.
     Responder(const Options& options, Run& run) : options_(options), run_(run) {}
-    [[nodiscard]] Seeds answer(const Questions& questions) const;
+    // Returns the seeds that cut cells of the requests.
+    [[nodiscard]] Seeds reply(const Requests& requests) const;
 
 private:
     class Worker;
     const Options& options_;
-    Run& run_;  // prepared
+    Run& run_;
 };
 
 class LocalBlock {
 public:
-    // options: of the whole run, with its box and without weights, and with a callback for the progress of clip();
-    // `own` ascends by id. Rows have the walls if the options list them. tiled: what another LocalBlock made of the
-    // same seeds, else made anew.
+    // options: of the whole run, with its box and without weights, and with a callback for the progress of clip().
+    // own: ascending by id. Rows list walls if the options do. tiled: from another LocalBlock of the same seeds.
     LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled = {});
     ~LocalBlock();
 
     [[nodiscard]] const TiledSeeds& tiled() const { return tiled_; }
     [[nodiscard]] const Outline& outline() const { return tiled_.outline; }
-    [[nodiscard]] Seeds layer_for(const Outline& other) const;
-    // others: of all blocks, this one's at `number`. given: the layers from others.
-    void clip(std::vector<Outline> others, std::size_t number, Seeds given);
+    [[nodiscard]] Seeds halo_for(const Outline& other) const;
+    // outlines: of all blocks, this one's at `number`. halo: the seeds from the others.
+    void clip(std::vector<Outline> outlines, std::size_t number, Seeds halo);
     // By block.
-    [[nodiscard]] const std::vector<Questions>& questions() const { return questions_; }
-    [[nodiscard]] Seeds answer(const Questions& questions);
-    [[nodiscard]] BlockCells finish(const Seeds& answers);
-    // After clip(): the cells as they are, of which those that ask are not complete; and these, ascending.
+    [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
+    [[nodiscard]] Seeds reply(const Requests& requests);
+    [[nodiscard]] BlockCells finish(const Seeds& replies);
+    // After clip(): the cells so far, and which of them are pending, ascending.
     [[nodiscard]] Run& run() { return all_; }
-    [[nodiscard]] std::span<const std::uint32_t> asking() const { return asked_; }
-    [[nodiscard]] Asked asked() const;
+    [[nodiscard]] std::span<const std::uint32_t> pending() const { return pending_; }
+    [[nodiscard]] PendingCells pending_cells() const;
     [[nodiscard]] const BlockCounts& counts() const { return counts_; }
 
 private:
-    struct Unknown {  // where a block has seeds that this one does not know
+    struct Unknown {  // a box where another block has seeds that this one lacks
         Box box;
         std::uint32_t block;
         double largest_weight;
-        double from_tile;  // its distance from that of the cells, squared
+        double from_tile;  // squared distance from the tile of the cells
     };
-    class Asker;
+    class Requester;
 
-    void ask();
+    void make_requests();
     [[nodiscard]] std::vector<Unknown> unknown_near(std::size_t tile, double reach) const;
     [[nodiscard]] double weight_of(std::size_t cell) const;
     [[nodiscard]] double longest_reach(double heaviest) const;
@@ -127,18 +125,18 @@ private:
 
     Options options_;
     std::size_t count_;  // own seeds
-    Run all_;            // the own seeds, then those that others gave
+    Run all_;            // the own seeds, then the halo
     Job job_;            // of the own seeds
     Nearness nearness_;
     std::vector<exact::Point> places_;
     TiledSeeds tiled_;
     std::vector<Outline> outlines_;
     std::size_t number_ = 0;
-    std::vector<std::int32_t> positions_;  // of the own seeds among the sorted ones; -1: none
-    std::vector<std::uint32_t> asked_;     // own cells, ascending
-    std::vector<std::int32_t> friends_;    // neighbors of these, as they are: places in all_.seeds
-    std::uint64_t asked_faces_ = 0;        // of these
-    std::vector<Questions> questions_;
+    std::vector<std::int32_t> positions_;       // of the own seeds among the sorted ones; -1: none
+    std::vector<std::uint32_t> pending_;        // own cells, ascending
+    std::vector<std::int32_t> kept_neighbors_;  // of pending cells: indices into all_.seeds
+    std::uint64_t pending_faces_ = 0;
+    std::vector<Requests> requests_;
     BlockCounts counts_;
 };
 

@@ -1,38 +1,17 @@
-// What blocks say, as bytes.
+// Messages between blocks.
 #pragma once
 
 #include "core/bytes.hpp"
 #include "distributed/blocks/local_block.hpp"
-#include "votess/blocks.hpp"
 
 namespace votess::blocks {
 
-inline void put(Writer& writer, const Seeds& seeds) {
-    writer.put(seeds.ids);
-    writer.put(seeds.points);
-    writer.put(seeds.weights);
-    writer.put(seeds.tags);
-}
-inline void get(Reader& reader, Seeds& seeds) {
-    reader.get(seeds.ids);
-    reader.get(seeds.points);
-    reader.get(seeds.weights);
-    reader.get(seeds.tags);
-    reader.end();
-}
-
-inline Message to_message(const Seeds& seeds) {
-    if (seeds.size() == 0) return {};
-    Writer writer;
-    put(writer, seeds);
-    return writer.take();
-}
-// A layer, and the tiles of the block that gives it.
-inline Message to_message(const Seeds& layer, const Outline& outline) {
-    if (layer.size() == 0) return {};
+// A halo with the tiles of the block that sends it.
+inline Message to_message(const Seeds& halo, const Outline& outline) {
+    if (halo.size() == 0) return {};
     Writer writer;
     writer.put(outline.tiles);
-    put(writer, layer);
+    halo.put_to(writer);
     return writer.take();
 }
 inline Message to_message(const Outline& outline) {
@@ -41,26 +20,22 @@ inline Message to_message(const Outline& outline) {
     writer.put(outline.tiles);
     return writer.take();
 }
-inline Message to_message(const Questions& questions) {
-    if (questions.cells.empty()) return {};
+inline Message to_message(const Requests& requests) {
+    if (requests.cells.empty()) return {};
     Writer writer;
-    writer.put(questions.cells);
-    writer.put(questions.guards);
+    writer.put(requests.cells);
+    writer.put(requests.guards);
     return writer.take();
 }
 
-inline void from_message(const Message& message, Seeds& seeds) {
-    if (message.empty()) return;
-    Reader reader(message);
-    get(reader, seeds);
-}
-// Leaves the outline where there is no layer.
-inline void from_message(const Message& message, Seeds& layer, Outline& outline) {
+// Keeps the outline when the message is empty.
+inline void from_message(const Message& message, Seeds& halo, Outline& outline) {
     if (message.empty()) return;
     Reader reader(message);
     std::vector<Tile> tiles;
     reader.get(tiles);
-    get(reader, layer);
+    halo.get_from(reader);
+    reader.end();
     outline = outline_of(std::move(tiles));
 }
 inline void from_message(const Message& message, Outline& outline) {
@@ -71,11 +46,11 @@ inline void from_message(const Message& message, Outline& outline) {
     }
     outline = outline_of(std::move(outline.tiles));
 }
-inline void from_message(const Message& message, Questions& questions) {
+inline void from_message(const Message& message, Requests& requests) {
     if (message.empty()) return;
     Reader reader(message);
-    reader.get(questions.cells);
-    reader.get(questions.guards);
+    reader.get(requests.cells);
+    reader.get(requests.guards);
     reader.end();
 }
 

@@ -8,8 +8,8 @@ namespace votess::blocks {
 namespace {
 
 constexpr std::size_t max_tile_seeds = 512;
-constexpr double layer_spacings = 2.5;  // nearly all cells at a border reach less far
-constexpr std::size_t most_images = 512;
+constexpr double halo_spacings = 2.5;  // nearly all cells at a border have a smaller reach
+constexpr std::size_t max_images = 512;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Vector = std::array<double, 3>;
@@ -55,12 +55,12 @@ public:
         for (const exact::Point& x : places) seeds_.push_back({x, static_cast<std::uint32_t>(seeds_.size())});
     }
 
-    // Splits ranges of more than `most` seeds, and gives those that are left in order.
-    void split(Range range, std::size_t most, std::vector<Range>& out) {
-        const std::size_t middle = range.end - range.begin > most ? divide(range, box_of(range)) : range.begin;
+    // Splits the range until no part has more than max_seeds seeds. Adds the parts in order.
+    void split(Range range, std::size_t max_seeds, std::vector<Range>& out) {
+        const std::size_t middle = range.end - range.begin > max_seeds ? divide(range, box_of(range)) : range.begin;
         if (middle == range.begin) return out.push_back(range);
-        split({range.begin, middle}, most, out);
-        split({middle, range.end}, most, out);
+        split({range.begin, middle}, max_seeds, out);
+        split({middle, range.end}, max_seeds, out);
     }
 
     void make_tiles(Range range, Tiles& out) {
@@ -70,7 +70,7 @@ public:
             Tile tile{box_of(of_tile), 0, -infinity};
             double volume = 1;
             for (std::size_t k = 0; k < 3; ++k) volume *= tile.box.upper[k] - tile.box.lower[k];
-            tile.width = layer_spacings * std::cbrt(volume / static_cast<double>(of_tile.end - of_tile.begin));
+            tile.width = halo_spacings * std::cbrt(volume / static_cast<double>(of_tile.end - of_tile.begin));
             for (std::size_t k = of_tile.begin; k < of_tile.end; ++k)
                 tile.largest_weight = std::max(tile.largest_weight, weights_.empty() ? 0 : weights_[seeds_[k].number]);
             out.tiles.push_back(tile);
@@ -92,8 +92,8 @@ private:
         return box;
     }
 
-    // Seeds at one place stay together, so that who is given one is given the others too. Returns where the second half
-    // begins; the range's begin where there is but one place.
+    // Returns where the second half begins, or the range's begin when all seeds are at one place. Seeds at one place
+    // stay together, so that a halo has all or none of them.
     std::size_t divide(Range range, const Box& box) {
         std::size_t axis = 0;
         for (std::size_t k = 1; k < 3; ++k)
@@ -189,31 +189,31 @@ bool Nearness::for_images(const Box& box, const Box& home, double distance, cons
     const double reach = (distance + std::sqrt(half)) * (1 + 1e-9) + 4 * rounding_;
     const ShiftRange range = shifts_around(domain_, box, middle, reach);
     double images = 1;
-    for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.upper[j]) - range.lower[j] + 1;
-    if (!(images <= most_images)) return false;
+    for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.most[j]) - range.least[j] + 1;
+    if (!(images <= max_images)) return false;
     const double near = distance + 4 * rounding_;
     ShiftRange one = range;
-    for (one.lower[0] = range.lower[0]; one.lower[0] <= range.upper[0]; ++one.lower[0])
-        for (one.lower[1] = range.lower[1]; one.lower[1] <= range.upper[1]; ++one.lower[1])
-            for (one.lower[2] = range.lower[2]; one.lower[2] <= range.upper[2]; ++one.lower[2]) {
-                one.upper = one.lower;
+    for (one.least[0] = range.least[0]; one.least[0] <= range.most[0]; ++one.least[0])
+        for (one.least[1] = range.least[1]; one.least[1] <= range.most[1]; ++one.least[1])
+            for (one.least[2] = range.least[2]; one.least[2] <= range.most[2]; ++one.least[2]) {
+                one.most = one.least;
                 const Vector by = domain_.translation(only_shift(domain_, one));
                 if (distance_squared(moved(box, by), home) <= near * near) task(by);
             }
     return true;
 }
 
-Nearness::Layer Nearness::layer_of(const Tile& tile, const Box& known) const {
-    Layer layer{wider(known, tile.width), {}};
-    (void)for_images(tile.box, layer.box, 0, [&](const Vector& by) { layer.by.push_back(by); });
-    return layer;
+Nearness::Halo Nearness::halo_of(const Tile& tile, const Box& known) const {
+    Halo halo{wider(known, tile.width), {}};
+    (void)for_images(tile.box, halo.box, 0, [&](const Vector& by) { halo.by.push_back(by); });
+    return halo;
 }
 
-bool Nearness::holds(const Layer& layer, const exact::Point& place) {
-    return std::ranges::any_of(layer.by, [&](const Vector& by) {
+bool Nearness::holds(const Halo& halo, const exact::Point& place) {
+    return std::ranges::any_of(halo.by, [&](const Vector& by) {
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = place[k] + by[k];
-            if (!(x >= layer.box.lower[k] && x <= layer.box.upper[k])) return false;
+            if (!(x >= halo.box.lower[k] && x <= halo.box.upper[k])) return false;
         }
         return true;
     });
@@ -226,30 +226,30 @@ bool Nearness::is_near(const Box& box, const Box& home, double distance) const {
 
 void Nearness::for_unknown(const Tile& tile, const Box& known, const Box& home, double distance,
                            const std::function<void(const Box&)>& visit) const {
-    const Layer layer = layer_of(tile, known);
+    const Halo halo = halo_of(tile, known);
     const auto near = [&](const Box& piece) {
         if (distance_squared(piece, home) <= distance * distance) visit(piece);
     };
-    const auto without_layer = [&](const Vector& by) {
-        // What is left of the image is cut off side by side; the pieces are a little wider than rounding is.
+    const auto outside_halo = [&](const Vector& by) {
+        // The halo is cut from the image slab by slab. The pieces are widened by the rounding.
         Box rest = moved(tile.box, by);
-        if (layer.by.empty() || distance_squared(rest, layer.box) > 0) return near(wider(rest, rounding_));
+        if (halo.by.empty() || distance_squared(rest, halo.box) > 0) return near(wider(rest, rounding_));
         for (std::size_t k = 0; k < 3; ++k) {
             for (const bool upper : {false, true}) {
                 Box piece = rest;
                 if (upper)
-                    piece.lower[k] = std::max(piece.lower[k], layer.box.upper[k]);
+                    piece.lower[k] = std::max(piece.lower[k], halo.box.upper[k]);
                 else
-                    piece.upper[k] = std::min(piece.upper[k], layer.box.lower[k]);
-                const bool any = upper ? rest.upper[k] > layer.box.upper[k] : rest.lower[k] < layer.box.lower[k];
+                    piece.upper[k] = std::min(piece.upper[k], halo.box.lower[k]);
+                const bool any = upper ? rest.upper[k] > halo.box.upper[k] : rest.lower[k] < halo.box.lower[k];
                 if (any) near(wider(piece, rounding_));
             }
-            rest.lower[k] = std::max(rest.lower[k], layer.box.lower[k]);
-            rest.upper[k] = std::min(rest.upper[k], layer.box.upper[k]);
+            rest.lower[k] = std::max(rest.lower[k], halo.box.lower[k]);
+            rest.upper[k] = std::min(rest.upper[k], halo.box.upper[k]);
         }
     };
-    if (for_images(tile.box, home, distance, without_layer)) return;
-    // Too many images to look at: they are taken for one, all of space.
+    if (for_images(tile.box, home, distance, outside_halo)) return;
+    // Too many images: one box stands for all of space.
     visit({{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}});
 }
 

@@ -1,8 +1,8 @@
-// Where the seeds of a block lie, for blocks that do not have them: boxes around some hundred seeds each.
+// Where the seeds of a block are, for other blocks: tiles, which are boxes around some hundred seeds each.
 //
-// Each tile has a width, some spacings of its seeds. To another block it gives from the start those of its seeds that
-// lie within this width of the box of that block: its layer, and its tiles with it. Both know the boxes, so both know
-// where seeds may be that the other one was not given. Blocks that are given no seed know of one box around all.
+// Each tile has a width, some spacings of its seeds. A block sends another block the seeds of each tile within its
+// width of that block's box: the halo, together with all tiles. Both blocks have the boxes, so both can compute where
+// seeds may be that the other one lacks. Blocks that get no seed get one box around all.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@
 namespace votess::blocks {
 
 struct Tile {
-    Box box;  // of places, times the scale of the job
+    Box box;  // around its seeds, times the scale of the job
     double width = 0;
     double largest_weight = 0;
 };
@@ -23,10 +23,10 @@ struct Tile {
 struct Outline {
     Box box;  // around all tiles
     double largest_weight = 0;
-    std::vector<Tile> tiles;  // none where the block has no seeds
-    std::vector<Box> around;  // around both halves of the tiles, then the halves of the first half, and so on
+    std::vector<Tile> tiles;  // empty when the block has no seeds
+    std::vector<Box> around;  // a tree over the tiles: a node, the tree of its first half, the tree of its second half
 
-    // Calls visit(number) for tiles whose boxes, and those around them, pass the test.
+    // Calls visit(number) for tiles whose boxes pass the test, as well as all boxes around them.
     template <class Test, class Visit>
     void for_tiles(const Test& test, const Visit& visit) const {
         if (!tiles.empty()) for_tiles(test, visit, 0, 0, tiles.size());
@@ -43,14 +43,14 @@ private:
     }
 };
 
-// Returns that of two boxes; 0 where they meet.
+// Returns 0 for boxes that meet.
 double distance_squared(const Box& a, const Box& b);
 
 Outline outline_of(std::vector<Tile> tiles);
-// One tile without a width, for blocks that were given no layer: it claims no seed near them.
+// Returns one tile of width 0, for blocks that get no halo.
 Outline summary_of(const Outline& outline);
 
-// An outline, and the seeds in the order of its tiles: those of tile t are order[begin[t] .. begin[t + 1]).
+// An outline and the seeds of its tiles: those of tile t are order[begin[t] .. begin[t + 1]).
 struct TiledSeeds {
     Outline outline;
     std::vector<std::uint32_t> order;
@@ -58,29 +58,29 @@ struct TiledSeeds {
 };
 TiledSeeds tile_seeds(const std::vector<exact::Point>& places, std::span<const double> weights, ThreadPool& pool);
 
-// Knows which images of boxes and places are near each other.
+// Finds the images of boxes and places that are near each other.
 class Nearness {
 public:
     explicit Nearness(const Domain& domain);
 
-    // Whether the layer that the block of `known` gets has a seed of the tile at that place. layer: layer_of() the two.
-    struct Layer {
-        Box box;                                // known, wider by the tile's width
-        std::vector<std::array<double, 3>> by;  // translations of images that may lie in it
+    // The part of a tile in the halo of the block with the box `known`.
+    struct Halo {
+        Box box;                                // `known`, wider by the tile's width
+        std::vector<std::array<double, 3>> by;  // translations of images that may be in it
     };
-    [[nodiscard]] Layer layer_of(const Tile& tile, const Box& known) const;
-    [[nodiscard]] static bool holds(const Layer& layer, const exact::Point& place);
+    [[nodiscard]] Halo halo_of(const Tile& tile, const Box& known) const;
+    [[nodiscard]] static bool holds(const Halo& halo, const exact::Point& place);
 
-    // Visits boxes that hold all images of the tile's seeds nearer than `distance` to the box `home`, but for those
-    // that the layer of the block of `known` has.
+    // Visits boxes that hold all images of the tile's seeds nearer than `distance` to the box `home`, except those in
+    // the halo of the block with the box `known`.
     void for_unknown(const Tile& tile, const Box& known, const Box& home, double distance,
                      const std::function<void(const Box&)>& visit) const;
-    // Whether some image of `box` may lie nearer than `distance` to `home`.
+    // Returns false only when no image of `box` is nearer than `distance` to `home`.
     [[nodiscard]] bool is_near(const Box& box, const Box& home, double distance) const;
 
 private:
-    // Calls task(translation) for images of `box` that may lie nearer than `distance` to `home`; false where they are
-    // too many, without any call.
+    // Calls task(translation) for images of `box` that may be nearer than `distance` to `home`. Returns false, without
+    // a call, when there are too many.
     template <class Task>
     bool for_images(const Box& box, const Box& home, double distance, const Task& task) const;
 

@@ -11,15 +11,15 @@ namespace votess::blocks {
 
 class Partition {
 public:
-    // sample: places of some of the seeds, in the same order everywhere. blocks: 1 or more.
+    // sample: places of some seeds, the same in the same order on all ranks. blocks: 1 or more.
     Partition(std::vector<exact::Point> sample, std::size_t blocks);
 
     [[nodiscard]] std::size_t block_of(const exact::Point& place) const;
 
 private:
     struct Node {
-        int axis = -1;  // of a block: none
-        double at = 0;  // places below go to the first child, the next node; others to the second
+        int axis = -1;  // -1: a block
+        double at = 0;  // places below it belong to the first child, which is the next node
         std::size_t second = 0;
         std::size_t block = 0;
     };

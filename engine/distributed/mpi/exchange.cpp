@@ -9,7 +9,7 @@
 namespace votess::mpi {
 namespace {
 
-constexpr std::size_t max_bytes = std::size_t{1} << 30;  // MPI counts by int
+constexpr std::size_t max_message_bytes = std::size_t{1} << 30;  // MPI counts by int
 constexpr int data_tag = 0, stop_tag = 1;
 
 void check(int code, const char* what) {
@@ -53,17 +53,17 @@ void Ranks::together(const std::function<void()>& work) const {
         text = error.what();
     } catch (const std::bad_alloc&) {
         code = static_cast<int>(ErrorCode::out_of_memory);
-        text = "out of memory: take more ranks, or fewer on a machine";
+        text = "out of memory: use more ranks, or fewer on a machine";
     } catch (const std::exception& error) {
         code = static_cast<int>(ErrorCode::internal);
         text = error.what();
     } catch (...) {
         code = static_cast<int>(ErrorCode::internal);
-        text = "the progress callback threw what is not a std::exception";
+        text = "the progress callback threw something else than a std::exception";
     }
     std::vector<MPI_Request> stops;
     if (code != 0) stops = stop_others();
-    const int first = share_first(code != 0, code, text);
+    const int first = share_first_error(code, text);
     if (first == size_) return;
     clear_stops(std::move(stops));
     throw Error(static_cast<ErrorCode>(code), "rank " + std::to_string(first) + ": " + text);
@@ -75,7 +75,7 @@ void Ranks::check_others() const {
     if (failed != 0) throw Stopped{};
 }
 
-// Sends an empty message to each other rank; to itself too, so that all ranks get as many.
+// Sends an empty message to all ranks, itself included, so that all get equally many.
 std::vector<MPI_Request> Ranks::stop_others() const {
     std::vector<MPI_Request> sent(static_cast<std::size_t>(size_));
     for (int r = 0; r < size_; ++r)
@@ -91,14 +91,9 @@ void Ranks::clear_stops(std::vector<MPI_Request> own) const {
     check(MPI_Waitall(static_cast<int>(own.size()), own.data(), MPI_STATUSES_IGNORE), "MPI_Waitall");
 }
 
-std::string Ranks::first_of(std::string text) const {
-    int code = 0;
-    return share_first(!text.empty(), code, text) < size_ ? text : std::string();
-}
-
-// What the lowest rank has to say all get. Returns that rank, or their number.
-int Ranks::share_first(bool mine, int& code, std::string& text) const {
-    const int first = reduced(comm_, mine ? rank_ : size_, MPI_INT, MPI_MIN);
+// Sends the error of the lowest rank that has one to all. Returns that rank, or the number of ranks.
+int Ranks::share_first_error(int& code, std::string& text) const {
+    const int first = reduced(comm_, code != 0 ? rank_ : size_, MPI_INT, MPI_MIN);
     if (first == size_) return first;
     int head[2]{code, static_cast<int>(text.size())};
     check(MPI_Bcast(head, 2, MPI_INT, first, comm_), "MPI_Bcast");
@@ -117,15 +112,15 @@ std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
     }
     check(MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, coming.data(), 1, MPI_UINT64_T, comm_), "MPI_Alltoall");
     std::vector<Message> from(count);
-    // Each rank must have the room before any other sends.
+    // All ranks must have the memory before any sends.
     together([&] {
         for (std::size_t r = 0; r < count; ++r) from[r].resize(coming[r]);
     });
     from[static_cast<std::size_t>(rank_)] = to[static_cast<std::size_t>(rank_)];
     std::vector<MPI_Request> requests;
     const auto pieces = [&](std::size_t bytes, const auto& post) {
-        for (std::size_t begin = 0; begin < bytes; begin += max_bytes)
-            check(post(begin, static_cast<int>(std::min(max_bytes, bytes - begin)), &requests.emplace_back()),
+        for (std::size_t begin = 0; begin < bytes; begin += max_message_bytes)
+            check(post(begin, static_cast<int>(std::min(max_message_bytes, bytes - begin)), &requests.emplace_back()),
                   "a message between ranks");
     };
     for (std::size_t step = 1; step < count; ++step) {

@@ -1,4 +1,4 @@
-// Messages between ranks of any length, and errors that all ranks throw together.
+// Messages of any length between ranks, and errors that all ranks throw together.
 #pragma once
 
 #include <mpi.h>
@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "votess/blocks.hpp"
+#include "core/bytes.hpp"
 
 namespace votess::mpi {
 
-// A communicator of its own, so that messages meet no others.
+// Duplicates the communicator, so that messages meet no others.
 class Ranks {
 public:
     explicit Ranks(MPI_Comm comm);
@@ -22,14 +22,12 @@ public:
     [[nodiscard]] int size() const { return size_; }
     [[nodiscard]] int rank() const { return rank_; }
 
-    // Collective, as all that follows. Does the work on each rank; where some fail, all throw the error of the lowest.
-    // Work that calls check_others() stops when another rank has failed.
+    // Does the work on each rank. If it throws on some, all throw the error of the lowest. Work that calls
+    // check_others() stops when another rank has failed. Collective, like all functions below except check_others().
     void together(const std::function<void()>& work) const;
-    // Not collective. Throws Stopped, which is no failure of this rank, when another one has failed in together().
+    // Throws Stopped, which together() ignores, when another rank has failed in together(). Not collective.
     void check_others() const;
-    // The text of the lowest rank that has one, else "".
-    [[nodiscard]] std::string first_of(std::string text) const;
-    // to: by rank. Returns what came, by rank. An empty message is none.
+    // to: by rank. Returns the messages to this rank, by rank.
     [[nodiscard]] std::vector<Message> exchange(const std::vector<Message>& to) const;
     [[nodiscard]] std::vector<Message> gather_all(const Message& own) const;
     [[nodiscard]] double minimum(double value) const;
@@ -37,15 +35,15 @@ public:
     [[nodiscard]] double sum(double value) const;
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t maximum(std::uint64_t value) const;
-    // What this rank has sent to others.
+    // Returns the bytes that this rank has sent to others.
     [[nodiscard]] std::uint64_t bytes_sent() const { return bytes_sent_; }
-    // Sums the values of the ranks before this one.
+    // Returns the sum over the ranks before this one.
     [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;
 
 private:
     struct Stopped {};
 
-    int share_first(bool mine, int& code, std::string& text) const;
+    int share_first_error(int& code, std::string& text) const;
     [[nodiscard]] std::vector<MPI_Request> stop_others() const;
     void clear_stops(std::vector<MPI_Request> own) const;
 

@@ -1,4 +1,4 @@
-// votess::mpi::tessellate(): seeds go to the blocks of their regions, one for each rank, and cells come back.
+// votess::mpi::tessellate(): seeds travel to the blocks of their regions, one on each rank, and cells travel back.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -6,16 +6,18 @@
 #include <optional>
 #include <string>
 
+#include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
-#include "distributed/mpi/travel.hpp"
+#include "distributed/mpi/pack_cells.hpp"
+#include "input/seeds.hpp"
 #include "votess/mpi.hpp"
 
 namespace votess::mpi {
 namespace {
 
-constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places; for each block
+constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places: in all, in each block
 
-// One number for all that must be the same on all ranks (FNV-1a).
+// Returns a hash (FNV-1a) of the options that must be the same on all ranks.
 std::uint64_t digest(const Options& options) {
     std::uint64_t hash = 14695981039346656037u;
     const auto mix = [&](const auto&... values) {
@@ -52,8 +54,8 @@ public:
         first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
         ranks_.together([&] { check_input(); });
         compare_options();
-        number();
-        settle();
+        assign_ids();
+        split_domain();
         send_seeds();
         clip();
         Result result = where == Cells::made ? keep() : send_back();
@@ -68,7 +70,8 @@ private:
     [[nodiscard]] std::size_t count() const { return points_.size() / 3; }
     [[nodiscard]] std::size_t ranks() const { return static_cast<std::size_t>(ranks_.size()); }
 
-    // Stops this rank where its user or another rank has stopped. A block begins again at 0 with what it asked for.
+    // Returns false when the user stops this rank, and throws when another rank has failed. Progress never goes back,
+    // although a block starts again at 0 with its pending cells.
     bool going_on(double fraction) {
         ranks_.check_others();
         done_ = std::max(done_, fraction);
@@ -101,29 +104,29 @@ private:
         ranks_.together([&] {
             if (own != largest)
                 throw Error(ErrorCode::invalid_argument,
-                            "its domain or what it wants is not that of another rank: give all the same options");
+                            "its domain or `want` differs from another rank's: give all ranks the same options");
         });
     }
 
-    // Ids of all ranks or of none, each once.
-    void number() {
+    // Checks that ids are given on all ranks or on none, each once; without ids seeds are numbered.
+    void assign_ids() {
         counts_.seeds = ranks_.sum(std::uint64_t{count()});
         const bool given = ranks_.maximum(std::uint64_t{ids_.size()}) > 0;
         const bool weighted = ranks_.maximum(std::uint64_t{weights_.size()}) > 0;
         ranks_.together([&] {
             if (given && ids_.size() != count())
                 throw Error(ErrorCode::invalid_argument,
-                            "it has no ids, but another rank has: give them on all or none");
+                            "it has no ids, but another rank has: give them on all ranks or on none");
             if (weighted && weights_.size() != count())
-                throw Error(ErrorCode::invalid_argument, "it has " + std::to_string(weights_.size()) + " weights for " +
-                                                             std::to_string(count()) +
-                                                             " points, but another rank has weights: give all");
+                throw Error(ErrorCode::invalid_argument,
+                            "it has " + std::to_string(weights_.size()) + " weights for " + std::to_string(count()) +
+                                " points, but another rank has weights: give them on all ranks");
         });
         if (!given) {
             for (std::size_t i = 0; i < count(); ++i) ids_.push_back(static_cast<std::int64_t>(first_ + i));
             return;
         }
-        // Each id is looked at by one rank.
+        // Each id is checked by one rank.
         std::vector<std::vector<std::int64_t>> to(ranks());
         for (const std::int64_t id : ids_) to[static_cast<std::uint64_t>(id) % ranks()].push_back(id);
         std::vector<Message> messages;
@@ -138,7 +141,7 @@ private:
         });
     }
 
-    void settle() {
+    void split_domain() {
         constexpr double infinity = std::numeric_limits<double>::infinity();
         Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
         for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -179,19 +182,24 @@ private:
     void send_seeds() {
         const std::vector<std::uint32_t> block_of = domain_->blocks_of(places_);
         places_ = {};
-        std::vector<Handed> to(ranks());
+        std::vector<Seeds> to(ranks());
         for (std::size_t s = 0; s < inside_.size(); ++s) {
-            Handed& handed = to[block_of[s]];
             const std::size_t i = inside_[s];
-            handed.ids.push_back(ids_[i]);
-            handed.points.insert(handed.points.end(), &points_[3 * i], &points_[3 * i] + 3);
-            if (!weights_.empty()) handed.weights.push_back(weights_[i]);
+            to[block_of[s]].add(ids_[i], points_, weights_, i);
         }
         std::vector<Message> messages;
-        for (const Handed& handed : to) messages.push_back(handed.to_message());
+        for (const Seeds& seeds : to) messages.push_back(to_message(seeds));
         to.clear();
         const std::vector<Message> from = ranks_.exchange(messages);
-        ranks_.together([&] { made_ = Handed::of(from); });
+        ranks_.together([&] {
+            for (std::size_t r = 0; r < from.size(); ++r) {
+                Seeds seeds;
+                from_message(from[r], seeds);
+                seeds.tags.assign(seeds.size(), static_cast<std::int32_t>(r));
+                made_.add(seeds);
+            }
+            made_ = made_.sorted();
+        });
         counts_.largest_block = ranks_.maximum(std::uint64_t{made_.ids.size()});
     }
 
@@ -199,7 +207,7 @@ private:
         std::optional<Block> block;
         Message outline;
         ranks_.together([&] {
-            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.owners);
+            block.emplace(*domain_, made_.ids, made_.points, made_.weights, made_.tags);
             outline = block->outline();
         });
         const std::vector<Message> outlines = ranks_.gather_all(outline);
@@ -211,11 +219,11 @@ private:
             });
             return ranks_.exchange(to);
         };
-        const auto layers = for_others([&](std::size_t r) { return block->layer_for(outlines[r]); });
-        ranks_.together([&] { block->clip(outlines, static_cast<std::size_t>(ranks_.rank()), layers); });
-        const auto questions = for_others([&](std::size_t r) { return block->question_for(r); });
-        const auto answers = for_others([&](std::size_t r) { return block->answer(questions[r]); });
-        ranks_.together([&] { cells_ = block->finish(answers); });
+        const auto halos = for_others([&](std::size_t r) { return block->halo_for(outlines[r]); });
+        ranks_.together([&] { block->clip(outlines, static_cast<std::size_t>(ranks_.rank()), halos); });
+        const auto requests = for_others([&](std::size_t r) { return block->request_for(r); });
+        const auto replies = for_others([&](std::size_t r) { return block->reply(requests[r]); });
+        ranks_.together([&] { cells_ = block->finish(replies); });
         counts_.given = ranks_.sum(block->counts().given);
         counts_.needed = ranks_.sum(block->counts().needed);
         counts_.tested = ranks_.sum(block->counts().tested);
@@ -242,10 +250,10 @@ private:
 
     Result send_back() {
         std::vector<std::vector<std::size_t>> of_owner(ranks());
-        for (std::size_t i = 0; i < made_.owners.size(); ++i)
-            of_owner[static_cast<std::size_t>(made_.owners[i])].push_back(i);
+        for (std::size_t i = 0; i < made_.tags.size(); ++i)
+            of_owner[static_cast<std::size_t>(made_.tags[i])].push_back(i);
         std::vector<Message> to;
-        OwnCells own;
+        SomeCells own;
         ranks_.together([&] {
             std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
             for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells));
@@ -266,7 +274,7 @@ private:
         return result;
     }
 
-    // Rows are symmetric: a rank needs those of my seeds that have neighbors of its own. It tells me of its own ones.
+    // Rows are symmetric: another rank needs those of my seeds that have neighbors of its own.
     void list_exchange(Result& result) const {
         std::vector<std::vector<std::int64_t>> lists(ranks());
         std::vector<Message> messages;
@@ -308,10 +316,10 @@ private:
     std::vector<CellStatus> status_;
     std::vector<std::size_t> inside_;
     std::vector<double> places_;
-    Handed made_;
+    Seeds made_;  // tags: the ranks that handed them in
     BlockCells cells_;
     Counts counts_;
-    double done_ = 0;  // what the user's progress callback was told
+    double done_ = 0;  // the last argument of the progress callback
 };
 
 }  // namespace

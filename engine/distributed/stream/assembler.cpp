@@ -21,7 +21,7 @@ Assembler::Assembler(const Layout& layout, const StreamHead& head, std::vector<R
             {store, Cursor<std::int64_t>(store->ids()), Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
 }
 
-// What a block left out comes after it, from another store.
+// The stores with skipped cells come after the others.
 template <class Task>
 void Assembler::for_parts(const Task& task) {
     pool_.run(blocks_, [&](std::size_t p, unsigned) { task(parts_[p]); });
@@ -71,8 +71,8 @@ std::span<const T> Assembler::as(Array array) const {
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
 }
 
-StreamRows Assembler::next(std::size_t most) {
-    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(most, head_.seeds - first_));
+StreamRows Assembler::next(std::size_t max_cells) {
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(max_cells, head_.seeds - first_));
     indptr_.assign(count + 1, 0);
     duplicate_of_.assign(head_.duplicates ? count : 0, -1);
     for_parts([&](Part& part) { find(part, first_ + count); });
@@ -80,7 +80,7 @@ StreamRows Assembler::next(std::size_t most) {
     for (std::size_t i = 0; i < count; ++i) indptr_[i + 1] += indptr_[i];
     const auto entries = static_cast<std::size_t>(indptr_[count] - entries_);
 
-    // What is in no block was left out: a cell that is not there.
+    // Seeds in no block were dropped and have no cell.
     for (const Array array : cell_arrays) {
         if (layout_.bytes(array) == 0 || array == Array::lengths) continue;
         const auto fill = array == Array::status ? static_cast<std::byte>(CellStatus::outside) : std::byte{0};

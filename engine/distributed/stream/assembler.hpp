@@ -1,4 +1,4 @@
-// Puts the cells of all blocks in the order of the input, some at a time.
+// Joins the cells of all blocks in input order, some at a time.
 #pragma once
 
 #include <vector>
@@ -10,12 +10,12 @@ namespace votess::stream {
 
 class Assembler {
 public:
-    // stores: those of the blocks, then those with the cells that they left out. head.entries: of all.
+    // stores: one for each block, then those with the cells that the first ones skipped.
     Assembler(const Layout& layout, const StreamHead& head, std::vector<RowStore*> stores, std::size_t blocks,
               ThreadPool& pool);
 
-    // The cells from first() on; at most so many. They stay until the next call.
-    [[nodiscard]] StreamRows next(std::size_t most);
+    // Returns the cells from first() on, at most max_cells. They are valid until the next call.
+    [[nodiscard]] StreamRows next(std::size_t max_cells);
     [[nodiscard]] std::uint64_t first() const { return first_; }
 
 private:
@@ -23,7 +23,7 @@ private:
         RowStore* store;
         Cursor<std::int64_t> ids;
         Cursor<RowStore::Duplicate> duplicates;
-        std::vector<std::uint32_t> places, lengths;  // of its cells that are next, among these
+        std::vector<std::uint32_t> places, lengths;  // of its cells in this call, relative to first()
     };
     template <class Task>
     void for_parts(const Task& task);
@@ -40,7 +40,7 @@ private:
     std::size_t blocks_;
     ThreadPool& pool_;
     std::uint64_t first_ = 0;
-    std::int64_t entries_ = 0;  // before the first
+    std::int64_t entries_ = 0;  // of the rows before first()
     std::array<std::vector<std::byte>, array_count> arrays_;
     std::vector<std::int64_t> indptr_, neighbors_, duplicate_of_;
 };

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "core/arithmetic.hpp"
+#include "core/ceil.hpp"
 #include "input/options.hpp"
 #include "query/locator.hpp"
 
@@ -38,39 +38,40 @@ Job job_of(std::uint64_t first, const StreamSeeds& some, Options options) {
     return validate({some.points, {}, first}, options);
 }
 
-// What goes to blocks waits until it is worth a write.
-class Dealer {
+// Writes the seeds of each block in batches.
+class BlockWriter {
 public:
-    Dealer(Intake::Dealt& to, std::size_t blocks, std::size_t most) : to_(to), most_(most), waiting_(blocks) {}
+    BlockWriter(Intake::BlockSpools& to, std::size_t blocks, std::size_t batch_size)
+        : to_(to), batch_size_(batch_size), batches_(blocks) {}
 
     void add(std::uint32_t block, std::uint64_t id, const double* point, const double* weight) {
-        Waiting& some = waiting_[block];
-        some.ids.push_back(static_cast<std::int64_t>(id));
-        some.points.insert(some.points.end(), point, point + 3);
-        if (weight != nullptr) some.weights.push_back(*weight);
-        if (some.ids.size() == most_) write(block);
+        Batch& batch = batches_[block];
+        batch.ids.push_back(static_cast<std::int64_t>(id));
+        batch.points.insert(batch.points.end(), point, point + 3);
+        if (weight != nullptr) batch.weights.push_back(*weight);
+        if (batch.ids.size() == batch_size_) write(block);
     }
     void end() {
-        for (std::size_t b = 0; b < waiting_.size(); ++b) write(b);
+        for (std::size_t b = 0; b < batches_.size(); ++b) write(b);
     }
 
 private:
-    struct Waiting {
+    struct Batch {
         std::vector<std::int64_t> ids;
         std::vector<double> points, weights;
     };
     void write(std::size_t block) {
-        Waiting& some = waiting_[block];
-        to_.counts[block] += some.ids.size();
-        to_.ids[block].append(std::span<const std::int64_t>(some.ids));
-        to_.points[block].append(std::span<const double>(some.points));
-        to_.weights[block].append(std::span<const double>(some.weights));
-        some.ids.clear(), some.points.clear(), some.weights.clear();
+        Batch& batch = batches_[block];
+        to_.counts[block] += batch.ids.size();
+        to_.ids[block].append(std::span<const std::int64_t>(batch.ids));
+        to_.points[block].append(std::span<const double>(batch.points));
+        to_.weights[block].append(std::span<const double>(batch.weights));
+        batch.ids.clear(), batch.points.clear(), batch.weights.clear();
     }
 
-    Intake::Dealt& to_;
-    std::size_t most_;
-    std::vector<Waiting> waiting_;
+    Intake::BlockSpools& to_;
+    std::size_t batch_size_;
+    std::vector<Batch> batches_;
 };
 
 }  // namespace
@@ -86,31 +87,31 @@ Intake::Intake(StreamSource& source, const Options& options, const std::string& 
       bounds_(nothing) {
     if (source_.restart()) return;
     file_.emplace(folder);
-    waiting_.emplace(*file_);
-    waiting_weights_.emplace(*file_);
+    copied_points_.emplace(*file_);
+    copied_weights_.emplace(*file_);
 }
 
 template <class Task>
 void Intake::read(const Task& task) {
     std::uint64_t first = 0;
-    if (looked_ && waiting_) {
-        waiting_->rewind();
-        waiting_weights_->rewind();
+    if (scanned_ && copied_points_) {
+        copied_points_->rewind();
+        copied_weights_->rewind();
         std::vector<double> points, weights;
-        while (waiting_->left() > 0) {
-            const auto count =
-                std::min<std::size_t>(max_at_once_, static_cast<std::size_t>(waiting_->left() / (3 * sizeof(double))));
+        while (copied_points_->remaining() > 0) {
+            const auto count = std::min<std::size_t>(
+                max_at_once_, static_cast<std::size_t>(copied_points_->remaining() / (3 * sizeof(double))));
             points.resize(3 * count);
-            waiting_->read(std::span(points));
+            copied_points_->read(std::span(points));
             weights.resize(weighted_ ? count : 0);
-            waiting_weights_->read(std::span(weights));
+            copied_weights_->read(std::span(weights));
             const std::span<const double> beside(weights), none;
             task(first, StreamSeeds{points, radii_ ? none : beside, radii_ ? beside : none});
             first += count;
         }
         return;
     }
-    if (looked_ && !source_.restart()) throw Error(ErrorCode::invalid_use, "the source of seeds did not begin again");
+    if (scanned_ && !source_.restart()) throw Error(ErrorCode::invalid_use, "the source of seeds did not restart");
     StreamSeeds some;
     std::vector<double> points, weights;  // read once, see input/snapshot.hpp
     while (some = {}, source_.next(some)) {
@@ -135,15 +136,16 @@ void Intake::read(const Task& task) {
             first += size;
         }
     }
-    if (looked_ && first != seeds_)
+    if (scanned_ && first != seeds_)
         throw Error(ErrorCode::invalid_use, "the source gave " + std::to_string(seeds_) + " seeds, then " +
-                                                std::to_string(first) + ": it must give the same ones again");
+                                                std::to_string(first) +
+                                                ": it must give the same seeds at each reading");
 }
 
 void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
     const bool weighted = !some.weights.empty() || !some.radii.empty();
     const bool all_like_this = weighted == weighted_ && (some.weights.empty() || !radii_);
-    if ((first > 0 || looked_) && !all_like_this)
+    if ((first > 0 || scanned_) && !all_like_this)
         refuse("some pieces of seeds have weights, others have radii or neither");
     if (!some.weights.empty() && !some.radii.empty())
         refuse("weights and radii are both given: weights are the squares of radii, give one of them");
@@ -157,7 +159,7 @@ void Intake::check(std::uint64_t first, const StreamSeeds& some) {
     for (const exact::Point& x : {box.lower, box.upper}) include(bounds_, x);
 }
 
-// Every 2^k-th seed, with k as small as it may be.
+// Keeps every 2^k-th seed, with the least k that fits.
 void Intake::take_sample(std::uint64_t first, std::span<const double> points) {
     for (std::size_t i = 0; i < points.size() / 3; ++i) {
         if ((first + i) % every_ != 0) continue;
@@ -171,24 +173,24 @@ void Intake::take_sample(std::uint64_t first, std::span<const double> points) {
     }
 }
 
-void Intake::look() {
+void Intake::scan() {
     read([&](std::uint64_t first, const StreamSeeds& some) {
         check(first, some);
         take_sample(first, some.points);
         seeds_ = first + some.points.size() / 3;
-        if (waiting_) {
-            waiting_->append(some.points);
-            waiting_weights_->append(some.weights);
-            waiting_weights_->append(some.radii);
+        if (copied_points_) {
+            copied_points_->append(some.points);
+            copied_weights_->append(some.weights);
+            copied_weights_->append(some.radii);
         }
         stages_.at(0, 1);
     });
-    looked_ = true;
+    scanned_ = true;
 }
 
 blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) {
     Options options = settled;
-    options.outside = Outside::drop;  // a seed that may not be there is found in its turn
+    options.outside = Outside::drop;  // distribute() finds a seed that is an error
     const Job job = job_of(0, {sample_, {}, {}}, options);
     std::vector<exact::Point> places;
     for (std::size_t i = 0; i < sample_.size() / 3; ++i) {
@@ -199,16 +201,17 @@ blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) 
     return {std::move(places), blocks};
 }
 
-Intake::Dealt Intake::deal(const Options& settled, std::size_t blocks, TemporaryFile& ids, TemporaryFile& seeds) {
+Intake::BlockSpools Intake::distribute(const Options& settled, std::size_t blocks, TemporaryFile& ids,
+                                       TemporaryFile& seeds) {
     const blocks::Partition partition = this->partition(settled, blocks);
-    Dealt dealt{std::vector(blocks, Spool(ids)),
-                std::vector(blocks, Spool(seeds)),
-                std::vector(blocks, Spool(seeds)),
-                std::vector(blocks, nothing),
-                std::vector(blocks, -infinity),
-                std::vector<std::uint64_t>(blocks),
-                {}};
-    Dealer dealer(dealt, blocks, std::clamp<std::size_t>(4 * max_at_once_ / blocks, 64, 1 << 15));
+    BlockSpools spools{std::vector(blocks, Spool(ids)),
+                       std::vector(blocks, Spool(seeds)),
+                       std::vector(blocks, Spool(seeds)),
+                       std::vector(blocks, nothing),
+                       std::vector(blocks, -infinity),
+                       std::vector<std::uint64_t>(blocks),
+                       {}};
+    BlockWriter writer(spools, blocks, std::clamp<std::size_t>(4 * max_at_once_ / blocks, 64, 1 << 15));
     std::vector<exact::Point> places;
     std::vector<std::uint32_t> block_of;
     read([&](std::uint64_t first, const StreamSeeds& some) {
@@ -230,17 +233,17 @@ Intake::Dealt Intake::deal(const Options& settled, std::size_t blocks, Temporary
         for (std::size_t i = 0; i < count; ++i) {
             const std::uint32_t block = block_of[i];
             if (block == no_block) continue;
-            if (dealt.inside.empty()) dealt.inside.assign(&some.points[3 * i], &some.points[3 * i] + 3);
+            if (spools.inside.empty()) spools.inside.assign(&some.points[3 * i], &some.points[3 * i] + 3);
             double weight = 0;
             if (weighted_) weight = some.radii.empty() ? some.weights[i] : some.radii[i] * some.radii[i];
-            include(dealt.boxes[block], places[i]);
-            dealt.heaviest[block] = std::max(dealt.heaviest[block], weighted_ ? job.domain->weights[i] : 0);
-            dealer.add(block, first + i, &some.points[3 * i], weighted_ ? &weight : nullptr);
+            include(spools.boxes[block], places[i]);
+            spools.heaviest[block] = std::max(spools.heaviest[block], weighted_ ? job.domain->weights[i] : 0);
+            writer.add(block, first + i, &some.points[3 * i], weighted_ ? &weight : nullptr);
         }
         stages_.at(first + count, seeds_);
     });
-    dealer.end();
-    return dealt;
+    writer.end();
+    return spools;
 }
 
 }  // namespace votess::stream

@@ -1,4 +1,4 @@
-// The seeds of a stream: looked at once, then dealt out to blocks.
+// Reads the seeds of a stream twice: for bounds, number and a sample, then into the files of their blocks.
 #pragma once
 
 #include <optional>
@@ -15,32 +15,34 @@ namespace votess::stream {
 
 class Intake {
 public:
-    // waiting: where seeds go that can be had only once.
+    // Seeds that come only once are copied into a temporary file in the folder.
     Intake(StreamSource& source, const Options& options, const std::string& folder, std::uint64_t memory,
            Stages& stages);
 
-    // The first reading. Checks the points as far as no box has to be settled.
-    void look();
+    // The first reading. Checks the points as far as that needs no box.
+    void scan();
     [[nodiscard]] std::uint64_t seeds() const { return seeds_; }
     [[nodiscard]] bool weighted() const { return weighted_; }
     [[nodiscard]] const Box& bounds() const { return bounds_; }
+    // Returns the size of the temporary file.
     [[nodiscard]] std::uint64_t bytes() const { return file_ ? file_->size() : 0; }
 
-    struct Dealt {
-        std::vector<Spool> ids, points, weights;  // by block; int64, 3 doubles and 1 a seed
+    struct BlockSpools {
+        std::vector<Spool> ids, points, weights;  // by block: an int64, three doubles and one for each seed
         std::vector<Box> boxes;                   // around the places of its seeds, times the scale
         std::vector<double> heaviest;             // times the scale squared
         std::vector<std::uint64_t> counts;
-        std::vector<double> inside;  // one seed that is not left out, if there is any
+        std::vector<double> inside;  // one seed that is not dropped, or empty
     };
-    // The second one, by options with a box.
-    [[nodiscard]] Dealt deal(const Options& settled, std::size_t blocks, TemporaryFile& ids, TemporaryFile& seeds);
+    // The second reading. settled: the options with the box of the run.
+    [[nodiscard]] BlockSpools distribute(const Options& settled, std::size_t blocks, TemporaryFile& ids,
+                                         TemporaryFile& seeds);
 
 private:
-    // Calls task(first, some) with not too many seeds at once.
+    // Calls task(first, seeds) piece by piece, with at most max_at_once_ seeds.
     template <class Task>
     void read(const Task& task);
-    // Throws unless the piece has weights, radii or neither as the pieces before it had.
+    // Throws unless the piece has weights, radii or neither, like the pieces before it.
     void check_kind(std::uint64_t first, const StreamSeeds& some);
     void check(std::uint64_t first, const StreamSeeds& some);
     void take_sample(std::uint64_t first, std::span<const double> points);
@@ -51,10 +53,10 @@ private:
     Stages& stages_;
     ThreadPool pool_;
     std::optional<TemporaryFile> file_;
-    std::optional<Spool> waiting_, waiting_weights_;
+    std::optional<Spool> copied_points_, copied_weights_;
     std::size_t max_at_once_, max_sampled_;
     std::uint64_t seeds_ = 0, every_ = 1;
-    bool weighted_ = false, radii_ = false, looked_ = false;
+    bool weighted_ = false, radii_ = false, scanned_ = false;
     Box bounds_;
     std::vector<double> sample_;
 };

@@ -1,5 +1,4 @@
-// How many blocks fit the memory that a run in blocks may take one after the other, and how much room they take on
-// disk.
+// How many blocks a stream needs for its memory, and how much room it takes on disk.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +7,15 @@
 
 namespace votess::stream {
 
-// What a run is like, as far as its memory depends on it.
+// The properties of a run that its memory depends on.
 struct Kind {
     Want want;
     bool periodic = false, weighted = false;
 };
 
-// So many that the largest fits.
+// Returns the least number of blocks of which the largest fits.
 [[nodiscard]] std::size_t blocks_for(std::uint64_t memory, std::uint64_t seeds, const Kind& kind);
-// What all temporary files take, about, for rows are not known yet.
+// Returns an estimate of the bytes of all temporary files.
 [[nodiscard]] std::uint64_t bytes_on_disk(std::uint64_t seeds, std::size_t blocks, const Kind& kind);
 
 }  // namespace votess::stream

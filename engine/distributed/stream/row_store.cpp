@@ -29,7 +29,7 @@ void put_ids(std::span<const std::int64_t> ids, bool narrow, std::vector<std::by
     }
 }
 
-// values: `each` bytes for each entry of the result, of which those from `begin` on are a row.
+// Appends a row, which starts at entry `begin`. each: bytes of one entry.
 void put_values(std::size_t begin, std::size_t size, const void* values, std::size_t each,
                 std::vector<std::byte>& bytes) {
     if (each == 0 || size == 0) return;
@@ -60,9 +60,9 @@ Layout::Layout(const Want& want, bool periodic, std::uint64_t seeds) {
 RowStore::RowStore(const Layout& layout, TemporaryFile& file, Spool ids)
     : layout_(layout), ids_(std::move(ids)), duplicates_(file), arrays_(array_count, Spool(file)) {}
 
-void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> left_out) {
+void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped) {
     const detail::Result& result = run.result;
-    if (layout_.rows()) add_rows(run, count, left_out);
+    if (layout_.rows()) add_rows(run, count, skipped);
     const auto add = [&](Array array, const auto& values) {
         if (layout_.bytes(array) > 0) of(array).append(std::span(values.data(), values.size()));
     };
@@ -82,12 +82,12 @@ void RowStore::add(blocks::Run& run, std::size_t count, std::span<const std::uin
 }
 
 struct RowStore::Piece {
-    std::vector<std::int64_t> row;  // the ids of one
+    std::vector<std::int64_t> row;  // ids
     std::vector<std::uint32_t> lengths;
     std::array<std::vector<std::byte>, entry_arrays.size()> entries;
 };
 
-void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> left_out) {
+void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped) {
     const detail::Result& result = run.result;
     ThreadPool& pool = run.clipper.pool();
     std::vector<Piece> pieces(2 * std::size_t{pool.size()});
@@ -97,7 +97,7 @@ void RowStore::add_rows(blocks::Run& run, std::size_t count, std::span<const std
         for (auto& bytes : piece.entries) bytes.clear();
         auto& [ids, shifts, areas, normals] = piece.entries;
         for (std::size_t i = begin; i < std::min(count, begin + piece_cells); ++i) {
-            if (std::ranges::binary_search(left_out, static_cast<std::uint32_t>(i))) {
+            if (std::ranges::binary_search(skipped, static_cast<std::uint32_t>(i))) {
                 piece.lengths.push_back(0);
                 continue;
             }

@@ -1,4 +1,4 @@
-// Cells that wait in temporary files until those of all blocks are known.
+// The cells of a block in temporary files, until those of all blocks are complete.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace votess::stream {
 
-// The arrays of a result, as bytes: those with a number or three for each cell, then those for each entry of a row.
+// The arrays of a result: first those of cells, then those of entries of rows.
 enum class Array : std::uint8_t {
     status,
     lengths,
@@ -34,7 +34,7 @@ inline constexpr std::array cell_arrays{Array::status,      Array::lengths,     
                                         Array::face_counts, Array::edge_counts,   Array::vertex_counts};
 inline constexpr std::array entry_arrays{Array::neighbors, Array::shifts, Array::areas, Array::normals};
 
-// What is wanted of the cells of a run, and how many bytes each array takes for one cell or entry; 0: it is not wanted.
+// The bytes that each array takes for one cell or entry; 0 when it is not wanted.
 struct Layout {
     Layout(const Want& want, bool periodic, std::uint64_t seeds);
     [[nodiscard]] std::size_t bytes(Array array) const { return bytes_[static_cast<std::size_t>(array)]; }
@@ -52,19 +52,18 @@ private:
     std::array<std::size_t, array_count> bytes_{};
 };
 
-// Some cells, ascending by id.
+// Cells in ascending order of ids.
 class RowStore {
 public:
     struct Duplicate {
         std::int64_t id, of;
     };
 
-    // ids: of the cells, which may be written later.
+    // ids: of the cells. They may be written later.
     RowStore(const Layout& layout, TemporaryFile& file, Spool ids);
 
-    // The first `count` cells of the run. left_out: some of them, ascending, that get no row here, and another store
-    // after this one has them.
-    void add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> left_out);
+    // Adds the first `count` cells of the run. skipped: ascending; these get no row here, a later store has them.
+    void add(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped);
 
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
     [[nodiscard]] bool has_duplicates() const { return duplicates_.size() > 0; }
@@ -74,7 +73,7 @@ public:
 
 private:
     struct Piece;
-    void add_rows(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> left_out);
+    void add_rows(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped);
 
     const Layout& layout_;
     Spool ids_, duplicates_;

@@ -1,4 +1,4 @@
-// What waits outside of memory.
+// Arrays in temporary files.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace votess::stream {
 
-// A file that only grows. It has no name, so it is gone with the process. Throws Error(storage).
+// A file that only grows. It has no name, so it ends with the process. Throws Error(storage).
 class TemporaryFile {
 public:
-    // folder: "" for that of TMPDIR, or /tmp.
+    // folder: see temporary_folder().
     explicit TemporaryFile(const std::string& folder);
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
     ~TemporaryFile();
 
-    // Returns where they lie.
+    // Returns the position of the bytes.
     std::uint64_t append(std::span<const std::byte> bytes);
-    // From any thread.
+    // May be called from any thread.
     void read(std::uint64_t at, std::span<std::byte> to) const;
     [[nodiscard]] std::uint64_t size() const { return size_; }
 
@@ -29,11 +29,12 @@ private:
     std::uint64_t size_ = 0;
 };
 
-// The folder that is used, and the bytes that are free there.
+// Returns the folder, or TMPDIR or /tmp for "".
 [[nodiscard]] std::string temporary_folder(const std::string& folder);
+// Throws invalid_argument when the folder cannot be used.
 [[nodiscard]] std::uint64_t free_bytes(const std::string& folder);
 
-// One of several arrays in a file, which grow beside each other and are read front to back.
+// An array in a file, which may hold several that grow side by side. It is read front to back.
 class Spool {
 public:
     explicit Spool(TemporaryFile& file) : file_(&file) {}
@@ -42,7 +43,7 @@ public:
     void append(std::span<const T> values) {
         append_bytes(std::as_bytes(values));
     }
-    // The next ones.
+    // Reads the next values.
     template <class T>
     void read(std::span<T> values) {
         static_assert(std::is_trivially_copyable_v<T>);
@@ -50,12 +51,12 @@ public:
     }
     template <class T>
     [[nodiscard]] std::vector<T> read_rest() {
-        std::vector<T> values(static_cast<std::size_t>(left() / sizeof(T)));
+        std::vector<T> values(static_cast<std::size_t>(remaining() / sizeof(T)));
         read(std::span(values));
         return values;
     }
     [[nodiscard]] std::uint64_t size() const { return size_; }  // bytes
-    [[nodiscard]] std::uint64_t left() const { return size_ - read_; }
+    [[nodiscard]] std::uint64_t remaining() const { return size_ - read_; }
     void rewind() { extent_ = 0, within_ = read_ = 0; }
 
 private:
@@ -68,8 +69,8 @@ private:
     TemporaryFile* file_;
     std::vector<Extent> extents_;
     std::uint64_t size_ = 0, read_ = 0;
-    std::size_t extent_ = 0;    // the next byte
-    std::uint64_t within_ = 0;  // of it
+    std::size_t extent_ = 0;    // of the next byte
+    std::uint64_t within_ = 0;  // its position in that extent
 };
 
 // Reads a spool value by value.
@@ -77,10 +78,10 @@ template <class T>
 class Cursor {
 public:
     explicit Cursor(Spool spool) : spool_(std::move(spool)) {}
-    // Null at the end.
+    // Returns the next value, or null at the end.
     [[nodiscard]] const T* peek() {
         if (at_ == values_.size()) {
-            values_.resize(std::min<std::size_t>(most, static_cast<std::size_t>(spool_.left() / sizeof(T))));
+            values_.resize(std::min<std::size_t>(max_values, static_cast<std::size_t>(spool_.remaining() / sizeof(T))));
             spool_.read(std::span(values_));
             at_ = 0;
         }
@@ -89,7 +90,7 @@ public:
     void pop() { ++at_; }
 
 private:
-    static constexpr std::size_t most = 1024;
+    static constexpr std::size_t max_values = 1024;
     Spool spool_;
     std::vector<T> values_;
     std::size_t at_ = 0;

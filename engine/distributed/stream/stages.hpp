@@ -1,4 +1,4 @@
-// What a run in blocks tells of its progress: stages one after the other, each a share of the whole.
+// The progress of a stream: stages one after the other, each a share of the whole.
 #pragma once
 
 #include <chrono>
@@ -14,18 +14,18 @@ class Stages {
 public:
     explicit Stages(const Options& options) : log_(options.log), progress_(options.progress) {}
 
-    void say(const std::string& text) const {
+    void log(const std::string& text) const {
         if (log_ && !text.empty()) log_(text);
     }
     void begin(StageClock::Stage stage, double end, const std::string& text) {
         clock_.enter(stage);
         share_ = {share_.end, end};
-        say(text);
+        log(text);
         progress_.report(share_.begin);
     }
-    // Throws where the user asks to stop.
+    // Throws when the user stops the run.
     void at(std::uint64_t done, std::uint64_t total) { Progress::require(progress_.going_on(share_.at(done, total))); }
-    // For one of several runs within the stage.
+    // Returns a callback for one of several runs within the stage.
     [[nodiscard]] ProgressCallback within(std::size_t number, std::size_t count) {
         return progress_.within({share_.at(number, count), share_.at(number + 1, count)});
     }

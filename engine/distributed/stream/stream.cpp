@@ -1,5 +1,5 @@
-// tessellate_stream(): seeds are dealt out to blocks, which are in memory one after the other: for their layers, for
-// their cells, and in part for what other blocks ask them. Then rows come together.
+// tessellate_stream(): seeds are distributed to blocks, which are in memory one after the other: to make halos, to clip
+// cells, and in part to reply to other blocks. Then rows are joined in input order.
 #include "votess/stream.hpp"
 
 #include <algorithm>
@@ -12,16 +12,15 @@
 #include "distributed/stream/assembler.hpp"
 #include "distributed/stream/intake.hpp"
 #include "distributed/stream/plan.hpp"
-#include "distributed/stream/row_checks.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "verify/row_checker.hpp"
 
 namespace votess {
 namespace {
 
 using namespace stream;
-using blocks::Questions;
-using blocks::Seeds;
+using blocks::Requests;
 
 std::string in_units(std::uint64_t bytes) {
     constexpr double mega = 1e6, giga = 1e9;
@@ -31,7 +30,7 @@ std::string in_units(std::uint64_t bytes) {
     return text.substr(0, text.find('.') + 2) + (large ? " GB" : " MB");
 }
 
-// What blocks say to each other waits as well. Each message is read once, in the order in which they came.
+// Messages between blocks wait in files. Each is read once, in the order of writing.
 void put(Spool& spool, std::uint64_t from, const Message& message) {
     if (message.empty()) return;
     const std::array<std::uint64_t, 2> head{from, message.size()};
@@ -42,7 +41,7 @@ void put(Spool& spool, std::uint64_t from, const Message& message) {
 // Calls task(from, message).
 template <class Task>
 void for_messages(Spool& spool, const Task& task) {
-    while (spool.left() > 0) {
+    while (spool.remaining() > 0) {
         std::array<std::uint64_t, 2> head{};
         spool.read(std::span<std::uint64_t>(head));
         Message message(static_cast<std::size_t>(head[1]));
@@ -51,7 +50,7 @@ void for_messages(Spool& spool, const Task& task) {
     }
 }
 
-class Run {
+class Run final : public RunBlocks {
 public:
     Run(StreamSource& source, StreamSink& sink, const Options& options, const StreamOptions& stream)
         : sink_(sink),
@@ -61,15 +60,15 @@ public:
           intake_(source, options_, stream.temporary, stream.memory, stages_) {}
 
     StreamResult operator()() {
-        stages_.begin(&StageSeconds::upload, 0.04, "looking at the seeds");
-        intake_.look();
-        settle();
-        deal();
-        make_layers();
+        stages_.begin(&StageSeconds::upload, 0.04, "reading the seeds");
+        intake_.scan();
+        plan();
+        distribute();
+        make_halos();
         clip();
-        answer();
-        finish_asked();
-        hand_out();
+        reply();
+        finish_pending();
+        write_rows();
         verify();
         stages_.end();
         result_.options = *settled_;
@@ -79,21 +78,22 @@ public:
     }
 
 private:
-    // What a block has in temporary files.
+    // The temporary files of a block.
     struct Block {
-        Block(TemporaryFile& seeds, const Layout& layout, TemporaryFile& rows, TemporaryFile& ids, Spool own)
+        Block(TemporaryFile& seeds, const Layout& layout, TemporaryFile& file, TemporaryFile& ids, Spool own)
             : tiles(seeds),
-              layers(seeds),
-              questions(seeds),
-              asked(seeds),
-              answers(seeds),
-              settled(layout, rows, std::move(own)),
-              late(layout, rows, Spool(ids)) {}
-        Spool tiles, layers, questions, asked, answers;
-        RowStore settled, late;
+              halos(seeds),
+              requests(seeds),
+              pending(seeds),
+              replies(seeds),
+              rows(layout, file, std::move(own)),
+              pending_rows(layout, file, Spool(ids)) {}
+        Spool tiles, halos, requests, pending, replies;
+        RowStore rows, pending_rows;
     };
 
-    void settle() {
+    // Chooses the domain and the number of blocks, and checks the room on the disk.
+    void plan() {
         Options plain = options_;
         plain.progress = {};
         domain_.emplace(plain, intake_.bounds(), intake_.seeds());
@@ -104,11 +104,11 @@ private:
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
         const std::string folder = temporary_folder(stream_.temporary);
-        stages_.say("about " + in_units(needed) + " of temporary files in " + folder);
+        stages_.log("about " + in_units(needed) + " of temporary files in " + folder);
         if (const std::uint64_t room = free_bytes(folder); room < needed)
             throw Error(ErrorCode::storage, "temporary files take about " + in_units(needed) + ", but '" + folder +
                                                 "' has room for " + in_units(room) +
-                                                ": free some, or give another folder for them");
+                                                ": free some, or choose another folder");
         layout_.emplace(settled_->want, kind.periodic, intake_.seeds());
     }
 
@@ -117,22 +117,22 @@ private:
         return std::ranges::count(axes, true) > 0;
     }
 
-    void deal() {
+    void distribute() {
         stages_.begin(
             &StageSeconds::upload, 0.1,
-            "dealing " + std::to_string(intake_.seeds()) + " seeds out to " + std::to_string(count_) + " blocks");
+            "distributing " + std::to_string(intake_.seeds()) + " seeds to " + std::to_string(count_) + " blocks");
         for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary);
-        dealt_.emplace(intake_.deal(*settled_, count_, *ids_, *seeds_));
-        result_.stats.box_volume = domain_->volume(dealt_->inside);
+        spools_.emplace(intake_.distribute(*settled_, count_, *ids_, *seeds_));
+        result_.stats.box_volume = domain_->volume(spools_->inside);
         for (std::size_t b = 0; b < count_; ++b) {
-            blocks_.emplace_back(*seeds_, *layout_, *rows_, *ids_, dealt_->ids[b]);
-            result_.largest_block = std::max(result_.largest_block, dealt_->counts[b]);
+            blocks_.emplace_back(*seeds_, *layout_, *rows_, *ids_, spools_->ids[b]);
+            result_.largest_block = std::max(result_.largest_block, spools_->counts[b]);
             blocks::Outline& outline = outlines_.emplace_back();
-            if (dealt_->counts[b] > 0) outline = blocks::outline_of({{dealt_->boxes[b], 0, dealt_->heaviest[b]}});
+            if (spools_->counts[b] > 0) outline = blocks::outline_of({{spools_->boxes[b], 0, spools_->heaviest[b]}});
         }
     }
 
-    // The seeds of a block, again from the first on.
+    // Reads the seeds of a block.
     [[nodiscard]] Seeds seeds_of(std::size_t b) {
         const auto all = [](Spool& spool, auto& to) {
             spool.rewind();
@@ -140,14 +140,14 @@ private:
             spool.read(std::span(to));
         };
         Seeds seeds;
-        all(dealt_->ids[b], seeds.ids);
-        all(dealt_->points[b], seeds.points);
-        all(dealt_->weights[b], seeds.weights);
+        all(spools_->ids[b], seeds.ids);
+        all(spools_->points[b], seeds.points);
+        all(spools_->weights[b], seeds.weights);
         return seeds;
     }
 
     void put_tiles(std::size_t b, const blocks::TiledSeeds& tiled) {
-        blocks::Writer writer;
+        Writer writer;
         writer.put(tiled.outline.tiles);
         writer.put(tiled.order);
         writer.put(tiled.begin);
@@ -157,7 +157,7 @@ private:
         blocks::TiledSeeds tiled;
         blocks_[b].tiles.rewind();
         for_messages(blocks_[b].tiles, [&](std::size_t, const Message& message) {
-            blocks::Reader reader(message);
+            Reader reader(message);
             std::vector<blocks::Tile> tiles;
             reader.get(tiles);
             reader.get(tiled.order);
@@ -167,17 +167,16 @@ private:
         return tiled;
     }
 
-    void make_layers() {
-        stages_.begin(&StageSeconds::sort, 0.2, "making layers between blocks");
+    void make_halos() {
+        stages_.begin(&StageSeconds::sort, 0.2, "making halos between blocks");
         for (std::size_t b = 0; b < count_; ++b) {
             stages_.at(b, count_);
             give_back_memory();
-            if (dealt_->counts[b] == 0) continue;
+            if (spools_->counts[b] == 0) continue;
             const blocks::LocalBlock block(*settled_, seeds_of(b));
             put_tiles(b, block.tiled());
             for (std::size_t to = 0; to < count_; ++to)
-                if (to != b)
-                    put(blocks_[to].layers, b, blocks::to_message(block.layer_for(outlines_[to]), block.outline()));
+                if (to != b) put(blocks_[to].halos, b, to_message(block.halo_for(outlines_[to]), block.outline()));
         }
     }
 
@@ -185,39 +184,31 @@ private:
         stages_.begin(&StageSeconds::clip, 0.72, "");
         for (std::size_t b = 0; b < count_; ++b) {
             give_back_memory();
-            if (dealt_->counts[b] == 0) continue;
-            stages_.say("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
+            if (spools_->counts[b] == 0) continue;
+            stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
             Options options = *settled_;
             options.progress = stages_.within(b, count_);
             blocks::LocalBlock block(options, seeds_of(b), tiles_of(b));
             std::vector<blocks::Outline> others = outlines_;
-            Seeds given;
-            for_messages(blocks_[b].layers, [&](std::size_t from, const Message& message) {
-                Seeds layer;
-                blocks::from_message(message, layer, others[from]);
-                given.add(layer);
+            Seeds halo;
+            for_messages(blocks_[b].halos, [&](std::size_t from, const Message& message) {
+                Seeds some;
+                from_message(message, some, others[from]);
+                halo.add(some);
             });
-            block.clip(std::move(others), b, std::move(given));
-            blocks_[b].settled.add(block.run(), static_cast<std::size_t>(dealt_->counts[b]), block.asking());
-            for (std::size_t to = 0; to < count_; ++to)
-                put(blocks_[to].questions, b, blocks::to_message(block.questions()[to]));
+            block.clip(std::move(others), b, std::move(halo));
+            blocks_[b].rows.add(block.run(), static_cast<std::size_t>(spools_->counts[b]), block.pending());
+            for (std::size_t to = 0; to < count_; ++to) put(blocks_[to].requests, b, to_message(block.requests()[to]));
             add_stats(block.run().result.stats);
-            if (block.asking().empty()) continue;
-            const blocks::Asked asked = block.asked();
-            put(blocks_[b].asked, b, asked_message(asked));
-            result_.stats.faces -= asked.faces;
-            result_.asked_cells += asked.cells.size();
+            if (block.pending().empty()) continue;
+            const blocks::PendingCells pending = block.pending_cells();
+            Writer writer;
+            pending.cells.put_to(writer);
+            pending.kept_neighbors.put_to(writer);
+            put(blocks_[b].pending, b, writer.take());
+            result_.stats.faces -= pending.faces;
+            result_.asked_cells += pending.cells.size();
         }
-    }
-
-    [[nodiscard]] static Message asked_message(const blocks::Asked& asked) {
-        blocks::Writer writer;
-        for (const Seeds* seeds : {&asked.cells, &asked.friends}) {
-            writer.put(seeds->ids);
-            writer.put(seeds->points);
-            writer.put(seeds->weights);
-        }
-        return writer.take();
     }
 
     void add_stats(const Stats& some) {
@@ -229,33 +220,35 @@ private:
         stats.threads = some.threads;
     }
 
-    // A block is asked only with those of its seeds that may cut a cell which asks.
-    void answer() {
-        stages_.begin(&StageSeconds::fallback, 0.76, "asking other blocks");
+    using RequestsFrom = std::vector<std::pair<std::size_t, Requests>>;
+
+    // Only the seeds that may cut a cell of the requests are in memory.
+    void reply() {
+        stages_.begin(&StageSeconds::fallback, 0.76, "finishing cells that reach other blocks");
         for (std::size_t b = 0; b < count_; ++b) {
             give_back_memory();
             stages_.at(b, count_);
-            if (blocks_[b].questions.size() == 0) continue;
-            std::vector<std::pair<std::size_t, Questions>> asked;
-            for_messages(blocks_[b].questions, [&](std::size_t from, const Message& message) {
-                blocks::from_message(message, asked.emplace_back(from, Questions{}).second);
+            if (blocks_[b].requests.size() == 0) continue;
+            RequestsFrom all;
+            for_messages(blocks_[b].requests, [&](std::size_t from, const Message& message) {
+                from_message(message, all.emplace_back(from, Requests{}).second);
             });
             blocks::Run run;
-            run.seeds = seeds_near(b, asked);
+            run.seeds = seeds_near(b, all);
             run.prepare(*settled_);
             blocks::Responder responder(*settled_, run);
-            for (const auto& [from, questions] : asked)
-                put(blocks_[from].answers, b, blocks::to_message(responder.answer(questions)));
+            for (const auto& [from, requests] : all)
+                put(blocks_[from].replies, b, to_message(responder.reply(requests)));
         }
     }
 
-    [[nodiscard]] Seeds seeds_near(std::size_t b, const std::vector<std::pair<std::size_t, Questions>>& asked) {
+    [[nodiscard]] Seeds seeds_near(std::size_t b, const RequestsFrom& all_requests) {
         const Seeds all = seeds_of(b);
         const blocks::TiledSeeds tiled = tiles_of(b);
         const Job job = validate({}, *settled_);
         const blocks::Nearness nearness(*job.domain);
         std::vector<bool> near(tiled.outline.tiles.size());
-        for (const auto& [from, questions] : asked) blocks::mark_near(tiled.outline, nearness, questions, near);
+        for (const auto& [from, requests] : all_requests) blocks::mark_near(tiled.outline, nearness, requests, near);
         std::vector<bool> taken(all.size());
         for (std::size_t t = 0; t < near.size(); ++t)
             for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1] && near[t]; ++k) taken[tiled.order[k]] = true;
@@ -265,66 +258,65 @@ private:
         return seeds;
     }
 
-    void finish_asked() {
+    void finish_pending() {
         for (Block& block : blocks_) {
-            for_messages(block.asked, [&](std::size_t, const Message& message) {
-                blocks::Asked asked;
-                blocks::Reader reader(message);
-                for (Seeds* seeds : {&asked.cells, &asked.friends}) {
-                    reader.get(seeds->ids);
-                    reader.get(seeds->points);
-                    reader.get(seeds->weights);
-                }
-                Seeds answers;
-                for_messages(block.answers, [&](std::size_t, const Message& some) {
+            for_messages(block.pending, [&](std::size_t, const Message& message) {
+                blocks::PendingCells pending;
+                Reader reader(message);
+                pending.cells.get_from(reader);
+                pending.kept_neighbors.get_from(reader);
+                Seeds replies;
+                for_messages(block.replies, [&](std::size_t, const Message& some) {
                     Seeds seeds;
-                    blocks::from_message(some, seeds);
-                    answers.add(seeds);
+                    from_message(some, seeds);
+                    replies.add(seeds);
                 });
                 blocks::Run run;
-                blocks::finish_asked(*settled_, asked, answers, run);
-                block.late.ids().append(std::span<const std::int64_t>(asked.cells.ids));
-                block.late.add(run, asked.cells.size(), {});
+                blocks::finish_pending(*settled_, pending, replies, run);
+                block.pending_rows.ids().append(std::span<const std::int64_t>(pending.cells.ids));
+                block.pending_rows.add(run, pending.cells.size(), {});
                 Stats some = run.result.stats;
-                some.exact_cells = 0;  // counted before they asked
+                some.exact_cells = 0;  // counted by clip()
                 add_stats(some);
             });
         }
         result_.temporary_bytes = ids_->size() + seeds_->size() + rows_->size() + intake_.bytes();
         if (!stream_.verify) {
-            dealt_.reset();
+            spools_.reset();
             seeds_.reset();
         }
         give_back_memory();
     }
 
-    void hand_out() {
+    void write_rows() {
         stages_.begin(&StageSeconds::download, stream_.verify ? 0.95 : 1, "writing rows");
         StreamHead head;
         head.seeds = intake_.seeds();
         head.periodic = domain_is_periodic();
         head.options = *settled_;
         std::vector<RowStore*> stores;
-        for (Block& block : blocks_) stores.push_back(&block.settled);
-        for (Block& block : blocks_) stores.push_back(&block.late);
+        for (Block& block : blocks_) stores.push_back(&block.rows);
+        for (Block& block : blocks_) stores.push_back(&block.pending_rows);
         for (const RowStore* store : stores) {
             head.entries += store->entries();
             head.duplicates |= store->has_duplicates();
         }
-        // What is at hand at once: the arrays as they are read and in order, ids also in 64 bits.
+        // Bytes of a cell in memory: its arrays as read and in order, and ids in 64 bits.
         double bytes = 2 * static_cast<double>(layout_->bytes_of_cell()) + 24;
         if (head.seeds > 0)
             bytes += (2 * static_cast<double>(layout_->bytes_of_entry()) + 8) * static_cast<double>(head.entries) /
                      static_cast<double>(head.seeds);
-        const auto most = static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
+        const auto max_cells =
+            static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
         ThreadPool pool(options_.threads);
         Assembler assembler(*layout_, head, std::move(stores), count_, pool);
         sink_.begin(head);
-        if (stream_.verify) checks_.emplace(*layout_, sample_size(head.seeds, count_, head.periodic, stream_.memory));
+        if (stream_.verify)
+            checker_.emplace(CheckedRun{domain_->options(), head.seeds, result_.stats.box_volume}, sample(), *this);
         Stats& stats = result_.stats;
         do {
-            const StreamRows rows = assembler.next(most);
-            if (checks_) checks_->take(rows);
+            const StreamRows rows = assembler.next(max_cells);
+            if (checker_) checker_->take(rows);
             sink_.rows(rows);
             for (const double volume : rows.volumes) stats.volume_sum += volume;
             stats.empty_cells += static_cast<std::uint64_t>(std::ranges::count(rows.status, CellStatus::outside));
@@ -337,16 +329,38 @@ private:
         stats.peak_memory_bytes = peak_memory();
     }
 
+    // Blocks are read for each round of the sample, so there is one: as many cells as the usual budget pays for, and no
+    // more than fit a tenth of the memory with what the blocks reply.
+    [[nodiscard]] RowChecker::Sample sample() const {
+        constexpr double bytes_of_reply = 2000, share = 0.1;
+        const double room =
+            share * static_cast<double>(stream_.memory) / (bytes_of_reply * static_cast<double>(count_ + 1));
+        const std::size_t cells = sample_size(intake_.seeds(), count_, domain_is_periodic());
+        RowChecker::Sample sample;
+        sample.max_cells = sample.first_round = std::max(min_sample, std::min(cells, static_cast<std::size_t>(room)));
+        return sample;
+    }
+
     void verify() {
-        if (!checks_) return;
+        if (!checker_) return;
         stages_.begin(&StageSeconds::download, 1, "checking the cells");
-        std::uint64_t read = 0;
-        result_.verified = checks_->report(result_.stats, *domain_, count_, [&](std::size_t b) {
-            stages_.at(read++, 2 * count_);
-            Spool& status = blocks_[b].settled.of(Array::status);
-            status.rewind();
-            return RowChecks::BlockSeeds{seeds_of(b), status.read_rest<CellStatus>()};
-        });
+        result_.verified = checker_->report();
+    }
+
+    // Is called twice, to find the seeds of the sample and to clip their cells.
+    void for_blocks(const std::function<void(Seeds)>& task) override {
+        for (std::size_t b = 0; b < count_; ++b) {
+            stages_.at(blocks_checked_++, 2 * count_);
+            give_back_memory();
+            const Seeds all = seeds_of(b);
+            Spool& spool = blocks_[b].rows.of(Array::status);
+            spool.rewind();
+            const auto status = spool.read_rest<CellStatus>();
+            Seeds seeds;
+            for (std::size_t i = 0; i < all.size(); ++i)
+                if (takes_part(status[i])) seeds.add(all, i);
+            task(std::move(seeds));
+        }
     }
 
     StreamSink& sink_;
@@ -359,10 +373,11 @@ private:
     std::size_t count_ = 1;
     std::optional<Layout> layout_;
     std::optional<TemporaryFile> ids_, seeds_, rows_;
-    std::optional<Intake::Dealt> dealt_;
+    std::optional<Intake::BlockSpools> spools_;
     std::vector<Block> blocks_;
-    std::vector<blocks::Outline> outlines_;  // to those that were given no layer
-    std::optional<RowChecks> checks_;
+    std::vector<blocks::Outline> outlines_;  // for blocks that get no halo
+    std::optional<RowChecker> checker_;
+    std::uint64_t blocks_checked_ = 0;
     StreamResult result_;
 };
 
@@ -382,11 +397,12 @@ StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Opt
         throw Error(
             ErrorCode::invalid_argument,
             "weights and radii of a stream come from its source with the points: leave them out of the options");
-    (void)free_bytes(temporary_folder(stream.temporary));  // is it there?
+    (void)free_bytes(temporary_folder(stream.temporary));  // throws if it cannot be used
     try {
         return Run(source, sink, options, stream)();
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory, "out of memory: give tessellate_stream() less of it, for smaller blocks");
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory: lower `memory` of tessellate_stream(), for smaller blocks");
     }
 }
 

@@ -1,4 +1,4 @@
-// What verify() looks at: how many cells, and whether it sees results that are wrong in one place.
+// verify(): how many cells it tries, and that it finds results that are wrong in one place.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using votess::FaceLabel;
 
-// What verify() needs of a result, as lists that can be changed.
+// The rows of a result as lists that can be changed.
 struct Parts {
     std::vector<std::vector<FaceLabel>> rows;
     std::vector<votess::CellStatus> status;
@@ -28,8 +28,14 @@ Parts parts_of(const votess::Tessellation& t) {
     return parts;
 }
 
-// The result with these rows and statuses; without volumes, so that rows are all that can be wrong.
-votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& parts) {
+template <class To, class From>
+void copy(To& to, const From& from) {
+    to.resize_uninitialized(from.size());
+    std::ranges::copy(from, to.begin());
+}
+
+// Returns a result with the same domain and no arrays.
+std::shared_ptr<votess::detail::Result> domain_of(const votess::Tessellation& t) {
     auto result = std::make_shared<votess::detail::Result>();
     result->box = t.box();
     result->periodic = t.periodic();
@@ -37,6 +43,12 @@ votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& part
     result->weights.assign(t.weights().begin(), t.weights().end());
     result->lists_walls = t.lists_walls();
     result->stats = t.stats();
+    return result;
+}
+
+// Returns the result with these rows and statuses, and without volumes, so that only rows can be wrong.
+votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& parts) {
+    auto result = domain_of(t);
     std::vector<std::int64_t> indptr{0};
     std::vector<std::int32_t> indices;
     std::vector<std::int8_t> shifts;
@@ -47,10 +59,6 @@ votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& part
         }
         indptr.push_back(static_cast<std::int64_t>(indices.size()));
     }
-    const auto copy = [](auto& to, const auto& from) {
-        to.resize_uninitialized(from.size());
-        std::ranges::copy(from, to.begin());
-    };
     copy(result->indptr, indptr);
     copy(result->indices, indices);
     copy(result->shifts, shifts);
@@ -154,6 +162,52 @@ TEST_SUITE("cases") {
                 }
     }
 
+    TEST_CASE("verify names a seed that does not list its neighbor") {
+        const test::PointSet set = test::uniform(300, 105);
+        for (int domain = 0; domain < 3; ++domain) {
+            const auto t = test::run(set, periodic_options(domain));
+            Parts parts = parts_of(t);
+            const FaceLabel label = parts.rows[77][3];
+            std::erase(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(77));
+            CHECK(votess::verify(with_parts(t, parts), set.points, {0, 1}).failure ==
+                  "seed 77 lists " + std::to_string(label.id) + ", which does not list it");
+        }
+    }
+
+    TEST_CASE("verify sees polygons that are open or differ, and a surface that is not closed") {
+        const test::PointSet set = test::uniform(60, 106);
+        votess::Options options = test::all_options();
+        options.want.faces = options.want.normals = true;
+        const auto t = test::run(set, options);
+        std::vector<std::int32_t> corners(t.face_vertices().begin(), t.face_vertices().end());
+        std::vector<double> normals(t.face_normals().begin(), t.face_normals().end());
+        const auto failure = [&] {
+            auto result = domain_of(t);
+            copy(result->status, t.status());
+            copy(result->indptr, t.indptr());
+            copy(result->indices, t.indices());
+            copy(result->face_areas, t.face_areas());
+            copy(result->face_normals, normals);
+            copy(result->face_offsets, t.face_offsets());
+            copy(result->face_vertices, corners);
+            return votess::verify(votess::Tessellation(std::move(result)), set.points).failure;
+        };
+        CHECK(failure() == "");
+        const auto row = static_cast<std::size_t>(t.indptr()[17]), end = static_cast<std::size_t>(t.indptr()[18]);
+        normals[3 * row] += 0.01;
+        CHECK(failure().starts_with("cell 17 is not closed: area times normal sums to "));
+        normals[3 * row] -= 0.01;
+        const auto first = static_cast<std::size_t>(t.face_offsets()[row]);
+        std::swap(corners[first], corners[first + 1]);
+        CHECK(failure() == "cell 17 is not watertight");
+        std::swap(corners[first], corners[first + 1]);
+        // Two vertices of one cell are exchanged: it is closed, but its neighbors have other polygons.
+        const std::int32_t a = corners[first], b = corners[first + 1];
+        for (std::size_t k = first; k < static_cast<std::size_t>(t.face_offsets()[end]); ++k)
+            corners[k] = corners[k] == a ? b : corners[k] == b ? a : corners[k];
+        CHECK(failure().ends_with(" have different polygons between them"));
+    }
+
     TEST_CASE("verify sees a face that two rows list twice, and a row out of order") {
         const test::PointSet set = test::uniform(200, 101);
         const auto t = test::run(set, rows_only());
@@ -185,11 +239,11 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(with_parts(t, whole), set.points).failure == "");
         Parts parts = whole;
         parts.status[static_cast<std::size_t>(empty - whole.status.begin())] = votess::CellStatus::certified;
-        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is said to have a cell") !=
+        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is reported to have a cell") !=
               std::string::npos);
         parts = whole;
         parts.status[13] = votess::CellStatus::empty;
         CHECK(votess::verify(with_parts(t, parts), set.points).failure ==
-              "seed 13 is said to have no cell, trying every seed leaves one");
+              "seed 13 is reported to have no cell, trying every seed leaves one");
     }
 }

@@ -1,4 +1,4 @@
-#include "distributed/mpi/travel.hpp"
+#include "distributed/mpi/pack_cells.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -9,7 +9,7 @@
 namespace votess::mpi {
 namespace {
 
-// Calls visit(member, numbers each) for what cells have, and for what entries of rows have.
+// Calls visit(member, numbers in each) for the arrays of cells, or of entries of rows.
 template <class Visit>
 void for_cell_arrays(const Visit& visit) {
     visit(&BlockCells::status, 1);
@@ -37,16 +37,9 @@ void append(std::vector<T>& to, const std::vector<T>& from, std::size_t begin, s
               from.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
-// Cells of one block on their way, and which of them are meant.
-struct Arrived {
-    std::vector<std::int64_t> ids;
-    BlockCells cells;
-    std::vector<std::size_t> places;
-};
-
-Arrived read(const Message& message) {
-    Arrived arrived;
-    blocks::Reader reader(message);
+SomeCells read(const Message& message) {
+    SomeCells arrived;
+    Reader reader(message);
     reader.get(arrived.ids);
     reader.get(arrived.cells.indptr);
     for_cell_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
@@ -61,7 +54,7 @@ std::size_t begin_of(const BlockCells& cells, std::size_t i) {
     return static_cast<std::size_t>(cells.indptr[i]);
 }
 
-// What a cell that is not there has.
+// The value for a seed that was dropped.
 template <class T>
 T none(std::vector<T> BlockCells::*) {
     return {};
@@ -74,43 +67,6 @@ std::int64_t none(std::vector<std::int64_t> BlockCells::*) {
 }
 
 }  // namespace
-
-Message Handed::to_message() const {
-    if (ids.empty()) return {};
-    blocks::Writer writer;
-    writer.put(ids);
-    writer.put(points);
-    writer.put(weights);
-    return writer.take();
-}
-
-Handed Handed::of(const std::vector<Message>& from) {
-    Handed all;
-    for (std::size_t r = 0; r < from.size(); ++r) {
-        if (from[r].empty()) continue;
-        Handed some;
-        blocks::Reader reader(from[r]);
-        reader.get(some.ids);
-        reader.get(some.points);
-        reader.get(some.weights);
-        reader.end();
-        append(all.ids, some.ids, 0, some.ids.size());
-        append(all.points, some.points, 0, some.points.size());
-        append(all.weights, some.weights, 0, some.weights.size());
-        all.owners.resize(all.ids.size(), static_cast<std::int32_t>(r));
-    }
-    std::vector<std::size_t> order(all.ids.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::sort(order, {}, [&](std::size_t i) { return all.ids[i]; });
-    Handed sorted;
-    for (const std::size_t i : order) {
-        sorted.ids.push_back(all.ids[i]);
-        append(sorted.points, all.points, 3 * i, 3 * i + 3);
-        if (!all.weights.empty()) sorted.weights.push_back(all.weights[i]);
-        sorted.owners.push_back(all.owners[i]);
-    }
-    return sorted;
-}
 
 Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places) {
     if (places.empty()) return {};
@@ -129,7 +85,7 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
     };
     for_cell_arrays(count(places.size()));
     for_entry_arrays(count(entries));
-    blocks::Writer writer;
+    Writer writer;
     writer.reserve(bytes + sizeof(std::int64_t) * (some_ids.size() + indptr.size() + 2));
     writer.put(some_ids);
     writer.put(indptr);
@@ -151,13 +107,13 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
 }
 
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status, OwnCells own) {
+                  const std::vector<CellStatus>& status, SomeCells own) {
     std::vector<std::pair<std::int64_t, std::size_t>> place_of;
     place_of.reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) place_of.emplace_back(ids[i], i);
     if (!std::ranges::is_sorted(ids)) std::ranges::sort(place_of);
-    std::vector<Arrived> all;
-    if (!own.places.empty()) all.push_back({std::move(own.ids), std::move(own.cells), std::move(own.places)});
+    std::vector<SomeCells> all;
+    if (!own.places.empty()) all.push_back(std::move(own));
     for (const Message& message : from)
         if (!message.empty()) all.push_back(read(message));
     constexpr auto nobody = std::numeric_limits<std::size_t>::max();
@@ -179,12 +135,12 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
             source == nobody ? 0 : begin_of(all[source].cells, k + 1) - begin_of(all[source].cells, k);
         out.indptr.push_back(out.indptr.back() + static_cast<std::int64_t>(length));
     }
-    // Array by array, of which each goes when it has been copied.
+    // Array by array; each is freed after the copy.
     const auto is_anywhere = [&](auto member) {
-        return std::ranges::any_of(all, [&](const Arrived& one) { return !(one.cells.*member).empty(); });
+        return std::ranges::any_of(all, [&](const SomeCells& one) { return !(one.cells.*member).empty(); });
     };
     const auto drop = [&](auto member) {
-        for (Arrived& one : all) one.cells.*member = {};
+        for (SomeCells& one : all) one.cells.*member = {};
     };
     for_entry_arrays([&](auto member, std::size_t each) {
         if (!is_anywhere(member)) return;

@@ -1,16 +1,16 @@
-// What cells of a block ask others, and what a block answers.
+// The requests of a block to others, and its replies.
 #include <algorithm>
 #include <cmath>
 #include <deque>
 
-#include "core/arithmetic.hpp"
+#include "core/ceil.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "query/locator.hpp"
 
 namespace votess::blocks {
 namespace {
 
-constexpr std::size_t answers_at_once = 64;
+constexpr std::size_t replies_at_once = 64;
 
 double distance_squared(const exact::Point& x, const Box& box) {
     double sum = 0;
@@ -23,10 +23,10 @@ double distance_squared(const exact::Point& x, const Box& box) {
 
 }  // namespace
 
-// Looks at the cells of one tile after the other. One per thread.
-class LocalBlock::Asker {
+// Finds the pending cells of one tile after the other. One per thread.
+class LocalBlock::Requester {
 public:
-    explicit Asker(const LocalBlock& block)
+    explicit Requester(const LocalBlock& block)
         : block_(block),
           builder_(block.all_.clipper.seeds(), block.all_.clipper.hierarchy(),
                    *cpu::find_kernels(block.options_.instructions)) {
@@ -37,15 +37,15 @@ public:
     }
 
     std::uint64_t tested = 0, faces = 0;
-    std::vector<std::int32_t> friends;
+    std::vector<std::int32_t> kept_neighbors;
 
-    struct Asking {
+    struct Pending {
         std::uint32_t cell;
-        std::vector<std::uint32_t> blocks;
-        Questions::Cell question;
-        std::vector<Questions::Guard> guards;
+        std::vector<std::uint32_t> blocks;  // that get the request
+        Requests::Cell request;
+        std::vector<Requests::Guard> guards;
     };
-    std::vector<Asking> ask_of_tile(std::size_t tile) {
+    std::vector<Pending> pending_of_tile(std::size_t tile) {
         if (!block_.any_near(tile, longest_)) return {};
         const std::size_t begin = block_.tiled_.begin[tile], end = block_.tiled_.begin[tile + 1];
         double farthest = 0;
@@ -55,7 +55,7 @@ public:
             if (block_.all_.result.status[cell] != CellStatus::certified) continue;
             farthest = std::max(farthest, reaches_[k - begin] = block_.all_.reach_of(cell, heaviest_));
         }
-        std::vector<Asking> asked;
+        std::vector<Pending> pending;
         std::vector<Unknown> unknown = block_.unknown_near(tile, farthest);
         std::ranges::sort(unknown, {}, &Unknown::from_tile);
         for (std::size_t k = begin; k < end && !unknown.empty(); ++k) {
@@ -67,13 +67,14 @@ public:
                 if (one.from_tile > reach * reach) break;
                 if (distance_squared(block_.places_[cell], one.box) <= reach * reach) near_.push_back(&one);
             }
-            if (!near_.empty()) ask(cell, reach, asked);
+            if (!near_.empty()) test(cell, reach, pending);
         }
-        return asked;
+        return pending;
     }
 
 private:
-    void ask(std::size_t number, double reach, std::vector<Asking>& asked) {
+    // Adds the cell when it reaches a box of unknown seeds.
+    void test(std::size_t number, double reach, std::vector<Pending>& pending) {
         const std::int32_t own = block_.positions_[number];
         cpu::Cell& cell = builder_.build(static_cast<std::size_t>(own));
         ++tested;
@@ -85,7 +86,7 @@ private:
             if (cell.in_reach(seen, std::max(0.0, one->largest_weight - weight))) blocks.push_back(one->block);
         }
         if (blocks.empty()) return;
-        Asking& one = asked.emplace_back();
+        Pending& one = pending.emplace_back();
         one.cell = static_cast<std::uint32_t>(number);
         one.blocks = std::move(blocks);
         cell.canonical_faces(faces_);
@@ -94,22 +95,22 @@ private:
         for (const std::int32_t p : faces_.planes) {
             const cpu::CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
             if (plane.id < 0 || plane.id == own) continue;
-            friends.push_back(input[static_cast<std::size_t>(plane.id)]);
+            kept_neighbors.push_back(input[static_cast<std::size_t>(plane.id)]);
             one.guards.push_back({plane.source.seed, plane.source.shift, plane.source.power});
         }
-        one.question = {block_.probe_of(number), reach, one.guards.size()};
+        one.request = {block_.probe_of(number), reach, one.guards.size()};
     }
 
     const LocalBlock& block_;
     cpu::CellBuilder builder_;
     double heaviest_ = -std::numeric_limits<double>::infinity();
-    double longest_ = 0;  // no cell of the block reaches farther
+    double longest_ = 0;  // bounds the reach of all cells
     cpu::CellFaces faces_;
     std::vector<double> reaches_;
     std::vector<const Unknown*> near_;
 };
 
-// The seed of a cell as its planes see it.
+// Returns the seed of a cell in the coordinates of its planes.
 cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
     const auto position = static_cast<std::size_t>(positions_[cell]);
     const auto& seeds = all_.clipper.seeds();
@@ -122,37 +123,38 @@ cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
     }
     const cpu::SeedImages::Base base = seeds.images->base(position);
     probe.x = base.point;
-    probe.place.shift = base.shift;
+    probe.place.by = base.shift;
     probe.place.low = seeds.images->low(static_cast<std::int32_t>(position));
     return probe;
 }
 
-void LocalBlock::ask() {
+void LocalBlock::make_requests() {
     const std::size_t tiles = tiled_.outline.tiles.size();
-    questions_.assign(outlines_.size(), {});
-    std::vector<std::vector<Asker::Asking>> asked(tiles);
+    requests_.assign(outlines_.size(), {});
+    std::vector<std::vector<Requester::Pending>> pending(tiles);
     ThreadPool& pool = all_.clipper.pool();
-    std::deque<Asker> askers;
-    for (unsigned k = 0; k < pool.size(); ++k) askers.emplace_back(*this);
-    pool.run(tiles, [&](std::size_t tile, unsigned worker) { asked[tile] = askers[worker].ask_of_tile(tile); });
-    for (const auto& of_tile : asked)
-        for (const Asker::Asking& one : of_tile) {
-            asked_.push_back(one.cell);
+    std::deque<Requester> requesters;
+    for (unsigned k = 0; k < pool.size(); ++k) requesters.emplace_back(*this);
+    pool.run(tiles,
+             [&](std::size_t tile, unsigned worker) { pending[tile] = requesters[worker].pending_of_tile(tile); });
+    for (const auto& of_tile : pending)
+        for (const Requester::Pending& one : of_tile) {
+            pending_.push_back(one.cell);
             for (const std::uint32_t b : one.blocks) {
-                questions_[b].cells.push_back(one.question);
-                questions_[b].guards.insert(questions_[b].guards.end(), one.guards.begin(), one.guards.end());
+                requests_[b].cells.push_back(one.request);
+                requests_[b].guards.insert(requests_[b].guards.end(), one.guards.begin(), one.guards.end());
                 ++counts_.questions;
             }
         }
-    std::ranges::sort(asked_);
-    for (const Asker& asker : askers) {
-        counts_.tested += asker.tested;
-        asked_faces_ += asker.faces;
-        friends_.insert(friends_.end(), asker.friends.begin(), asker.friends.end());
+    std::ranges::sort(pending_);
+    for (const Requester& requester : requesters) {
+        counts_.tested += requester.tested;
+        pending_faces_ += requester.faces;
+        kept_neighbors_.insert(kept_neighbors_.end(), requester.kept_neighbors.begin(), requester.kept_neighbors.end());
     }
 }
 
-// Clips cells of other blocks. One per thread.
+// Cuts cells of other blocks. One per thread.
 class Responder::Worker {
 public:
     explicit Worker(const Responder& responder)
@@ -162,28 +164,28 @@ public:
         builder_.begin_job(domain_);
     }
 
-    std::vector<std::int32_t> found;  // places in the seeds of the run
+    std::vector<std::int32_t> found;  // seeds of the run
 
-    void answer(const Questions::Cell& question, std::span<const Questions::Guard> guards) {
+    void cut(const Requests::Cell& request, std::span<const Requests::Guard> guards) {
         planes_.clear();
-        for (const Questions::Guard& guard : guards) {
+        for (const Requests::Guard& guard : guards) {
             exact::Plane plane = exact::Plane::bisector(guard.q, guard.shift, domain_.lattice);
             plane.power = guard.power;
             planes_.push_back(plane);
         }
-        cpu::Cell& cell = builder_.build(question.seed, planes_);
+        cpu::Cell& cell = builder_.build(request.seed, planes_);
         constexpr std::size_t min_faces = 4;
         if (!cell.empty()) cell.canonical_faces(faces_);
         if (cell.empty() || faces_.size() < min_faces) {
-            // Nothing is left, or nothing with a volume, by some of all its planes.
-            for (const cpu::CellPlane& plane : cell.planes()) take(plane.id);
+            // The cell is empty or has no volume. Any of its planes may be why.
+            for (const cpu::CellPlane& plane : cell.planes()) add(plane.id);
             return;
         }
-        for (const std::int32_t p : faces_.planes) take(cell.planes()[static_cast<std::size_t>(p)].id);
+        for (const std::int32_t p : faces_.planes) add(cell.planes()[static_cast<std::size_t>(p)].id);
     }
 
 private:
-    void take(std::int32_t id) {
+    void add(std::int32_t id) {
         if (id >= 0 && static_cast<std::size_t>(id) < seeds_.size())
             found.push_back(seeds_.input[static_cast<std::size_t>(id)]);
     }
@@ -195,19 +197,19 @@ private:
     cpu::CellFaces faces_;
 };
 
-Seeds Responder::answer(const Questions& questions) const {
+Seeds Responder::reply(const Requests& requests) const {
     Seeds seeds;
-    if (questions.cells.empty()) return seeds;
+    if (requests.cells.empty()) return seeds;
     std::vector<std::size_t> begin{0};
-    for (const Questions::Cell& cell : questions.cells) begin.push_back(begin.back() + cell.guards);
+    for (const Requests::Cell& cell : requests.cells) begin.push_back(begin.back() + cell.guards);
     ThreadPool& pool = run_.clipper.pool();
     std::deque<Worker> workers;
     for (unsigned k = 0; k < pool.size(); ++k) workers.emplace_back(*this);
-    const std::size_t count = questions.cells.size();
-    pool.run(ceil_div(count, answers_at_once), [&](std::size_t task, unsigned worker) {
-        for (std::size_t q = task * answers_at_once; q < std::min(count, (task + 1) * answers_at_once); ++q)
-            workers[worker].answer(questions.cells[q],
-                                   std::span(questions.guards).subspan(begin[q], begin[q + 1] - begin[q]));
+    const std::size_t count = requests.cells.size();
+    pool.run(ceil_div(count, replies_at_once), [&](std::size_t task, unsigned worker) {
+        for (std::size_t q = task * replies_at_once; q < std::min(count, (task + 1) * replies_at_once); ++q)
+            workers[worker].cut(requests.cells[q],
+                                std::span(requests.guards).subspan(begin[q], begin[q + 1] - begin[q]));
     });
     std::vector<std::int32_t> found;
     for (const Worker& worker : workers) found.insert(found.end(), worker.found.begin(), worker.found.end());
@@ -218,12 +220,12 @@ Seeds Responder::answer(const Questions& questions) const {
     return seeds;
 }
 
-Seeds LocalBlock::answer(const Questions& questions) {
-    return Responder(options_, all_).answer(questions);
+Seeds LocalBlock::reply(const Requests& requests) {
+    return Responder(options_, all_).reply(requests);
 }
 
-void mark_near(const Outline& outline, const Nearness& nearness, const Questions& questions, std::vector<bool>& near) {
-    for (const Questions::Cell& cell : questions.cells) {
+void mark_near(const Outline& outline, const Nearness& nearness, const Requests& requests, std::vector<bool>& near) {
+    for (const Requests::Cell& cell : requests.cells) {
         const Box home{cell.seed.place.at, cell.seed.place.at};
         outline.for_tiles([&](const Box& box) { return nearness.is_near(box, home, cell.reach); },
                           [&](std::size_t tile) { near[tile] = true; });

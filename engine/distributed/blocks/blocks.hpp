@@ -1,0 +1,90 @@
+// A run in blocks: each has some of the seeds, and finds their cells among the seeds of all blocks; local_block.hpp
+// explains why that works. The rows are those of one tessellate() with all seeds, whatever the blocks are. The caller
+// carries messages between blocks, as distributed/mpi does over ranks. The order of use:
+//
+//   1. BlockDomain, the same for all blocks, from the options and the bounds of all seeds; check() the seeds
+//   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
+//   3. Block, with its seeds; send each outline() to all blocks
+//   4. send halo_for() each outline to its block; clip() with all halos
+//   5. send request_for() each block to it, and its reply() back; finish() with all replies
+//
+// Cells are found on the CPU. want.vertices, want.faces, min_face, min_area and duplicates = error are `unsupported`.
+// Errors are those of tessellate(). libvotess_mpi uses these classes of libvotess; neither is installed.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "core/bytes.hpp"
+#include "votess/block_cells.hpp"
+
+namespace votess {
+
+namespace detail {
+struct BlockDomainState;
+struct BlockState;
+}  // namespace detail
+
+class VOTESS_API BlockDomain {
+public:
+    // options: of the run; weights and radii are ignored. Each Block calls progress while it finds cells, from 0 on.
+    // bounds: of all seeds, used when the options have neither box nor cell. seeds: their number in all.
+    BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds);
+
+    // Returns the options with the box of the run.
+    [[nodiscard]] const Options& options() const noexcept;
+    // Returns the volume of the domain. With walls, it is 0 unless a seed inside them is given.
+    [[nodiscard]] double volume(std::span<const double> seed = {}) const;
+    // Returns N statuses: `outside` for seeds to drop, else `certified`. Throws invalid_argument that names the first
+    // bad point by its index plus `first`. points: (N, 3). weights, radii: N, or none.
+    [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, std::span<const double> weights = {},
+                                                std::span<const double> radii = {}, std::uint64_t first = 0) const;
+    // Returns (N, 3): where seeds are after wrapping, in an internal unit.
+    [[nodiscard]] std::vector<double> places(std::span<const double> points) const;
+    // Splits space into blocks with about equal numbers of seeds. sample: (M, 3) places, the same for all in the same
+    // order.
+    void split(std::span<const double> sample, std::size_t blocks);
+    // After split(): returns N block numbers. Seeds at one place have the same block.
+    [[nodiscard]] std::vector<std::uint32_t> blocks_of(std::span<const double> places) const;
+
+private:
+    friend class Block;
+    std::shared_ptr<detail::BlockDomainState> state_;
+};
+
+struct BlockCounts {
+    std::uint64_t given = 0;        // seeds from other blocks: halos and replies
+    std::uint64_t needed = 0;       // of these, neighbors of cells of the block
+    std::uint64_t tested = 0;       // cells whose vertices were compared with boxes of unknown seeds
+    std::uint64_t questions = 0;    // requests: a cell counts once for each block
+    std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign; twice if also after a reply
+};
+
+// Calls for one block must not overlap. options.threads work inside a call.
+class VOTESS_API Block {
+public:
+    // ids: N, ascending, 0 or more, unique over all blocks. points: (N, 3). weights: N in a power diagram (squares of
+    // radii if these were given), else none. tags: N numbers that rows list beside the ids; none: 0.
+    Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
+          std::span<const double> weights = {}, std::span<const std::int32_t> tags = {});
+    Block(Block&&) noexcept;
+    Block& operator=(Block&&) noexcept;
+    ~Block();
+
+    [[nodiscard]] Message outline() const;
+    [[nodiscard]] Message halo_for(const Message& outline) const;
+    // outlines: of all blocks in order, this one's at `own`. halos: from the others for this block, in the same order.
+    void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos);
+    [[nodiscard]] Message request_for(std::size_t block) const;
+    [[nodiscard]] Message reply(const Message& request);
+    [[nodiscard]] BlockCells finish(std::span<const Message> replies);
+    [[nodiscard]] const BlockCounts& counts() const noexcept;
+
+private:
+    std::unique_ptr<detail::BlockState> state_;
+};
+
+}  // namespace votess

@@ -1,0 +1,82 @@
+// Reported cells against the cells that every seed leaves, without any search structure.
+//
+// If j is a neighbor of i among all seeds, it is one in any set of seeds that holds both. So each block of seeds clips
+// the cell by its own seeds and answers with those that have faces; clipped by the seeds of all answers, the cell is
+// that among all seeds.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "input/seeds.hpp"
+#include "votess/votess.hpp"
+
+namespace votess {
+
+// Duplicates and seeds outside have no cell.
+inline bool takes_part(CellStatus status) {
+    return status != CellStatus::duplicate && status != CellStatus::outside;
+}
+
+// Relative errors of the volume of one cell and of the sum of all. The error of a face's area is relative to the cell's
+// surface, as that of the cell's volume.
+struct VolumeTolerance {
+    double cell, sum;
+};
+inline constexpr VolumeTolerance double_tolerance{1e-10, 1e-9}, single_tolerance{1e-5, 1e-4};
+
+// The run whose cells are checked.
+struct CheckedRun {
+    Options options;           // the domain, and whether rows list walls; without weights
+    std::uint64_t seeds = 0;   // of all blocks
+    double domain_volume = 0;  // that cells fill
+    double least_face = 0;     // smaller faces were dropped
+    VolumeTolerance tolerance = double_tolerance;
+};
+
+struct ReportedFace {
+    std::int64_t id = 0;  // of the neighbor, or a wall
+    std::array<std::int8_t, 3> shift{};
+    double area = 0;
+
+    [[nodiscard]] bool operator<(const ReportedFace& other) const {
+        return id != other.id ? id < other.id : shift < other.shift;
+    }
+};
+
+struct ReportedCell {
+    std::int64_t id = 0;
+    bool empty = false, has_areas = false;
+    std::optional<std::vector<ReportedFace>> row;  // ascending
+    std::optional<double> volume;
+};
+
+// What is wrong with a cell, one line. Of several cells the one of least id is kept.
+struct Fault {
+    std::int64_t id = std::numeric_limits<std::int64_t>::max();
+    std::string text;  // "" where nothing is wrong
+
+    template <class Describe>
+    void note(std::int64_t at, const Describe& describe) {
+        if (at < id) *this = {at, describe()};
+    }
+    void merge(Fault other) {
+        if (other.id < id) *this = std::move(other);
+    }
+};
+
+// Clips cells by every seed of a block. questions: the seeds of the cells, a message each. Returns an answer to each
+// question: the seeds of the block that have faces. Adds the work in distance tests.
+std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> questions,
+                                   double& work);
+
+// Returns the first cell that differs. seeds: of the cells, in their order. answers: of all blocks about these cells.
+Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cells, const Seeds& seeds,
+                       std::span<const Message> answers);
+
+}  // namespace votess

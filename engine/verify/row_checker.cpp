@@ -1,0 +1,369 @@
+#include "verify/row_checker.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/text.hpp"
+
+namespace votess {
+namespace {
+
+constexpr double least_double = std::numeric_limits<double>::denorm_min();
+
+// splitmix64 (Steele, Lea, Flood 2014): the same on all machines.
+std::uint64_t mixed(std::uint64_t x) {
+    std::uint64_t z = x + 0x9e3779b97f4a7c15ull;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
+    return z ^ (z >> 31);
+}
+
+// An entry of a row: seed i lists j.
+struct Entry {
+    std::int64_t i = 0, j = 0;
+    std::array<std::int8_t, 4> shift{};  // of j, in the first three
+    std::int32_t tag_i = 0, tag_j = 0;
+
+    // The entry of row j for the same face.
+    [[nodiscard]] Entry counterpart() const {
+        Entry other{j, i, {}, tag_j, tag_i};
+        for (std::size_t k = 0; k < 3; ++k) other.shift[k] = static_cast<std::int8_t>(-shift[k]);
+        return other;
+    }
+    [[nodiscard]] bool operator<(const Entry& other) const {
+        return std::tie(i, j, shift) < std::tie(other.i, other.j, other.shift);
+    }
+};
+
+// An entry adds a random number that depends on the pair, the shift and the tags. Its counterpart subtracts the same.
+// So the sums are 0, and with a fault they are 0 with a probability of about 2^-128.
+void add(std::array<std::uint64_t, 2>& sums, const Entry& entry) {
+    const Entry other = entry.counterpart();
+    const bool adds = entry < other;
+    const Entry& first = adds ? entry : other;
+    std::uint64_t shift = 0;
+    for (const std::int8_t s : first.shift) shift = shift << 8 | static_cast<std::uint8_t>(s);
+    const std::uint64_t tags = static_cast<std::uint64_t>(first.tag_i) << 32 | static_cast<std::uint32_t>(first.tag_j);
+    constexpr std::array<std::uint64_t, 2> starts{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
+    for (std::size_t s = 0; s < sums.size(); ++s) {
+        std::uint64_t h = mixed(starts[s] + static_cast<std::uint64_t>(first.i));
+        h = mixed(h + static_cast<std::uint64_t>(first.j));
+        h = mixed(h + shift);
+        h = mixed(h + tags);
+        sums[s] += adds ? h : -h;
+    }
+}
+
+std::size_t begin_of(const StreamRows& rows, std::size_t k) {
+    return static_cast<std::size_t>(rows.indptr[k] - rows.indptr[0]);
+}
+
+std::int64_t id_of(const StreamRows& rows, std::size_t k, const RowNames& names) {
+    return names.ids.empty() ? static_cast<std::int64_t>(rows.first + k) : names.ids[k];
+}
+
+ReportedFace face_at(const StreamRows& rows, std::size_t entry) {
+    ReportedFace face{rows.neighbors[entry], {}, rows.areas.empty() ? 0 : rows.areas[entry]};
+    if (!rows.shifts.empty()) std::copy_n(&rows.shifts[3 * entry], 3, face.shift.begin());
+    return face;
+}
+
+Entry entry_of(std::int64_t id, const ReportedFace& face, std::size_t entry, const RowNames& names) {
+    Entry result{id, face.id, {face.shift[0], face.shift[1], face.shift[2]}, 0, 0};
+    if (!names.tags.empty()) result.tag_i = names.own_tag, result.tag_j = names.tags[entry];
+    return result;
+}
+
+// Area times normal sums to 0 over a closed surface.
+void check_surface(const StreamRows& rows, std::size_t k, std::int64_t id, double tolerance, Fault& fault) {
+    std::array<double, 3> sum{};
+    double surface = 0;
+    for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry) {
+        surface += rows.areas[entry];
+        for (std::size_t d = 0; d < 3; ++d) sum[d] += rows.areas[entry] * rows.normals[3 * entry + d];
+    }
+    const double open = std::hypot(sum[0], sum[1], sum[2]);
+    if (std::isfinite(surface) && !(open <= tolerance * surface + 64 * least_double))
+        fault.note(id, [&] {
+            return "cell " + std::to_string(id) + " is not closed: area times normal sums to " + number(open) +
+                   ", its surface is " + number(surface);
+        });
+}
+
+void check_euler(const StreamRows& rows, std::size_t k, std::int64_t id, Fault& fault) {
+    const std::int64_t vertices = rows.vertex_counts[k], edges = rows.edge_counts[k], faces = rows.face_counts[k];
+    if (rows.status[k] == CellStatus::certified && vertices - edges + faces != 2)
+        fault.note(id, [&] {
+            return "cell " + std::to_string(id) + " has " + std::to_string(vertices) + " vertices, " +
+                   std::to_string(edges) + " edges and " + std::to_string(faces) + " faces, against Euler's formula";
+        });
+}
+
+// Names the first entry that has no counterpart, or one with other tags.
+Fault without_counterpart(std::vector<Entry> entries) {
+    std::ranges::sort(entries, std::less<>());
+    Fault fault;
+    for (const Entry& entry : entries) {
+        const Entry wanted = entry.counterpart();
+        const auto found = std::ranges::lower_bound(entries, wanted, std::less<>());
+        const bool listed = found != entries.end() && !(wanted < *found);
+        if (listed && found->tag_i == wanted.tag_i) continue;
+        fault.note(entry.i, [&] {
+            const std::string lists = "seed " + std::to_string(entry.i) + " lists " + std::to_string(entry.j);
+            return listed ? lists + ", which is not among the seeds of rank " + std::to_string(entry.tag_j)
+                          : lists + ", which does not list it";
+        });
+    }
+    return fault;
+}
+
+// Returns the values of all ranks, one rank's after the other's.
+template <class T>
+std::vector<T> gathered(RunBlocks& blocks, const std::vector<T>& own) {
+    std::vector<T> all;
+    for (const Message& message : blocks.gather_all(to_bytes(own))) append_bytes(message, all);
+    return all;
+}
+
+void put(Writer& writer, const Fault& fault) {
+    writer.put(fault.id);
+    writer.put(std::vector<char>(fault.text.begin(), fault.text.end()));
+}
+Fault get_fault(Reader& reader) {
+    Fault fault;
+    std::vector<char> text;
+    reader.get(fault.id);
+    reader.get(text);
+    fault.text.assign(text.begin(), text.end());
+    return fault;
+}
+
+}  // namespace
+
+std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) {
+    const double work = static_cast<double>(seeds) * (periodic ? 62 : 2) + 2e4 * static_cast<double>(blocks);
+    return std::max(min_sample, static_cast<std::size_t>(sample_budget / work));
+}
+
+void RowChecker::take(const StreamRows& rows, const RowNames& names) {
+    const bool faces = !rows.indptr.empty(), all_faces = run_.least_face == 0, counts = !rows.face_counts.empty();
+    const bool surfaces = !rows.areas.empty() && !rows.normals.empty() && run_.options.list_walls && all_faces;
+    sums_.rows |= faces;
+    sums_.volumes |= !rows.volumes.empty();
+    sums_.counts |= counts && all_faces;
+    for (std::size_t k = 0; k < rows.status.size(); ++k) {
+        const std::int64_t id = id_of(rows, k, names);
+        sums_.certified |= rows.status[k] == CellStatus::certified;
+        if (!rows.volumes.empty()) sums_.volume += rows.volumes[k];
+        if (faces) take_row(rows, k, id, names);
+        if (surfaces) check_surface(rows, k, id, run_.tolerance.sum, surface_);
+        if (counts && all_faces) check_euler(rows, k, id, euler_);
+        if (takes_part(rows.status[k])) keep(rows, k, id);
+    }
+}
+
+void RowChecker::take_row(const StreamRows& rows, std::size_t k, std::int64_t id, const RowNames& names) {
+    ReportedFace last;
+    for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry) {
+        const ReportedFace face = face_at(rows, entry);
+        if (entry > begin_of(rows, k) && !(last < face))
+            order_.note(id, [&] {
+                return "the row of seed " + std::to_string(id) + " does not ascend at " + std::to_string(face.id);
+            });
+        last = face;
+        if (face.id >= 0) add(sums_.pairs, entry_of(id, face, entry, names));
+    }
+    sums_.entries += begin_of(rows, k + 1) - begin_of(rows, k);
+}
+
+void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
+    const std::uint64_t key = mixed(mixed(sample_.rng_seed) + static_cast<std::uint64_t>(id));
+    if (kept_.size() == sample_.max_cells) {
+        if (sample_.max_cells == 0 || key >= kept_.front().key) return;
+        std::ranges::pop_heap(kept_, before);
+        kept_.pop_back();
+    }
+    ReportedCell cell{id, rows.status[k] == CellStatus::empty, !rows.areas.empty(), {}, {}};
+    if (!rows.volumes.empty()) cell.volume = rows.volumes[k];
+    if (!rows.indptr.empty()) {
+        cell.row.emplace();
+        for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry)
+            cell.row->push_back(face_at(rows, entry));
+    }
+    kept_.push_back({key, std::move(cell)});
+    std::ranges::push_heap(kept_, before);
+}
+
+VerifyReport RowChecker::report() {
+    const std::size_t ranks = combine();
+    VerifyReport report;
+    const auto check = [&](const char* name, bool possible, const auto& find) {
+        if (run_.seeds > 0 && !possible)
+            report.skipped.emplace_back(name);
+        else if (report.failure.empty())
+            report.failure = find();
+    };
+    check("volumes", sums_.volumes, [&] { return check_volumes(); });
+    check("symmetry", sums_.rows, [&] { return check_symmetry(ranks); });
+    check("euler", sums_.counts, [&] { return euler_.text; });
+    if (report.failure.empty()) report.failure = surface_.text;
+    check("sample", sums_.rows || sums_.volumes, [&] { return check_sample(report.sampled); });
+    report.passed = report.failure.empty();
+    return report;
+}
+
+std::size_t RowChecker::combine() {
+    Writer writer;
+    writer.put(sums_);
+    for (const Fault* fault : {&order_, &euler_, &surface_}) put(writer, *fault);
+    const std::vector<Message> states = blocks_.gather_all(writer.take());
+    sums_ = {};
+    for (const Message& state : states) {
+        Reader reader(state);
+        Sums some;
+        reader.get(some);
+        sums_.volume += some.volume;
+        sums_.entries += some.entries;
+        for (std::size_t s = 0; s < sums_.pairs.size(); ++s) sums_.pairs[s] += some.pairs[s];
+        sums_.certified |= some.certified;
+        sums_.rows |= some.rows;
+        sums_.volumes |= some.volumes;
+        sums_.counts |= some.counts;
+        for (Fault* fault : {&order_, &euler_, &surface_}) fault->merge(get_fault(reader));
+    }
+    return states.size();
+}
+
+Fault RowChecker::first_of_ranks(const Fault& own) {
+    Writer writer;
+    put(writer, own);
+    Fault first;
+    for (const Message& message : blocks_.gather_all(writer.take())) {
+        Reader reader(message);
+        first.merge(get_fault(reader));
+    }
+    return first;
+}
+
+// Without a seed inside no cell fills the domain. Subnormal volumes are rounded to a multiple of the least double.
+std::string RowChecker::check_volumes() const {
+    const double expected = sums_.certified ? run_.domain_volume : 0;
+    const double allowed = run_.tolerance.sum * run_.domain_volume + static_cast<double>(run_.seeds + 1) * least_double;
+    if (sums_.volume == expected || std::abs(sums_.volume - expected) <= allowed) return {};
+    return "volumes sum to " + number(sums_.volume) + ", the domain holds " + number(run_.domain_volume);
+}
+
+// Where sums differ, entries are read again, part by part, to name one: both sides of a pair meet on one rank.
+std::string RowChecker::check_symmetry(std::size_t ranks) {
+    constexpr std::uint64_t entries_at_once = std::uint64_t{1} << 22;
+    if (!order_.text.empty()) return order_.text;
+    if (sums_.pairs == decltype(sums_.pairs){}) return {};
+    const std::uint64_t parts = 1 + sums_.entries / (entries_at_once * ranks);
+    bool again = true;
+    for (std::uint64_t part = 0; part < parts && again; ++part) {
+        std::vector<std::vector<Entry>> to(ranks);
+        std::vector<Message> messages;
+        blocks_.together([&] {
+            again = blocks_.for_rows([&](const StreamRows& rows, const RowNames& names) {
+                for (std::size_t k = 0; k < rows.status.size(); ++k)
+                    for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry) {
+                        const Entry one = entry_of(id_of(rows, k, names), face_at(rows, entry), entry, names);
+                        const auto [low, high] = std::minmax(one.i, one.j);
+                        const std::uint64_t h =
+                            mixed(mixed(static_cast<std::uint64_t>(low)) + static_cast<std::uint64_t>(high));
+                        if (one.j >= 0 && h % parts == part) to[h / parts % ranks].push_back(one);
+                    }
+            });
+            for (const auto& entries : to) messages.push_back(to_bytes(entries));
+        });
+        messages = blocks_.exchange(messages);
+        Fault fault;
+        blocks_.together([&] {
+            std::vector<Entry> entries;
+            for (const Message& message : messages) append_bytes(message, entries);
+            fault = without_counterpart(std::move(entries));
+        });
+        fault = first_of_ranks(fault);
+        if (!fault.text.empty()) return fault.text;
+    }
+    return "the lists of neighbors are not symmetric: some seed lists another which does not list it";
+}
+
+// Returns the seeds that the sample's rows name, as far as this rank has them.
+Seeds RowChecker::seeds_of_sample() {
+    std::vector<std::int64_t> names;
+    blocks_.together([&] {
+        for (const Kept& kept : kept_) {
+            names.push_back(kept.cell.id);
+            if (kept.cell.row)
+                for (const ReportedFace& face : *kept.cell.row) names.push_back(face.id);
+        }
+        std::ranges::sort(names);
+        names.erase(std::ranges::unique(names).begin(), names.end());
+    });
+    Seeds seeds;
+    blocks_.for_blocks([&](const Seeds& block) {
+        blocks_.together([&] {
+            for (const std::int64_t id : names)
+                if (const std::size_t i = place_of(id, block.ids); i < block.size()) seeds.add(block, i);
+        });
+    });
+    return seeds.sorted();
+}
+
+// Cells are tried in rounds, by ascending key over all ranks.
+std::string RowChecker::check_sample(std::size_t& sampled) {
+    std::ranges::sort(kept_, before);
+    const Seeds named = seeds_of_sample();
+    double work = 0;
+    std::size_t next = 0, round = sample_.first_round;
+    while (true) {
+        const double max_work = std::ranges::max(gathered(blocks_, std::vector{work}));
+        if (max_work >= sample_.budget) return {};
+        if (sampled > 0) {  // as many as the rest of the budget pays for
+            const double done = static_cast<double>(sampled), rest = done * (sample_.budget / max_work - 1);
+            round = static_cast<std::size_t>(std::clamp(rest, static_cast<double>(min_sample), 8 * done));
+        }
+        std::vector<std::uint64_t> keys;
+        for (std::size_t k = next; k < std::min(kept_.size(), next + round); ++k) keys.push_back(kept_[k].key);
+        keys = gathered(blocks_, keys);
+        std::ranges::sort(keys);
+        keys.resize(std::min({keys.size(), round, sample_.max_cells - sampled}));
+        if (keys.empty()) return {};
+        std::vector<ReportedCell> cells;
+        for (; next < kept_.size() && kept_[next].key <= keys.back(); ++next)
+            cells.push_back(std::move(kept_[next].cell));
+        const Fault fault = try_cells(cells, named, work);
+        sampled += keys.size();
+        if (!fault.text.empty()) return fault.text;
+    }
+}
+
+// A block gets the seeds that rows name as well: they take no neighbor away, and without them cells of distant blocks
+// would be large.
+Fault RowChecker::try_cells(std::span<const ReportedCell> cells, const Seeds& named, double& work) {
+    Seeds seeds;
+    for (const ReportedCell& cell : cells) seeds.add(named, place_of(cell.id, named.ids));
+    const std::vector<Message> questions = blocks_.gather_all(to_message(seeds));
+    std::vector<Message> answers;
+    blocks_.for_blocks([&](Seeds block) {
+        std::vector<Message> own;
+        blocks_.together([&] {
+            Seeds others;
+            for (std::size_t i = 0; i < named.size(); ++i)
+                if (place_of(named.ids[i], block.ids) == block.size()) others.add(named, i);
+            if (others.size() > 0) {
+                block.add(others);
+                block = block.sorted();
+            }
+            own = clip_by_block(run_, block, questions, work);
+        });
+        for (Message& answer : blocks_.exchange(own)) answers.push_back(std::move(answer));
+    });
+    Fault fault;
+    blocks_.together([&] { fault = first_difference(run_, cells, seeds, answers); });
+    return first_of_ranks(fault);
+}
+
+}  // namespace votess

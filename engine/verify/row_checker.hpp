@@ -1,0 +1,106 @@
+// The checks of verify() on rows that come in pieces: of a whole result, of a stream, or of the ranks of MPI.
+//
+// take() checks each row by itself: it ascends, Euler's formula holds, and the surface is closed. Over all rows it adds
+// up volumes, and signed random numbers of pairs that cancel when each entry has its counterpart in the row of the
+// neighbor. It keeps the cells of least random keys as a sample, which does not depend on how rows come. report()
+// combines the ranks, and tries the sample by brute force.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "verify/reported_cell.hpp"
+#include "votess/stream.hpp"
+
+namespace votess {
+
+// A sample costs about a second: this many distance tests. They are counted, so that every machine tries the same
+// cells.
+inline constexpr double sample_budget = 5e8;
+inline constexpr std::size_t min_sample = 64;
+// Returns how many cells the budget pays for, at least 64. seeds: of all blocks.
+[[nodiscard]] VOTESS_API std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic);
+
+// The seeds of a piece of rows, where they are not StreamRows::first and those that follow.
+struct RowNames {
+    std::span<const std::int64_t> ids;  // n
+    // Which rank handed in each neighbor (entries), and these seeds. Checked with the pairs; none: not checked.
+    std::span<const std::int32_t> tags;
+    std::int32_t own_tag = 0;
+};
+
+// Where the rows and the seeds of a run are. Calls between ranks are collective; by default there is one rank.
+class RunBlocks {
+public:
+    using Visit = std::function<void(const StreamRows&, const RowNames&)>;
+
+    virtual ~RunBlocks() = default;
+    // Visits all rows of this rank. Returns false where rows cannot be read again.
+    virtual bool for_rows(const Visit&) { return false; }
+    // Calls the task with the seeds of each block of this rank that have cells, ascending by id.
+    virtual void for_blocks(const std::function<void(Seeds)>& task) = 0;
+
+    // Does the work; when it throws on one rank, it throws on all.
+    virtual void together(const std::function<void()>& work) { work(); }
+    // Returns the messages of all ranks.
+    [[nodiscard]] virtual std::vector<Message> gather_all(const Message& own) { return {own}; }
+    // to: by rank. Returns what other ranks sent to this one, by rank.
+    [[nodiscard]] virtual std::vector<Message> exchange(const std::vector<Message>& to) { return to; }
+};
+
+class VOTESS_API RowChecker {
+public:
+    struct Sample {
+        std::size_t max_cells = 0;
+        std::uint64_t rng_seed = 1;
+        double budget = sample_budget;         // no more cells once some rank has done this many distance tests
+        std::size_t first_round = min_sample;  // cells in the first round
+    };
+    // blocks: must outlive this object.
+    RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)
+        : run_(std::move(run)), sample_(sample), blocks_(blocks) {}
+
+    // Takes each row once, in any order.
+    void take(const StreamRows& rows, const RowNames& names = {});
+    // Returns the verdict after the last row. Collective.
+    [[nodiscard]] VerifyReport report();
+
+private:
+    // Sums over the rows of this rank, then of all.
+    struct Sums {
+        double volume = 0;
+        std::uint64_t entries = 0;
+        std::array<std::uint64_t, 2> pairs{};
+        // Whether there is a certified cell, and whether there are these arrays.
+        bool certified = false, rows = false, volumes = false, counts = false;
+    };
+    struct Kept {
+        std::uint64_t key;
+        ReportedCell cell;
+    };
+    static bool before(const Kept& a, const Kept& b) { return a.key < b.key; }
+
+    void take_row(const StreamRows& rows, std::size_t k, std::int64_t id, const RowNames& names);
+    void keep(const StreamRows& rows, std::size_t k, std::int64_t id);
+    // Combines sums and faults of all ranks. Returns how many ranks there are.
+    std::size_t combine();
+    [[nodiscard]] std::string check_volumes() const;
+    [[nodiscard]] std::string check_symmetry(std::size_t ranks);
+    [[nodiscard]] Seeds seeds_of_sample();
+    [[nodiscard]] std::string check_sample(std::size_t& sampled);
+    [[nodiscard]] Fault try_cells(std::span<const ReportedCell> cells, const Seeds& named, double& work);
+    [[nodiscard]] Fault first_of_ranks(const Fault& own);
+
+    CheckedRun run_;
+    Sample sample_;
+    RunBlocks& blocks_;
+    Sums sums_;
+    Fault order_, euler_, surface_;
+    std::vector<Kept> kept_;  // a heap; from check_sample() on, ascending
+};
+
+}  // namespace votess
