@@ -34,7 +34,8 @@ def prose(path, text):
                 yield n, re.sub(r"\]\([^)]*\)|[|>#*]", "", cell).strip(" -"), bool(re.match(r"\s*([|#>*-]|\d+\.) ?", line))
         else:
             parts = re.split(mark, line if re.match(rf"\s*(?:{mark})", line) else LITERAL.sub('""', line), maxsplit=1)
-            yield n, parts[1].strip(" */") if len(parts) > 1 else "", bool(parts[0].strip())
+            comment = parts[1] if len(parts) > 1 else ""
+            yield n, comment.strip(" */"), bool(parts[0].strip() or re.match(r" *(-|\d+\.) ", comment))
 
 paragraph, totals = [], {}
 for path in subprocess.check_output(["git", "ls-files", *(sys.argv[2:] or "*")], text=True).split("\n"):
@@ -44,7 +45,7 @@ for path in subprocess.check_output(["git", "ls-files", *(sys.argv[2:] or "*")],
     for n, line, begins in [*prose(path, open(path, encoding="utf-8").read()), (0, "", True)]:
         if paragraph and (begins or not line or n > paragraph[-1][0] + 1):
             whole, at = "\n".join(text for _, text in paragraph), 0
-            for part in re.split(r"(?<=[.!?])\s+(?=[\"'`(\[*]*[A-Z0-9`])", whole):
+            for part in re.split(r"(?<=[.!?])\s+(?=[\"'`(\[*]*[A-Z0-9`]|[\w, ()]+: )", whole):
                 at = whole.index(part, at)
                 found = [name for name, mark in MARKS.items() if re.search(mark, part) and part[-1:] != "?"]
                 row.append((len(re.findall(r"[A-Za-z][\w'-]*", part)), found))
