@@ -45,7 +45,7 @@ for path in subprocess.check_output(["git", "ls-files", *(sys.argv[2:] or "*")],
     for n, line, begins in [*prose(path, open(path, encoding="utf-8").read()), (0, "", True)]:
         if paragraph and (begins or not line or n > paragraph[-1][0] + 1):
             whole, at = "\n".join(text for _, text in paragraph), 0
-            for part in re.split(r"(?<=[.!?])\s+(?=[\"'`(\[*]*[A-Z0-9`]|[\w, ()]+: )", whole):
+            for part in re.split(r"(?:(?<=[.!?])|(?<=[.!?]\)))\s+(?=[\"'`(\[*]*[A-Z0-9`]|[\w, ()]+: )", whole):
                 at = whole.index(part, at)
                 found = [name for name, mark in MARKS.items() if re.search(mark, part) and part[-1:] != "?"]
                 row.append((len(re.findall(r"[A-Za-z][\w'-]*", part)), found))
