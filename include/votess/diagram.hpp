@@ -1,4 +1,4 @@
-// Seeds that stay, asked many times: which cell holds a point; what cell a point would have; fields of what they carry.
+// Queries of fixed seeds: the cell that holds a point, the cell that a new point would have, fields between the seeds.
 #pragma once
 
 #include <array>
@@ -17,127 +17,137 @@ namespace detail {
 struct DiagramState;
 }
 
-// What to find of the cells of probes.
 struct ProbeOptions {
-    Want want;
+    Want want;                               // arrays of the probes' cells
     bool list_walls = false;                 // as Options::list_walls
     std::span<const double> weights, radii;  // Q, of the probes in a power diagram, as in Options; empty: weight 0
     ProgressCallback progress = {};          // as Options::progress
 };
 
-// Sibson's: the share of a query's cell that each seed had before; in a power diagram the query may bury seeds, whose
-// whole cell it takes. Laplace's: the area of the face with a neighbor over its distance, over the sum of these. Both
-// reproduce linear fields away from the walls; Sibson's are smooth but at the seeds.
-enum class NaturalMethod : std::int32_t { sibson = 0, laplace = 1 };
+// How to weigh the natural neighbors of a query. Both methods reproduce linear fields away from the walls.
+enum class NaturalMethod : std::int32_t {
+    // The share of the query's cell that each seed had before (Sibson 1980). Smooth except at the seeds. In a power
+    // diagram a query may leave a seed no cell; it then takes the whole cell.
+    sibson = 0,
+    laplace = 1,  // the area of the face with a neighbor over its distance, over the sum of these ratios
+};
 
 struct NaturalOptions {
     NaturalMethod method = NaturalMethod::sibson;
-    // Cells end at walls, as if the seeds had mirror images behind, with their values: weights still sum to 1, but
-    // linear fields are not reproduced where the cell of a query has a wall. False: there are no coordinates there.
+    // Cells end at walls, as if mirror images of the seeds with their values lay behind. Weights still sum to 1, but
+    // linear fields are not reproduced where the query's cell has a wall. False: no coordinates there.
     bool at_walls = true;
-    bool gradients = false;           // Sibson's only
+    bool gradients = false;           // of the weights; only for sibson
     std::span<const double> weights;  // Q, of the queries in a power diagram; empty: 0
     ProgressCallback progress = {};   // as Options::progress
 };
-// Row q, from indptr[q] on: the natural neighbors of query q, ascending, and their weights. All seeds with a share are
-// there. Weights are positive, within 1e-12 of the true ones, and sum to 1 within 1e-13. Gradients have fewer digits. A
-// query on a seed has that one alone. Rows are empty outside of the domain, where there are no seeds, where a cell has
-// a wall unless at_walls, and where seeds of a power diagram leave a query no cell.
+// Row q starts at indptr[q]: all seeds with a share of query q, ascending, and their weights. Weights are positive,
+// within 1e-12 of the true ones, and sum to 1 within 1e-13; gradients have fewer digits. A query on a seed has that
+// seed alone. A row is empty
+//   - outside the domain, and where there are no seeds
+//   - without at_walls where the query's cell has a wall
+//   - where the seeds of a power diagram leave the query no cell
 struct NaturalCoordinates {
     std::vector<std::int64_t> indptr;   // Q+1
-    std::vector<std::int32_t> indices;  // seeds
-    std::vector<double> weights;
-    std::vector<double> gradients;  // three for each entry, per length unit: of its weight; NaN on a seed
+    std::vector<std::int32_t> indices;  // indptr[Q] seeds
+    std::vector<double> weights;        // indptr[Q]
+    std::vector<double> gradients;      // 3 indptr[Q], of the weights, per length unit; NaN on a seed
 };
 struct Interpolated {
     std::vector<double> values;     // (Q, m); NaN where there are no coordinates
-    std::vector<double> gradients;  // (Q, m, 3), per length unit; NaN there and on seeds; empty unless wanted
+    std::vector<double> gradients;  // (Q, m, 3), per length unit; NaN there and on seeds; empty unless requested
 };
 
-// What a grid cell is given.
 enum class GridMethod : std::int32_t {
-    // The field that is values[i] in the cell of seed i, averaged over the volume of each grid cell: cells are cut by
-    // the grid, nothing is sampled. Where the domain is not, beyond walls, the field is 0: a grid cell that walls cut
-    // holds the part inside, and of values that are 1 the share of its volume that lies inside. So the grid times the
-    // volume of a grid cell sums to that of values times volumes, to a relative 1e-12 of their magnitudes.
+    // The average over the grid cell of the field that is values[i] in the cell of seed i. The grid cuts the cells;
+    // nothing is sampled. The field is 0 outside the domain. The grid times the volume of a grid cell sums to the sum
+    // of values times volumes, to a relative 1e-12 of their magnitudes.
     mean = 0,
-    // The Delaunay tessellation field estimator (Schaap, van de Weygaert: Continuous fields and density reconstruction,
-    // A&A 363, 2000). values are masses. The density at seed i is 4 values[i] / W, where W is the volume of the
-    // tetrahedra of delaunay() around it; it is linear in each of them, and 0 outside of all. A polytope is cut into
-    // tetrahedra from its center, and its facets from theirs, where the density is the mean of that at the corners: so
-    // the order of the seeds does not matter, and W becomes four times the integral of what is 1 at the seed and 0 at
-    // the others. The average over a grid cell is exact: the grid times the volume of a grid cell sums to all mass, to
-    // a relative 1e-12, however flat or small the tetrahedra are. Duplicates add their mass to the seed that has the
-    // cell. A seed in no tetrahedron has no density: one that was dropped, that has no cell, or that lies at the rim of
-    // a domain that is not periodic, where delaunay() lacks simplices. to_grid() counts them. It throws
-    // invalid_argument where the average over a grid cell is a number that float64 cannot hold.
+    // The average over the grid cell of the Delaunay tessellation field estimator (Schaap, van de Weygaert: Continuous
+    // fields and density reconstruction, A&A 363, 2000). values are masses. The density at seed i is 4 values[i] / W,
+    // where W is the volume of the tetrahedra of delaunay() around it. The density is linear in each tetrahedron, and 0
+    // outside of all. The average is exact: the grid times the volume of a grid cell sums to the total mass, to a
+    // relative 1e-12, however flat or small the tetrahedra are.
+    //
+    // A polytope is divided into tetrahedra from its center and the centers of its facets, where the density is the
+    // mean of the corners. W is then four times the integral of the field that is 1 at the seed and 0 at the others. So
+    // the result does not depend on the order of the seeds.
+    //
+    // Duplicates add their mass to the seed that keeps the cell. A seed in no tetrahedron has no density, and to_grid()
+    // counts it: a dropped seed, one without a cell, or one at the rim of a domain that is not periodic. Throws
+    // invalid_argument where float64 cannot hold the average.
     dtfe = 1,
-    // values[i] of the cell that holds the center of the grid cell, as Diagram::locate() says; 0 outside of the domain.
+    // values[i] of the cell that holds the center of the grid cell, as by Diagram::locate(); 0 outside the domain.
     nearest = 2,
-    // The field at that center by Sibson's coordinates, as Diagram::interpolate() finds it with its defaults; 0 outside
-    // of the domain, NaN where seeds of a power diagram leave a query no cell.
+    // The field at that center as by Diagram::interpolate() with default options; 0 outside the domain, NaN where seeds
+    // of a power diagram leave the center no cell.
     sibson = 3,
 };
 
-// A grid whose cells divide the box of the domain along x, y and z, and a triclinic box along its edges a, b and c.
-// Grid cell (i, j, k) is element (i * ny + j) * nz + k of an array of the shape (nx, ny, nz).
+// The grid divides the box of the domain along x, y and z, or a triclinic box along its edges a, b and c. Grid cell
+// (i, j, k) is element (i * ny + j) * nz + k of an array of the shape (nx, ny, nz).
 struct GridOptions {
     std::array<std::size_t, 3> shape{};  // nx, ny, nz: 1 to 2^20 each
     GridMethod method = GridMethod::mean;
-    std::size_t columns = 1;  // m, numbers that each seed has
-    // 0, 1 or 2: sum along this axis or edge, times the length of a grid cell along it. That makes densities column
-    // densities, of a grid whose shape is 1 there. `mean` and `dtfe` integrate exactly, whatever the shape was.
+    std::size_t columns = 1;  // m, number of values of each seed
+    // 0, 1 or 2: sums along this axis or edge, times the length of a grid cell along it, so that densities become
+    // column densities. The grid then has length 1 there. `mean` and `dtfe` integrate exactly for any shape.
     std::optional<int> project = std::nullopt;
     ProgressCallback progress = {};  // as Options::progress
 };
 
-// Seeds, sorted and searched once; no cell is built. A shared handle to what never changes, cheap to copy: any number
-// of threads may ask one at the same time. Queries run on the CPU, on options.threads threads, one call after the
-// other. Each takes a progress callback, as tessellate() does, and throws `cancelled` when that returns false, also
-// while it waits for another call. A call that was stopped changes nothing. A callback may not ask the Diagram that
-// calls it, which throws `invalid_use`.
+// Seeds, sorted once for searching; no cell is built. A shared handle to immutable data, cheap to copy. Many threads
+// may query one Diagram; the calls run one after the other, each on options.threads threads of the CPU.
+//
+// A progress callback that returns false stops its call, also while the call waits for another one. The call then
+// throws `cancelled` and changes nothing. A callback that queries the Diagram that calls it gets `invalid_use`.
 class VOTESS_API Diagram {
 public:
-    Diagram();  // of no seeds
-    // points: as for tessellate(); copied. Of the options those of the domain, weights, radii, outside, duplicates,
-    // threads, grid_resolution, instructions and progress count. Throws Error as tessellate() does; `unsupported` for a
-    // device other than "cpu" and "auto"; invalid_argument with min_face or min_area, for the cells are whole.
+    Diagram();  // without seeds
+    // points: as for tessellate(); copied. Uses these options: the domain, weights, radii, outside, duplicates,
+    // threads, grid_resolution, instructions and progress. Throws Error as tessellate() does; `unsupported` for a
+    // device other than "cpu" and "auto"; invalid_argument with min_face or min_area.
     explicit Diagram(std::span<const double> points, const Options& options = {});
 
-    [[nodiscard]] std::size_t size() const noexcept;  // number of seeds, N
-    // queries: 3Q coordinates, finite; in a periodic domain anywhere, they are wrapped without rounding. Returns Q
-    // seeds: the one whose cell holds the query, so that |x - p|^2 - w is least, exactly; of several on a face, edge or
-    // vertex the lowest; -1 outside of the domain, and where there are no seeds. On a wall is inside. Of seeds at one
-    // place the one that has the cell is named, see Options::duplicates. Throws invalid_argument, and `unsupported` for
-    // a query too small beside the box to be represented at one scale.
+    [[nodiscard]] std::size_t size() const noexcept;  // N, number of seeds
+    // Returns, for each query, the seed whose cell holds it: exactly the one with the least |x - p|^2 - w. On a face,
+    // edge or vertex the lowest seed is returned; of duplicates the seed that keeps the cell; -1 outside the domain
+    // (walls are inside) and without seeds. queries: 3Q coordinates, finite; a periodic domain wraps them without
+    // rounding. Throws invalid_argument; `unsupported` for a query too small beside the box for one scale.
     [[nodiscard]] std::vector<std::int32_t> locate(std::span<const double> queries,
                                                    const ProgressCallback& progress = {}) const;
-    // The cell that each query would have if it alone were added to the seeds: bit for bit the row that tessellate()
-    // finds for seed N of those and the query, volumes and the like to 1e-10. queries: as for locate(). The result has
-    // Q cells, in the order of the queries, whose rows name seeds; N is the query itself, which in a small periodic
-    // domain may be its own neighbor. Shifts count from where the query lies inside the domain. Cells of probes do not
-    // fit together: vertices are not shared, stats().volume_sum is no volume of the domain, and delaunay(), verify(),
-    // wrapped_points() and render() refuse the result. status(): `outside` where the domain is not; `duplicate` for a
-    // query at the place of a seed, which duplicate_of() names; `empty` where seeds leave it no cell. A probe on a seed
-    // of less weight has its cell. Throws as locate(), and invalid_argument for weights without a power diagram.
+    // Returns Q cells: the cell that each query would have if it alone were added to the seeds. Rows are bit for bit
+    // those of seed N in tessellate() of the seeds and the query; volumes and areas agree to 1e-10. queries: as for
+    // locate().
+    //
+    // Rows name seeds. N is the query itself, which may be its own neighbor in a small periodic domain. Shifts count
+    // from where the query lies inside the domain. status(): `outside` beyond the domain; `duplicate` at the place of a
+    // seed, see duplicate_of(); `empty` where the seeds leave no cell. A probe on a seed of less weight has its cell.
+    //
+    // The cells overlap and share no vertices, and stats().volume_sum is not the volume of the domain. So delaunay(),
+    // verify(), wrapped_points() and render() refuse the result. Throws as locate(); invalid_argument for weights
+    // without a power diagram.
     [[nodiscard]] Tessellation probe(std::span<const double> queries, const ProbeOptions& options = {}) const;
-    // Natural-neighbor coordinates (Sibson 1980) of queries, as for locate(). Throws as locate(); invalid_argument for
-    // gradients of Laplace's; `unsupported` where a periodic box has so few seeds that a cell meets its own image. The
-    // first call with half as many queries as seeds or more, of Sibson's in a box, keeps all Voronoi vertices from then
-    // on: 430 bytes a seed, while they are found 1.2 KB, and answers two to three times faster.
+    // Returns natural-neighbor coordinates of the queries, which are as for locate(). Throws as locate();
+    // invalid_argument for gradients with `laplace`; `unsupported` where a periodic box has so few seeds that a cell
+    // meets its own image.
+    //
+    // The first call with `sibson` in a box and at least N / 2 queries stores all Voronoi vertices for later calls: 430
+    // bytes a seed, 1.2 KB while they are found. It makes queries two to three times faster.
     [[nodiscard]] NaturalCoordinates natural_neighbors(std::span<const double> queries,
                                                        const NaturalOptions& options = {}) const;
-    // The sums of the seeds' values, (N, m) with m = components, by these coordinates. Throws as natural_neighbors(),
-    // and invalid_argument for values of another shape.
+    // Returns the sums of values, weighted by these coordinates. values: (N, m) with m = components. Throws as
+    // natural_neighbors(); invalid_argument for values of another shape.
     [[nodiscard]] Interpolated interpolate(std::span<const double> values, std::size_t components,
                                            std::span<const double> queries, const NaturalOptions& options = {}) const;
-    // What the seeds carry, on a grid. values: (N, m), row i of seed i; what is NaN or infinite makes so what it
-    // reaches, and rows of seeds without a cell, but for duplicates in `dtfe`, count for nothing. grid becomes (nx, ny,
-    // nz, m) in C order, in the unit of values; for `dtfe` per unit of volume. Digits do not depend on the threads, but
-    // for the last ones of `sibson`.
-    // `mean` and `dtfe` build all cells with their faces first, 1.2 KB a seed meanwhile. Returns the number of seeds
-    // whose mass `dtfe` could not place, 0 for the other methods. Throws invalid_argument for arrays or options that do
-    // not fit; as tessellate(), and with `nearest` and `sibson` as locate() and interpolate().
+    // Fills a grid from the seeds' values. values: (N, m), row i of seed i. grid: (nx, ny, nz, m) in C order, in the
+    // unit of values, for `dtfe` per unit of volume. Returns the number of seeds whose mass `dtfe` could not place; 0
+    // for other methods.
+    //
+    // NaN and infinity propagate to the grid cells they affect. Rows of seeds without a cell are ignored, except
+    // duplicates in `dtfe`. Results do not depend on the number of threads, except the last digits of `sibson`. `mean`
+    // and `dtfe` need 1.2 KB a seed meanwhile. Throws invalid_argument for arrays or options that do not fit; as
+    // tessellate(); with `nearest` and `sibson` as locate() and interpolate().
     std::size_t to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const;
 
 private:

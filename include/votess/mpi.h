@@ -1,5 +1,5 @@
-// The C interface of votess/mpi.hpp, where the method and the arrays are told; in the library votess_mpi. Rules,
-// options and errors are those of votess/votess.h, and votess_last_error() tells why a call failed.
+// C interface of votess/mpi.hpp, which describes the method and the arrays; in the library votess_mpi. Rules, options
+// and errors are those of votess/votess.h.
 #ifndef VOTESS_MPI_H
 #define VOTESS_MPI_H
 
@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 #define VOTESS_MPI_HANDED_IN 0  // cells of the seeds that the rank handed in, in their order
-#define VOTESS_MPI_MADE 1       // cells of those that lie in the rank's region, ascending by id
+#define VOTESS_MPI_MADE 1       // cells of the seeds in the rank's region, ascending by id
 
 // The fields of Counts in mpi.hpp.
 typedef struct votess_mpi_counts {
@@ -24,19 +24,19 @@ typedef struct votess_mpi_counts {
 
 typedef struct votess_mpi_result votess_mpi_result;
 
-// sizeof(MPI_Comm) in the MPI that the library was built with, for callers that do not include its header.
+// Returns sizeof(MPI_Comm) in the MPI of the library, for callers that do not include its header.
 VOTESS_API size_t votess_mpi_sizeof_comm(void);
 
-// Collective. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or NULL on all ranks
-// that have seeds. options: NULL = defaults; weights and radii are of this rank's points; progress is called while this
-// rank finds its cells, and stops all ranks; log is not called. cells: VOTESS_MPI_*. On success *out is a new result on
-// every rank, else NULL, and the same error on every rank.
+// Tessellates the seeds of all ranks. Collective. On success *out is a new result on every rank; else it is NULL, with
+// the same error on every rank. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or
+// NULL on all ranks that have seeds. options: NULL = defaults; weights and radii belong to this rank's points; progress
+// is called while this rank finds its cells and stops all ranks; log is not called. cells: VOTESS_MPI_*.
 VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 
-// Arrays as those of votess_result; Result and BlockCells of mpi.hpp tell what they hold. owners are BlockCells::tags,
-// face_areas and face_normals its areas and normals.
+// Arrays of a result, returned as those of votess_result. Shapes and orders as in Result and BlockCells of mpi.hpp.
+// owners are BlockCells::tags; face_areas and face_normals are its areas and normals.
 VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
 VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
@@ -58,11 +58,11 @@ VOTESS_API const int64_t* votess_mpi_send_indptr(const votess_mpi_result* result
 VOTESS_API const int64_t* votess_mpi_send(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_receive_indptr(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_receive(const votess_mpi_result* result, size_t* length);
-// The box that was given or assumed; fails for a triclinic one.
+// Writes the box that was given or assumed. Fails for a triclinic one.
 VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);
-// Collective, see verify() in mpi.hpp. points: 3 * count coordinates, those that were handed in; NULL and 0 for
-// VOTESS_MPI_MADE. The other arguments are those of votess_verify.
+// Checks a result, see verify() in mpi.hpp. Collective. points: the 3 * count coordinates that were handed in; NULL and
+// 0 for VOTESS_MPI_MADE. The other arguments are those of votess_verify.
 VOTESS_API votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, const double* points,
                                            size_t count, size_t sample, uint64_t rng_seed, int* passed,
                                            uint32_t* skipped, size_t* sampled, char* failure, size_t failure_size);

@@ -1,7 +1,7 @@
 // One tessellation over the ranks of an MPI communicator. The library is votess_mpi; libvotess itself does not use MPI.
 //
-// The rows do not depend on the number of ranks, nor on which rank hands in which seed: they are those of one
-// tessellate() with all seeds. Volumes, centroids and areas agree with it to the digits promised.
+// Rows are those of one tessellate() with all seeds. They do not depend on the number of ranks, nor on which rank hands
+// in which seed. Volumes, centroids and areas agree with it to the promised digits.
 #pragma once
 
 #include <mpi.h>
@@ -10,11 +10,13 @@
 
 namespace votess::mpi {
 
+// Which cells a rank gets.
 enum class Cells : std::int32_t {
-    handed_in = 0,  // of the seeds that the rank handed in, in their order
-    made = 1,       // of those that lie in the rank's region, ascending by id: saves an exchange
+    handed_in = 0,  // those of the seeds that it handed in, in their order
+    made = 1,       // those of the seeds in its region, ascending by id; saves an exchange
 };
 
+// Sums over all ranks, the same on each.
 struct Counts {
     std::uint64_t seeds = 0;          // of all ranks
     std::uint64_t largest_block = 0;  // seeds of the largest
@@ -29,34 +31,35 @@ struct Counts {
     double volume_sum = 0;            // of all cells; 0 when volumes were not wanted
 };
 
-// BlockCells::tags are the ranks that handed the neighbors in. Seeds that were dropped have status `outside`.
+// BlockCells::tags are the ranks that handed the neighbors in. Dropped seeds have status `outside`.
 struct Result {
     std::vector<std::int64_t> ids;  // N
-    std::vector<double> points;     // (N, 3), of Cells::made
-    std::vector<double> weights;    // N in a power diagram, if need be squares of radii; else none
+    std::vector<double> points;     // (N, 3), only for Cells::made
+    std::vector<double> weights;    // N in a power diagram (squares of radii too); else none
     BlockCells cells;
-    // What fields must travel: rank r needs the values of ids send[send_indptr[r] .. send_indptr[r + 1]), and sends
-    // those of receive[receive_indptr[r] ..); each ascends. Of Cells::handed_in alone.
+    // Which ids to exchange before using a field of the neighbors; only for Cells::handed_in. Rank r needs the values
+    // of ids send[send_indptr[r] .. send_indptr[r + 1]) and sends those of receive[receive_indptr[r] ..); each
+    // ascends.
     std::vector<std::int64_t> send_indptr, receive_indptr;  // ranks + 1
     std::vector<std::int64_t> send, receive;
-    Options options;  // with the box that was settled
+    Options options;  // with the box that was used
     Counts counts;
 };
 
-// Collective. points: (N, 3), of this rank, which may have none. ids: N, each 0 or more and unlike all others of all
-// ranks; or none on any rank: seeds are numbered rank after rank. Of seeds at one place the lowest id has the cell.
-// options: the same on all ranks, except weights and radii, which are N of this rank's own, and threads and progress,
-// which are those of each rank. progress is called while the rank finds its cells; where it returns false on one rank
-// all ranks stop. Errors are those of tessellate(). Vertices, faces, min_face, min_area, duplicates =
-// error and GPUs are `unsupported`. If one rank fails, all throw the same error, which names the rank and the index of
-// its point, or without ids the number that this point gets.
+// Returns the cells of this rank. Collective.
+// points: (N, 3), of this rank; N may be 0. ids: N, at least 0 and unique over all ranks; or none on any rank, which
+// numbers the seeds rank after rank. The lowest id of duplicates keeps the cell.
+// options: the same on all ranks, except weights and radii (N, of this rank), threads and progress. progress is called
+// while the rank finds its cells; when it returns false on one rank, all ranks stop.
+// Throws Error as votess::tessellate(), and `unsupported` for vertices, faces,
+// min_face, min_area, duplicates = error and GPUs. When one rank fails, all ranks throw the same error. It names the rank and the
+// index of its point, or the number of the seed where there are no ids.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
 
-// Checks what tessellate() returned, as verify() does. Collective; the report is the same on all ranks. The sample of
-// all cells is clipped by every seed of every rank. Owners (BlockCells::tags) of Cells::handed_in are checked with the
-// pairs. points: those that were handed in; none for Cells::made. Throws invalid_argument when arrays do not fit.
+// Checks the result of tessellate() as votess::verify() does, across ranks. Collective; the report is the same on all
+// ranks. points: those that were handed in; none for Cells::made. Throws Error as tessellate().
 [[nodiscard]] VOTESS_API VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

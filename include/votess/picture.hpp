@@ -1,4 +1,4 @@
-// Pictures of a tessellation: its cells cut open, or a plane section. Drawn on the CPU, by all threads.
+// Pictures of a tessellation: its cells cut open, or a plane section. Drawn on the CPU by all threads.
 //
 //     options.want.faces = options.want.volumes = true;
 //     votess::Tessellation t = votess::tessellate(points, options);
@@ -15,11 +15,11 @@
 
 namespace votess {
 
-// What is taken away so that the inside is seen. The sections are filled.
+// The part that is cut away to show the inside. The sections are filled.
 enum class Cut : std::uint8_t {
     corner = 0,  // the octant towards the camera
     half = 1,    // the half towards the camera, along the axis nearest to its direction
-    cells = 2,   // the cells whose seeds lie in that octant, as wholes
+    cells = 2,   // whole cells whose seeds lie in that octant
     none = 3,
 };
 
@@ -29,7 +29,7 @@ enum class ColorScale : std::uint8_t {
     logarithmic = 2,
 };
 
-// Each grows evenly in perceived lightness.
+// Perceived lightness grows evenly along each.
 enum class Colormap : std::uint8_t {
     tide = 0,   // violet, blue, green, yellow
     ember = 1,  // purple, red, orange, yellow
@@ -37,36 +37,36 @@ enum class Colormap : std::uint8_t {
 };
 
 enum class WallCells : std::uint8_t {
-    automatic = 0,  // hide them where they dwarf the others (a median size of 8 times theirs), but not in a slice
+    automatic = 0,  // hide them when their median size is 8 times that of the others; show them in a slice
     show = 1,
-    hide = 2,  // those at the walls and their neighbors: what is left is the inside of a ragged set
+    hide = 2,  // hide cells at the walls and their neighbors, to show the inside of a ragged set
 };
 
 struct Slice {
     int axis = 2;      // 0, 1, 2 = x, y, z
-    double value = 0;  // the plane is where that coordinate has this value; it must meet the domain
+    double value = 0;  // coordinate of the plane on that axis; the plane must meet the domain
 };
 
 struct PictureOptions {
     std::uint32_t width = 1600, height = 1200;  // pixels, 64 to 16384 each
 
-    // N values to color the cells by; NaN: gray. Empty: the volumes, which must have been wanted then.
+    // N values to color the cells by; NaN is gray. Empty: the volumes, which the tessellation must hold.
     std::span<const double> values;
-    std::string label = "volume";  // beside the color bar; printable ASCII, ^2 raises what follows
+    std::string label = "volume";  // beside the color bar; printable ASCII; ^ raises the next number
     std::optional<std::array<double, 2>>
-        range;  // default: that of the cells shown but for 0.5 % at each end, at the lower 3 % in a logarithmic scale
+        range;  // default: the cells shown without 0.5 % at each end, without the lower 3 % on a logarithmic scale
     ColorScale scale = ColorScale::automatic;
     Colormap colormap = Colormap::tide;
 
-    // Where the camera stands, in degrees: azimuth from the x axis towards y, elevation above the plane of x and y,
-    // at most 89 either way. Not with a slice.
+    // Position of the camera in degrees: azimuth from the x axis towards y, elevation from -89 to 89 above the xy
+    // plane. Not with a slice.
     double azimuth = 36, elevation = 27;
     Cut cut = Cut::corner;
-    // Where the cut planes meet; default: the middle of what is shown.
+    // Where the cut planes meet; default: the middle of the cells shown.
     std::optional<std::array<double, 3>> cut_at;
     WallCells wall_cells = WallCells::automatic;
 
-    // A section by a plane instead, seen along its axis.
+    // Draws a section by a plane instead, seen along its axis.
     std::optional<Slice> slice;
 
     bool edges = true;   // lines along the edges of cells, fading where cells are small
@@ -83,14 +83,14 @@ struct Picture {
     std::vector<std::uint8_t> pixels;  // 4 width height: RGBA, rows from the top, from the left
 };
 
-// Draws the cells. The tessellation needs Want::faces. points: the array given to tessellate(); read during the call
-// only. The same input gives the same pixels for any number of threads.
-// Throws Error: invalid_argument (names the missing or wrong value), out_of_memory.
+// Returns a picture of the cells. The tessellation needs Want::faces. points: the array given to tessellate(), read
+// during the call only. Pixels do not depend on the number of threads. Throws Error: invalid_argument (names the
+// missing or wrong value), out_of_memory.
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
 
-// Returns red, green and blue of sRGB for each of the values, as render() colors cells: range, scale and colormap of
-// the options are used, and NaN is gray. Throws Error: invalid_argument.
+// Returns red, green and blue of sRGB for each of options.values, as render() colors cells. Uses range, scale and
+// colormap of the options; NaN is gray. Throws Error: invalid_argument.
 [[nodiscard]] VOTESS_API std::vector<std::uint8_t> value_colors(const PictureOptions& options);
 
 }  // namespace votess

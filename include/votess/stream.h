@@ -1,5 +1,5 @@
-// The C interface of votess/stream.hpp, where the method and the arrays are told. Rules, options and errors are those
-// of votess/votess.h, and votess_last_error() tells why a call failed.
+// C interface of votess/stream.hpp, which describes the method and the arrays. Rules, options and errors are those of
+// votess/votess.h.
 #ifndef VOTESS_STREAM_H
 #define VOTESS_STREAM_H
 
@@ -9,32 +9,33 @@
 extern "C" {
 #endif
 
-// Some seeds, in the order of the input. The arrays stay the caller's, who must keep them until the next callback.
+// Some seeds, in input order. The caller keeps the arrays until the next callback.
 typedef struct votess_stream_seeds {
     size_t count;           // at most 2^31 - 1
     const double* points;   // 3 * count
-    const double* weights;  // count, or NULL; not both of these
+    const double* weights;  // count, or NULL; at most one of weights and radii
     const double* radii;    // count, or NULL
 } votess_stream_seeds;
 
-// What is known before the first row.
+// Known before the first row.
 typedef struct votess_stream_head {
     uint64_t seeds;
-    uint64_t entries;                   // of all rows; 0 where neighbors are not wanted
-    int32_t duplicates;                 // 1 where there are any
-    int32_t periodic;                   // 1 where rows have shifts
+    uint64_t entries;                   // of all rows; 0 when neighbors were not requested
+    int32_t duplicates;                 // 1 when there are any
+    int32_t periodic;                   // 1 when rows have shifts
     double box_lower[3], box_upper[3];  // the box that was given or assumed; 0 where a cell was given
 } votess_stream_head;
 
-// The cells of `count` seeds from `first` on. Arrays not wanted are NULL; all are valid until the callback returns.
+// The cells of `count` seeds from `first` on. Arrays that were not requested are NULL. Valid until the callback
+// returns.
 typedef struct votess_stream_rows {
     uint64_t first;
     size_t count, entries;
     const uint8_t* status;         // count
-    const int64_t* duplicate_of;   // count, NULL where the run has no duplicates
-    const int64_t* indptr;         // count + 1, counted from the first seed of the run on
+    const int64_t* duplicate_of;   // count; NULL in a run without duplicates
+    const int64_t* indptr;         // count + 1 offsets, counted from the first seed of the run
     const int64_t* neighbors;      // entries
-    const int8_t* shifts;          // 3 * entries, where the domain is periodic
+    const int8_t* shifts;          // 3 * entries, in a periodic domain
     const double* areas;           // entries
     const double* normals;         // 3 * entries
     const double* volumes;         // count
@@ -46,20 +47,20 @@ typedef struct votess_stream_rows {
     const uint32_t* vertex_counts;
 } votess_stream_rows;
 
-// Callbacks run in the thread of the call, and return VOTESS_STREAM_STOP for the call to fail with
+// Values that callbacks return. They run in the thread of the call; VOTESS_STREAM_STOP ends it with
 // VOTESS_ERROR_CANCELLED.
 #define VOTESS_STREAM_STOP (-1)
-#define VOTESS_STREAM_END 0  // no more seeds; or they cannot be had again
+#define VOTESS_STREAM_END 0  // next: no more seeds; restart: the seeds can be read only once
 #define VOTESS_STREAM_GO_ON 1
 
 typedef struct votess_stream {
     uint32_t struct_size;   // set it to sizeof(votess_stream)
-    int32_t verify;         // 1: all rows are checked while they go to the caller; or 0
+    int32_t verify;         // 1: check all rows on their way to the caller; or 0
     uint64_t memory;        // bytes, see StreamOptions in stream.hpp
     const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp
-    // Begins with the first seed, at first and once more. NULL or VOTESS_STREAM_END: seeds can be had only once.
+    // Goes back to the first seed; called first and once more. NULL: the seeds can be read only once.
     int (*restart)(void* user);
-    // The next seeds into *seeds, which is all 0.
+    // Writes the next seeds to *seeds, which is all 0.
     int (*next)(votess_stream_seeds* seeds, void* user);
     int (*begin)(const votess_stream_head* head, void* user);  // may be NULL
     int (*rows)(const votess_stream_rows* rows, void* user);
@@ -73,11 +74,12 @@ typedef struct votess_stream_counts {
     // With votess_stream.verify, else 0, see votess_verify():
     int32_t passed;           // 1 when all checks passed
     uint32_t checks_skipped;  // VOTESS_CHECK_* bits
-    uint64_t sampled;         // cells that were tried by brute force
+    uint64_t sampled;         // cells clipped again by every seed
     char failure[256];        // one line of UTF-8 on the first failed check, cut to fit; "" when passed
 } votess_stream_counts;
 
-// options: NULL = defaults; without weights and radii. counts, stats: may be NULL.
+// Tessellates the seeds of a stream and calls its callbacks. options: NULL = defaults; without weights and radii.
+// counts, stats: may be NULL.
 VOTESS_API votess_status votess_tessellate_stream(const votess_stream* stream, const votess_options* options,
                                                   votess_stream_counts* counts, votess_stats* stats);
 

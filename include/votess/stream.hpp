@@ -1,14 +1,13 @@
-// Tessellates seeds that do not fit into memory: they come in pieces, wait in temporary files, are tessellated block by
-// block, and rows go out in pieces, in the order of the seeds. Rows are those of one tessellate()
-// with all seeds, bit for bit, whatever the memory is.
+// Tessellates seeds that do not fit into memory. They arrive in pieces and wait in temporary files. Each block of them
+// is tessellated by itself, and rows leave in pieces, in input order. Rows are bit for bit those of
+// one tessellate() with all seeds, for any memory limit.
 //
 //     struct Seeds : votess::StreamSource { bool next(votess::StreamSeeds& some) override { ... } };
 //     struct Rows : votess::StreamSink { void rows(const votess::StreamRows& some) override { ... } };
 //     votess::tessellate_stream(seeds, rows, options, {.memory = 2'000'000'000});
 //
-// All seeds are read twice, or once into a temporary file, in which all that has to wait is written and read
-// front to back. Temporary files have no names: they are gone when the call ends, and with the process, however that
-// ends.
+// The seeds are read twice, or once into a temporary file. Temporary files are written and read front to back. They
+// have no names, so they vanish when the call or the process ends.
 #pragma once
 
 #include <cstddef>
@@ -21,39 +20,39 @@
 
 namespace votess {
 
-// Some seeds, in the order of the input. The arrays stay the source's, which must keep them until its next call.
+// Some seeds, in input order. The source keeps the arrays until its next call.
 struct StreamSeeds {
-    std::span<const double> points;          // (n, 3), any number of them, as for tessellate()
-    std::span<const double> weights, radii;  // n of one of these in a power diagram, each time; else none
+    std::span<const double> points;          // (n, 3), any n, as for tessellate()
+    std::span<const double> weights, radii;  // in a power diagram n of one of these, each time; else none
 };
 
 class VOTESS_API StreamSource {
 public:
     virtual ~StreamSource();
-    // Begins with the first seed, at first and once more. False where seeds can be had only once.
+    // Goes back to the first seed; called first and once more. Returns false if the seeds can be read only once.
     virtual bool restart() = 0;
-    // The next seeds; false when there are no more.
+    // Writes the next seeds. Returns false when there are no more.
     virtual bool next(StreamSeeds& seeds) = 0;
 };
 
-// What is known before the first row.
+// Known before the first row.
 struct StreamHead {
     std::uint64_t seeds = 0;
-    std::uint64_t entries = 0;  // of all rows; 0 where neighbors are not wanted
+    std::uint64_t entries = 0;  // of all rows; 0 when neighbors were not requested
     bool duplicates = false;    // whether there are any
     bool periodic = false;      // whether rows have shifts
-    Options options;            // of the run, with the box that was settled, without weights and radii
+    Options options;            // of the run, with the box that was used, without weights and radii
 };
 
-// The cells of the seeds first .. first + status.size() - 1, which follow those before. Arrays as those of
-// Tessellation, but ids have 64 bits; those not wanted are empty. They are the sink's until it returns.
+// The cells of the seeds first .. first + n - 1; pieces follow each other. Arrays as those of Tessellation, except that
+// ids have 64 bits. Arrays that were not requested are empty. All are valid until the sink returns.
 struct StreamRows {
     std::uint64_t first = 0;
     std::span<const CellStatus> status;                     // n
-    std::span<const std::int64_t> duplicate_of;             // n where the run has duplicates
-    std::span<const std::int64_t> indptr;                   // n+1, counted from the first seed on
+    std::span<const std::int64_t> duplicate_of;             // n in a run with duplicates
+    std::span<const std::int64_t> indptr;                   // n+1 offsets, counted from the first seed of the run
     std::span<const std::int64_t> neighbors;                // entries
-    std::span<const std::int8_t> shifts;                    // (entries, 3), where the domain is periodic
+    std::span<const std::int8_t> shifts;                    // (entries, 3), in a periodic domain
     std::span<const double> areas, normals;                 // entries, (entries, 3)
     std::span<const double> volumes, centroids;             // n, (n, 3)
     std::span<const double> surface_areas, security_radii;  // n each
@@ -68,34 +67,36 @@ public:
 };
 
 struct StreamOptions {
-    // Bytes that the call may take, beside what source and sink take for themselves; at least least_memory. Seeds at
-    // one place are in one block, so very many of them may take more.
+    // Bytes that the call may use, without those of source and sink; at least least_memory. Seeds at one place share a
+    // block, so very many of them may need more.
     std::uint64_t memory = 0;
     static constexpr std::uint64_t least_memory = 1'000'000;
     // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
     std::string temporary;
-    // Checks all rows as verify() does, while they go to the sink, which has had them all when the outcome is known.
+    // Checks all rows as verify() does, on their way to the sink. The verdict arrives after the last row.
     bool verify = false;
 };
 
 struct StreamResult {
     Options options;  // as in StreamHead
-    // seconds: upload = seeds are read and go to blocks, sort = layers, clip = cells of blocks, fallback = cells that
-    // ask other blocks, download = rows come together, go to the sink and are checked.
+    // Its seconds: upload = reading seeds and sorting them into blocks, sort = layers, clip = cells of blocks, fallback
+    // = cells that ask other blocks, download = collecting rows, the sink and the checks.
     Stats stats;
-    std::uint64_t blocks = 0, largest_block = 0;  // and the seeds of that one
-    std::uint64_t asked_cells = 0;                // that were completed by other blocks
-    std::uint64_t temporary_bytes = 0;            // in all files
-    // With StreamOptions::verify. Rows pass once, so the text on rows that are not symmetric does not name the seeds.
-    // How many cells are tried against all seeds depends on the input, the number of blocks and the memory: as many as
-    // take about a second, at least 64 or all.
+    std::uint64_t blocks = 0, largest_block = 0;  // number of blocks; seeds of the largest
+    std::uint64_t asked_cells = 0;                // cells that other blocks completed
+    std::uint64_t temporary_bytes = 0;            // in all temporary files
+    // Set with StreamOptions::verify. A sum of 128 bits over all entries tests symmetry. It misses a fault with a
+    // probability of about 2^-128, and its message does not name the seeds. The sample has as many cells as take about
+    // a second, but at least 64 or all. Its size depends on the input, the number of blocks and the memory. Without
+    // neighbors only volumes and Euler's formula are checked.
     std::optional<VerifyReport> verified;
 };
 
-// options: weights and radii come from the source. want.vertices and want.faces, min_face, min_area, duplicates = error
-// and GPUs are `unsupported`. options.log is told each stage, and how much room the temporary
-// files take before the first of them is written. Errors: those of tessellate(), `storage` where a temporary file
-// cannot be written or there is no room, and what source and sink throw.
+// Tessellates the seeds of source and gives their rows to sink. Weights and radii come from the source, not from
+// options. options.log receives each stage, and the disk space of the temporary files before the first is written.
+// Throws `unsupported` for want.vertices, want.faces, min_face, min_area, duplicates = error and GPUs. Throws `storage`
+// where a temporary file cannot be written or the disk is full. Else Error as tessellate(), and exceptions of source
+// and sink.
 VOTESS_API StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,
                                           const StreamOptions& stream);
 

@@ -1,11 +1,13 @@
-// votess: exact 3D Voronoi tessellation. C interface, the same functions as votess.hpp, where the method is told.
+// votess: exact 3D Voronoi tessellation. C interface of votess.hpp, which describes the method and the arrays.
 //
-// Rules: handles are opaque and freed by their _free function (NULL is allowed). Functions that can fail return a
-// votess_status; after a failure votess_last_error() tells why, for the calling thread. Structs begin with their own
-// size as the caller compiled it, so that a program built against an older header keeps working: fields are only ever
-// added at the end, those that the caller lacks keep their defaults, those that the library lacks are ignored. No
-// struct will exceed VOTESS_LARGEST_STRUCT bytes: a larger size is memory that was not initialized, and refused. Arrays
-// belong to the result handle and live as long as it. No exception leaves the library.
+// Rules:
+//   - Handles are opaque; free each with its _free function (NULL is allowed).
+//   - Functions that can fail return a votess_status. votess_last_error() then returns the reason, per thread.
+//   - Structs begin with their own size as the caller compiled it. Later versions only add fields at the end. Fields
+//     that the caller lacks keep their defaults; fields that the library lacks are ignored. A size above
+//     VOTESS_LARGEST_STRUCT is uninitialized memory and is refused.
+//   - Arrays belong to the result handle and live as long as it.
+//   - No exception leaves the library.
 #ifndef VOTESS_H
 #define VOTESS_H
 
@@ -27,12 +29,12 @@ typedef enum votess_status {
     VOTESS_ERROR_UNSUPPORTED = 4,
     VOTESS_ERROR_INTERNAL = 5,
     VOTESS_ERROR_DEVICE_LOST = 6,
-    VOTESS_ERROR_INVALID_USE = 7,  // the tessellator is at work in another call
+    VOTESS_ERROR_INVALID_USE = 7,  // the tessellator is busy in another call
     VOTESS_ERROR_STORAGE = 8,      // temporary files of votess_tessellate_stream()
     VOTESS_ERROR_NO_THREADS = 9    // the system gives fewer threads than votess_options.threads
 } votess_status;
 
-// Values of the per-cell status bytes; see CellStatus in votess.hpp.
+// Values of the status bytes of cells; see CellStatus in votess.hpp.
 typedef enum votess_cell_status {
     VOTESS_CELL_CERTIFIED = 0,
     VOTESS_CELL_NEEDS_EXACT = 1,
@@ -44,7 +46,7 @@ typedef enum votess_cell_status {
     VOTESS_CELL_OUTSIDE = 7
 } votess_cell_status;
 
-// Bits of votess_options.want.
+// Bits of votess_options.want; see Want in votess.hpp.
 #define VOTESS_WANT_NEIGHBORS 1u
 #define VOTESS_WANT_VOLUMES 2u
 #define VOTESS_WANT_CENTROIDS 4u
@@ -54,9 +56,9 @@ typedef enum votess_cell_status {
 #define VOTESS_WANT_SURFACES 64u   // surface_areas
 #define VOTESS_WANT_RADII 128u     // security_radii
 #define VOTESS_WANT_VERTICES 256u  // vertices, cell_vertex_*; adds neighbors
-#define VOTESS_WANT_FACES 512u     // face_offsets, face_vertices; adds vertices, and walls to the rows
+#define VOTESS_WANT_FACES 512u     // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
 
-// Checks that votess_verify can skip, see VerifyReport::skipped in votess.hpp.
+// Checks that votess_verify can skip; see VerifyReport::skipped in votess.hpp.
 #define VOTESS_CHECK_VOLUMES 1u
 #define VOTESS_CHECK_SYMMETRY 2u
 #define VOTESS_CHECK_EULER 4u
@@ -71,25 +73,24 @@ typedef enum votess_cell_status {
 #define VOTESS_OUTSIDE_ERROR 0
 #define VOTESS_OUTSIDE_DROP 1
 
-// What volumes, centroids and areas hold; see Precision in votess.hpp.
+// Relative error of volumes, centroids and areas; see Precision in votess.hpp.
 typedef enum votess_precision {
-    VOTESS_PRECISION_SINGLE = 0,  // relative error 1e-5 from a GPU, 1e-10 from the CPU
-    VOTESS_PRECISION_DOUBLE = 1   // relative error 1e-10
+    VOTESS_PRECISION_SINGLE = 0,  // 1e-5 on a GPU, 1e-10 on the CPU
+    VOTESS_PRECISION_DOUBLE = 1   // 1e-10
 } votess_precision;
 
-// Called from the thread inside votess_tessellate or a query, some ten times a second; return 0 to cancel, else
-// nonzero. A C++ exception that a callback throws ends the call with VOTESS_ERROR_CANCELLED, and votess_last_error()
-// names it.
+// Called by the thread that runs votess_tessellate or a query, about ten times a second. Return 0 to cancel, else
+// nonzero. A C++ exception of the callback ends the call with VOTESS_ERROR_CANCELLED; votess_last_error() names it.
 typedef int (*votess_progress_callback)(double fraction, void* user);
 // message: zero-terminated, valid during the call.
 typedef void (*votess_log_callback)(const char* message, void* user);
 
-// The fields of Options in votess.hpp, where their meaning is told.
+// The fields of Options in votess.hpp.
 typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
-    int32_t list_walls;    // nonzero: list wall ids in the rows: -1..-6 of the box, -7, -8, ... of walls
-    int32_t has_box;       // 0: default box (see Options::box in votess.hpp), else box_lower, box_upper count
+    int32_t list_walls;    // nonzero: rows list the ids of walls: -1..-6 of the box, -7, -8, ... of walls
+    int32_t has_box;       // nonzero: use box_lower and box_upper; 0: the default box, see Options::box in votess.hpp
     double box_lower[3];
     double box_upper[3];
     int32_t periodic[3];  // nonzero: the box repeats along x, y, z
@@ -98,10 +99,10 @@ typedef struct votess_options {
     double cell_a[3];
     double cell_b[3];
     double cell_c[3];
-    int32_t cell_periodic[3];  // nonzero: it repeats along a, b, c; default all. periodic says the same, or nothing
+    int32_t cell_periodic[3];  // nonzero: it repeats along a, b, c; default all. Leave periodic 0 or equal
     const double* walls;       // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t wall_count;
-    const double* weights;     // as many as points, or NULL: a power diagram; copied by the call
+    const double* weights;     // one for each point, or NULL: a power diagram; copied by the call
     const double* radii;       // the same as radii, whose squares are the weights; not both
     double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
     double min_area;           // drop faces below this area, see Options::min_area
@@ -120,17 +121,16 @@ typedef struct votess_options {
     void* log_user;
 } votess_options;
 
+// The fields of Stats in votess.hpp.
 typedef struct votess_stats {
     uint32_t struct_size;  // set it to sizeof(votess_stats) before votess_result_stats
     uint32_t threads;
     uint64_t points, faces, duplicates, empty_cells, fallback_cells, exact_cells, peak_memory_bytes;
     double mean_faces, volume_sum, box_volume;
     double seconds_upload, seconds_sort, seconds_knn, seconds_clip, seconds_fallback, seconds_download, seconds_total;
-    int32_t precision;  // VOTESS_PRECISION_*: what volumes, centroids and areas hold; the CPU always gives double
+    int32_t precision;  // VOTESS_PRECISION_* of volumes, centroids and areas; double after a run on the CPU
     char device[252];   // zero-terminated
-    // Why cells were redone on the CPU; they add up to fallback_cells: floating point could not decide, more planes or
-    // vertices than the device holds, the search ended too early, the device had failed before, or cannot do the
-    // domain.
+    // Cells that the CPU made again, by reason; see FallbackReasons in votess.hpp. They add up to fallback_cells.
     uint64_t fallback_uncertain, fallback_overflow, fallback_exhausted, fallback_skipped, fallback_domain;
     int64_t tiny_faces;   // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
     double seconds_open;  // see StageSeconds::open in votess.hpp; part of seconds_total
@@ -142,43 +142,43 @@ typedef struct votess_delaunay votess_delaunay;
 typedef struct votess_diagram votess_diagram;
 typedef struct votess_natural votess_natural;
 
-// Version of the library that is loaded: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
+// Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
 VOTESS_API const char* votess_version_string(void);
 // Sizes of the structs above in the loaded library, for callers that cannot include this header.
 VOTESS_API size_t votess_sizeof_options(void);
 VOTESS_API size_t votess_sizeof_stats(void);
-// Message of the last failure on this thread; "" when there was none. UTF-8, valid until the thread's next failure.
+// Returns the message of this thread's last failure, or "". UTF-8, valid until the thread's next failure.
 VOTESS_API const char* votess_last_error(void);
 
-// Fills in the defaults, struct_size too. options: not NULL. size: sizeof(votess_options) as the caller compiled it;
-// the library writes no byte beyond it.
+// Writes the defaults, struct_size too. options: not NULL. size: sizeof(votess_options) as the caller compiled it; the
+// library writes no byte beyond it.
 VOTESS_API votess_status votess_options_init(votess_options* options, size_t size);
 // Sets *want to the VOTESS_WANT_* bits of names with commas between them, see want_of() in votess.hpp. names: not NULL.
 VOTESS_API votess_status votess_want_of(const char* names, uint32_t* want);
-// *want becomes the VOTESS_WANT_* bits of what a result holds: options->want, and the arrays that these and min_face
-// need. Fails for options that are wrong whatever the points are. The lengths of weights and radii are not looked at.
+// Sets *want to the VOTESS_WANT_* bits of the arrays that a result holds: those of options->want, and those that it and
+// min_face need. Fails for options that are wrong for any points. Ignores the lengths of weights and radii.
 VOTESS_API votess_status votess_options_implied_want(const votess_options* options, uint32_t* want);
 
-// Keeps device, threads and buffers between calls, and the memory of a result that was freed for the next one:
-// keep one for seeds that move from call to call. votess_tessellator_free gives all of it back. Results that are held
-// stay valid. After fork() the child may use and free a tessellator of its parent, see Tessellator in votess.hpp.
+// A tessellator keeps device, threads and buffers between calls, and reuses the memory of freed results. Keep one for
+// seeds that move from call to call. votess_tessellator_free frees all that it keeps; results stay valid. After fork()
+// the child may use and free a tessellator of its parent, see Tessellator in votess.hpp.
 VOTESS_API votess_status votess_tessellator_new(votess_tessellator** out);
 VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 
-// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. The call copies them first: another thread
-// that writes into them meanwhile makes cells wrong, and nothing else. options: NULL = defaults.
-// tessellator: NULL = one for this call; else one call at a time, a second one, from another thread or a callback,
-// fails with VOTESS_ERROR_INVALID_USE; not freed by another thread before the call returns. On success *out is a new
-// result, which does not need the tessellator, else it is NULL.
+// Tessellates. On success *out is a new result, which does not need the tessellator; else it is NULL.
+// tessellator: NULL = one for this call. One call at a time: a second one, from another thread or a callback, fails
+// with VOTESS_ERROR_INVALID_USE. No other thread may free it before the call returns.
+// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. The call copies them first: if another
+// thread writes to them meanwhile, cells are wrong, but nothing else is. options: NULL = defaults.
 VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
                                            const votess_options* options, votess_result** out);
 VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
                                                const votess_options* options, votess_result** out);
 VOTESS_API void votess_result_free(votess_result* result);
 
-// Arrays of a result: pointer to the first element, *length its number of elements. NULL and 0 when the array was not
-// wanted or has no elements. length may be NULL. Orders and units as in votess.hpp.
+// Arrays of a result. Return a pointer to the first element and set *length to the number of elements; NULL and 0 when
+// the array was not requested or is empty. length may be NULL. Orders and units as in Tessellation of votess.hpp.
 VOTESS_API size_t votess_result_size(const votess_result* result);  // N
 VOTESS_API const int64_t* votess_result_indptr(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_indices(const votess_result* result, size_t* length);
@@ -201,19 +201,19 @@ VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
-// A power diagram has weights, a polyhedron walls: 4 numbers each, as in votess_options.
+// Weights of a power diagram; walls, 4 numbers each, as in votess_options.
 VOTESS_API const double* votess_result_weights(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_walls(const votess_result* result, size_t* length);
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
-// Each axis, or edge of a triclinic box, gets 1 when the domain repeats along it, else 0.
+// Sets 1 for each axis, or edge of a triclinic box, along which the domain repeats, else 0.
 VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
-// *has_cell becomes 1 for a triclinic box, whose vectors are written, else 0.
+// Sets *has_cell to 1 and writes the vectors of a triclinic box; else sets it to 0.
 VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t* has_cell, double origin[3],
                                             double a[3], double b[3], double c[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
 
-// The dual of the cells, see delaunay() in votess.hpp; result needs faces. It does not need the result afterwards.
-// Arrays as those of a result; orders as in struct Delaunay.
+// The dual of the cells, see delaunay() in votess.hpp; result needs faces, and may be freed afterwards. Arrays as those
+// of a result; orders as in struct Delaunay.
 VOTESS_API votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out);
 VOTESS_API void votess_delaunay_free(votess_delaunay* delaunay);
 VOTESS_API const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length);
@@ -224,31 +224,31 @@ VOTESS_API const int32_t* votess_delaunay_polytope_indices(const votess_delaunay
 VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length);
 VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
 
-// Seeds that stay and are asked many times, see Diagram in diagram.hpp: any number of threads may ask one. points are
-// copied; of the options the domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and
-// progress count; progress is not called after this call.
+// Seeds for queries, see Diagram in diagram.hpp; many threads may query one. points are copied. Uses these options: the
+// domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. progress is called
+// during this call only.
 VOTESS_API votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
                                             votess_diagram** out);
-// A second handle of the same seeds, whose queries call options->progress and stop when it returns 0. The other options
-// do not count. Cheap: nothing is copied, and each handle is freed by itself. On success *out is new, else NULL.
+// Sets *out to a second handle of the same seeds, or NULL after a failure. Its queries call options->progress and stop
+// when that returns 0; other options are ignored. Nothing is copied. Free each handle.
 VOTESS_API votess_status votess_diagram_view(const votess_diagram* diagram, const votess_options* options,
                                              votess_diagram** out);
 VOTESS_API void votess_diagram_free(votess_diagram* diagram);
 VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
-// Writes to seeds, count of them, in whose cell each query lies (3 * count coordinates), -1 outside of the domain.
+// Writes count seeds: the one whose cell holds each query (3 * count coordinates), or -1 outside the domain.
 VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                                int32_t* seeds);
-// The cells that queries would have, each as if it alone were added to the seeds, see Diagram::probe in diagram.hpp.
-// want: VOTESS_WANT_* bits; list_walls: as in votess_options; weights: count of them, in a power diagram only, or NULL
-// for 0. On success *out is a new result of count cells, which votess_delaunay_new, votess_verify and
-// votess_wrapped_points refuse with VOTESS_ERROR_INVALID_ARGUMENT, else it is NULL.
+// Sets *out to a new result of count cells, or NULL after a failure: the cell that each query would have if it alone
+// were added to the seeds, see Diagram::probe in diagram.hpp. want: VOTESS_WANT_* bits. list_walls: as in
+// votess_options. weights: count, only in a power diagram; NULL = 0. votess_delaunay_new, votess_verify and
+// votess_wrapped_points refuse the result with VOTESS_ERROR_INVALID_ARGUMENT.
 VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, const double* queries, size_t count,
                                               uint32_t want, int32_t list_walls, const double* weights,
                                               votess_result** out);
 
 // Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
-// for true; weights: count of them, in a power diagram only, or NULL for 0. On success *out is new, else NULL; it does
-// not need the diagram afterwards. Arrays as those of a result; rows as in struct NaturalCoordinates.
+// for true. weights: count, only in a power diagram; NULL = 0. On success *out is new, else NULL; the diagram may be
+// freed afterwards. Arrays as those of a result; rows as in struct NaturalCoordinates.
 #define VOTESS_NATURAL_SIBSON 0
 #define VOTESS_NATURAL_LAPLACE 1
 VOTESS_API votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count,
@@ -259,15 +259,15 @@ VOTESS_API const int64_t* votess_natural_indptr(const votess_natural* natural, s
 VOTESS_API const int32_t* votess_natural_indices(const votess_natural* natural, size_t* length);
 VOTESS_API const double* votess_natural_weights(const votess_natural* natural, size_t* length);
 VOTESS_API const double* votess_natural_gradients(const votess_natural* natural, size_t* length);
-// Sums of values by these coordinates: values has N * components numbers; count * components go to interpolated, three
-// times as many to gradients unless it is NULL. NaN where there are no coordinates.
+// Writes the sums of values, weighted by these coordinates; NaN where there are none. values: N * components.
+// interpolated: count * components. gradients: three times as many, or NULL.
 VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values,
                                                     size_t components, const double* queries, size_t count,
                                                     int32_t method, int32_t at_walls, const double* weights,
                                                     double* interpolated, double* gradients);
 
-// What the seeds carry, on a grid, see Diagram::to_grid in diagram.hpp. values: N * columns; shape: nx, ny, nz;
-// project: 0, 1 or 2 to sum along that axis, else -1. grid: nx * ny * nz * columns, without the axis that is projected.
+// Fills a grid from the seeds' values, see Diagram::to_grid in diagram.hpp. values: N * columns. shape: nx, ny, nz.
+// project: 0, 1 or 2 to sum along that axis, else -1. grid: nx * ny * nz * columns, without the projected axis.
 // *without_place becomes the number of seeds whose mass has no place; may be NULL.
 #define VOTESS_GRID_MEAN 0
 #define VOTESS_GRID_DTFE 1
@@ -277,27 +277,27 @@ VOTESS_API votess_status votess_diagram_to_grid(const votess_diagram* diagram, c
                                                 const size_t shape[3], int32_t method, int32_t project, double* grid,
                                                 size_t* without_place);
 
-// Checks a result against the points it came from (see verify() in votess.hpp). *passed becomes 1 or 0; a failed check
-// is not a failed call: its one-line description, else "", is copied to failure (failure_size bytes, zero-terminated,
-// cut if too long; may be NULL with size 0). *skipped becomes the VOTESS_CHECK_* bits of the checks whose arrays the
-// result lacks; may be NULL. sample: VOTESS_SAMPLE_AUTOMATIC for as many cells as take about a second, at least 64 or
-// all. *sampled becomes the number of cells that were tried by brute force, up to the one that failed; may be NULL.
+// Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
+// passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number
+// of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for about a second's work. sampled: number of cells clipped again, up
+// to the one that failed; may be NULL. failure: failure_size bytes for one line on the first failed check, else "";
+// zero-terminated, cut if too long; NULL with size 0.
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
                                        uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
                                        char* failure, size_t failure_size);
 
-// Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as votess_verify.
+// Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as for votess_verify.
 VOTESS_API votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,
                                                  uint64_t* tiny_faces);
-// Writes to places, 3 * count, where the points lie inside a periodic domain, see wrapped_points() in votess.hpp.
+// Writes 3 * count coordinates of the points inside a periodic domain, see wrapped_points() in votess.hpp.
 VOTESS_API votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count,
                                                double* places);
 
-// Writes to rgb, 3 * count, the colors that pictures give to values, see value_colors() in picture.hpp. colormap: 0
-// tide, 1 ember, 2 gray.
+// Writes 3 * count bytes: the colors of values in pictures, see value_colors() in picture.hpp. colormap: 0 tide, 1
+// ember, 2 gray.
 VOTESS_API votess_status votess_value_colors(const double* values, size_t count, int32_t colormap, uint8_t* rgb);
 
-// Walls around round bodies, see sphere_walls() in votess.hpp; they write 4 * faces numbers, as votess_options.walls.
+// Write walls around round bodies, see sphere_walls() in votess.hpp: 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);
 VOTESS_API votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,
                                                double* walls);

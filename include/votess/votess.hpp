@@ -4,15 +4,16 @@
 //     votess::Tessellation t = votess::tessellate(points /* span<const double>, 3N */, options);
 //     for (auto j : t.neighbors(i)) ...        t.volumes()[i]
 //
-// The cell of a seed is the part of the domain that is nearer to it than to any other seed; two seeds are
-// neighbors when their cells share a polygon of positive area. Each cell is found by itself, by clipping with bisectors
-// or by walking along its edges, and complete when the security radius proves that no other seed can reach it (Ray,
-// Sokolov, Lefebvre, Lévy: Meshless Voronoi on the GPU, ACM TOG 37(6), 2018). Every sign that decides the topology is
-// exact for the float64 coordinates as given, so the lists are the same on any device, for any thread count, any tuning
-// option and any order of the seeds.
+// The cell of a seed is the part of the domain that is nearer to it than to any other seed. Two seeds are neighbors
+// when their cells share a polygon of positive area.
 //
-// The library never prints, never exits and keeps no global state, but for the memory that a machine has no GPU. Errors
-// are thrown as votess::Error.
+// Method: each cell is found separately, either by clipping with bisectors or by walking along its edges. It is
+// complete when the security radius proves that no other seed can reach it (Ray, Sokolov, Lefebvre, Lévy: Meshless
+// Voronoi on the GPU, ACM TOG 37(6), 2018). Every sign that decides the topology is exact for the float64 coordinates
+// as given. So the lists do not depend on device, thread count, tuning options or the order of the seeds.
+//
+// The library never prints, never exits and keeps no global state except a cached "no GPU found". Errors are thrown as
+// votess::Error.
 #pragma once
 
 #include <array>
@@ -35,12 +36,12 @@ namespace votess {
 enum class ErrorCode : std::int32_t {
     invalid_argument = 1,  // bad input: the message names the first offending index and value
     out_of_memory = 2,
-    cancelled = 3,    // the progress callback asked to stop
-    unsupported = 4,  // a request that this build or this device cannot serve
+    cancelled = 3,    // the progress callback returned false
+    unsupported = 4,  // this build or this device cannot serve the request
     internal = 5,     // a bug in votess: please report it
     device_lost = 6,  // the device stopped answering or its driver failed
-    invalid_use = 7,  // a Tessellator that is at work in another call, or was moved from
-    storage = 8,      // a temporary file of tessellate_stream() cannot be written or read, or its disk has no room
+    invalid_use = 7,  // the Tessellator is busy in another call, or was moved from
+    storage = 8,      // tessellate_stream() cannot write or read a temporary file, or its disk is full
     no_threads = 9,   // the system gives fewer threads than Options::threads requests
 };
 
@@ -53,51 +54,51 @@ private:
     ErrorCode code_;
 };
 
-// An axis-aligned box. Valid when lower < upper on every axis; both are finite.
+// An axis-aligned box. Valid when lower < upper on every axis and all numbers are finite.
 struct Box {
     std::array<double, 3> lower{};
     std::array<double, 3> upper{};
 };
 
-// One byte per cell. A finished run holds only `certified`, `duplicate`, `empty` and `outside`; the others are reasons
-// why one engine handed a cell to the next.
+// One byte per cell. A finished run holds only `certified`, `duplicate`, `empty` and `outside`. The other values are
+// reasons why one engine handed a cell to the next.
 enum class CellStatus : std::uint8_t {
-    certified = 0,             // the security radius proves the cell complete, every sign is certain
-    needs_exact = 1,           // a sign could not be certified in floating point
-    plane_overflow = 2,        // more planes than the engine's storage holds
-    vertex_overflow = 3,       // more vertices than the engine's storage holds
+    certified = 0,             // complete: the security radius proves it, and every sign is certain
+    needs_exact = 1,           // floating point could not certify a sign
+    plane_overflow = 2,        // more planes than the engine can store
+    vertex_overflow = 3,       // more vertices than the engine can store
     candidates_exhausted = 4,  // the candidate list ended before the security radius
-    duplicate = 5,             // same coordinates as a seed of lower index, which keeps the cell; this one is empty
+    duplicate = 5,             // no cell: a seed of lower index has the same coordinates and keeps the cell
     empty = 6,                 // power diagrams: the cell has no interior
     outside = 7,               // the seed lies outside of box or walls and was dropped, see Options::outside
 };
 
-// A triclinic box: its points are origin + f0 a + f1 b + f2 c with 0 <= f <= 1. The edge vectors a, b, c may have any
-// direction and handedness; the volume is not 0. It repeats along those edges that `periodic` names. Across each other
-// edge it ends at two walls, the planes through its corners that the other two edges span: -1 and -2 at f0 = 0 and 1,
-// -3 and -4 at f1, -5 and -6 at f2.
+// A triclinic box: the points origin + f0 a + f1 b + f2 c with 0 <= f <= 1. The edge vectors may have any direction and
+// handedness; the volume must not be 0. The box repeats along the edges that `periodic` names. Across any other edge it
+// ends at two walls, the planes that the remaining two edges span: -1 and -2 at f0 = 0 and 1, -3 and -4 at f1, -5 and
+// -6 at f2.
 struct TriclinicBox {
     std::array<double, 3> origin{}, a{}, b{}, c{};
     std::array<bool, 3> periodic{true, true, true};
 };
 
-// A wall: the domain is where normal . x <= offset. The normal has any length but 0.
+// A wall: the domain is where normal . x <= offset. The normal may have any positive length.
 struct Wall {
     std::array<double, 3> normal{};
     double offset = 0;
 };
 
-// Walls around round bodies: polyhedra of planes that touch them, so that they hold all of the body and a little more.
-// Throw invalid_argument for what is not finite, no direction or size, and for too few faces or more than a million.
-// sphere: at least 4 faces; the volume is larger by a share of about 3 / faces (1e-2 for 300).
+// Return walls around round bodies: polyhedra of planes that touch the body, and so enclose it. Throw invalid_argument
+// for numbers that are not finite, for a zero direction or size, and for too few or more than a million faces.
+// Sphere: at least 4 faces. The volume is larger by a share of about 3 / faces (1e-2 for 300).
 [[nodiscard]] VOTESS_API std::vector<Wall> sphere_walls(const std::array<double, 3>& center, double radius,
                                                         std::size_t faces);
-// cylinder without ends: at least 3 faces; the cross section is larger by pi^2 / (3 faces^2) (3e-3 for 32).
+// Cylinder without ends: at least 3 faces. The cross section is larger by pi^2 / (3 faces^2) (3e-3 for 32).
 [[nodiscard]] VOTESS_API std::vector<Wall> cylinder_walls(const std::array<double, 3>& point,
                                                           const std::array<double, 3>& axis, double radius,
                                                           std::size_t faces);
-// cone without end; axis: from the apex into it; angle: between axis and surface, in radians, below pi / 2. Larger by
-// the same share as a cylinder.
+// Cone without end: at least 3 faces, larger by the same share as a cylinder. axis: from the apex into the cone.
+// angle: between axis and surface, in radians, below pi / 2.
 [[nodiscard]] VOTESS_API std::vector<Wall> cone_walls(const std::array<double, 3>& apex,
                                                       const std::array<double, 3>& axis, double angle,
                                                       std::size_t faces);
@@ -114,127 +115,125 @@ enum class Duplicates : std::int32_t {
 
 // The relative error that is promised of volumes, centroids and areas. The lists are exact either way.
 enum class Precision : std::int32_t {
-    single = 0,   // 1e-5 on a GPU; the CPU gives 1e-10 always
-    double_ = 1,  // 1e-10; on a GPU that lacks float64 arithmetic `unsupported`
+    single = 0,   // 1e-5 on a GPU, 1e-10 on the CPU
+    double_ = 1,  // 1e-10; a GPU without float64 arithmetic is `unsupported`
 };
 
-// Which arrays to compute and store.
+// Which arrays to compute and store. A flag also requests the arrays after "adds".
 struct Want {
     bool neighbors = true;   // indptr, indices
     bool volumes = true;     // volumes
     bool centroids = false;  // centroids
     bool counts = false;     // face_counts, edge_counts, vertex_counts
-    bool areas = false;      // face_areas; and neighbors, whose entries they belong to
-    bool normals = false;    // face_normals; and neighbors
+    bool areas = false;      // face_areas; adds neighbors
+    bool normals = false;    // face_normals; adds neighbors
     bool surfaces = false;   // surface_areas
     bool radii = false;      // security_radii
-    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; and neighbors
-    bool faces = false;      // face_offsets, face_vertices; and vertices, neighbors, and walls in the rows
+    bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; adds neighbors
+    bool faces = false;      // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
 };
-// Returns the Want of names with commas between them: the words above, and the arrays that they stand for, such as
-// "face_areas,volumes". An array brings its whole word. Throws invalid_argument for another name, or an empty one.
+// Returns the Want of a list of names with commas between them. A name is a field of Want or one of its arrays, as in
+// "face_areas,volumes"; an array requests its whole field. Throws invalid_argument for an unknown or empty name.
 [[nodiscard]] VOTESS_API Want want_of(std::string_view names);
 
-// Called from the thread that runs tessellate() or a query, at most some ten times a second. `fraction` grows from 0 to
-// 1. Return false to stop: the call then throws ErrorCode::cancelled. What the callback throws ends the call as well,
-// and reaches its caller. It may use other Tessellators and Diagrams, not its own.
+// Called by the thread that runs tessellate() or a query, about ten times a second at most. `fraction` grows from 0 to
+// 1. Return false to stop: the call then throws `cancelled`. An exception of the callback also ends the call and
+// reaches its caller. A callback may use other Tessellators and Diagrams, not the one that calls it.
 using ProgressCallback = std::function<bool(double fraction)>;
 // One line of text for a log, without a line end.
 using LogCallback = std::function<void(std::string_view message)>;
 
 struct Options {
-    // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)); when all
-    // seeds coincide, by half of the largest absolute coordinate (0.5 when that is 0).
+    // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)). When all
+    // seeds coincide: by half of the largest absolute coordinate, or 0.5 when that is 0.
     std::optional<Box> box;
-    // Axes along which the box repeats, which then must be given. Seeds beyond it are wrapped into it, by a whole
-    // number of periods and without any rounding; an image of a seed is the exact sum of its coordinates and box
-    // vectors.
+    // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
+    // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
     std::array<bool, 3> periodic{};
-    // Instead of box. It says itself along which edges it repeats; `periodic` says the same beside it, or nothing.
+    // A triclinic box instead of `box`. Set cell->periodic; leave `periodic` unset or equal.
     std::optional<TriclinicBox> cell;
-    // A convex polyhedron: walls that cut the box, ids -7, -8, ... in this order. Not with a periodic domain. Without a
-    // box the polyhedron bounds itself; on sides where it has no end within a million times the size of the default
-    // box, that one does.
+    // Walls that cut the box, so that the domain is a convex polyhedron. Their ids are -7, -8, ... in this order. Not
+    // in a periodic domain. Without a box the walls bound the domain. On sides where they have no end within a million
+    // times the size of the default box, the default box bounds it.
     std::vector<Wall> walls;
     Outside outside = Outside::error;
     // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
     bool list_walls = false;
-    // Power diagram: N weights w, length unit squared, any sign; copied by the call. The cell of seed i is where
-    // |x - p_i|^2 - w_i is least. Empty: all weights are 0, the Voronoi diagram. Or N radii: weights are their squares,
-    // rounded to float64.
+    // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
+    // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi
+    // diagram.
     std::span<const double> weights, radii;
-    // Drop faces between two cells that are smaller than this times the mean area of all such faces of the run from
-    // rows, areas, normals, polygons and face_counts; decided once per pair, by the area that the cell of lower index
-    // has found, so that rows stay symmetric. Walls stay, and vertices. Adds areas and neighbors. 0 drops nothing.
+    // Drop faces between two cells that are smaller than this times the mean area of all such faces. They leave rows,
+    // areas, normals, polygons and face_counts; walls and vertices stay. The cell of lower index decides for both, so
+    // rows stay symmetric. Adds areas and neighbors. 0 drops nothing.
     double min_face = 0;
-    // The same for faces smaller than this area, in the square of the unit of length; the larger limit counts.
+    // The same for faces smaller than this area, length unit squared. The larger limit counts.
     double min_area = 0;
     Want want;
     Duplicates duplicates = Duplicates::merge;
 
-    // "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device that is
-    // software; a number = that device of devices(). A device that is not available is `unsupported`, never replaced.
-    // With "auto" the CPU replaces a GPU that fails or cannot do what is requested. Nor does "auto" open a GPU for fewer
-    // than 10,000 seeds: the CPU is done before. Stats::device names the device that ran.
+    // "auto": the first GPU, else the CPU. "cpu". "gpu": the first GPU. "lavapipe": the first Vulkan device in
+    // software. A number: that device of devices(). A device that is missing is `unsupported` and never replaced. Only
+    // "auto" replaces a GPU that fails or cannot serve the request, by the CPU. Below 10,000 seeds "auto" opens no GPU,
+    // since the CPU is quicker. Stats::device names the device that ran.
     std::string device = "auto";
     Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.
-    // CPU threads, at most 1024. Throws `no_threads` where the system gives fewer. 0 = one for each processor, or as
-    // many of them as the system gives.
+    // CPU threads, at most 1024. Throws `no_threads` where the system gives fewer. 0: one for each processor, or as
+    // many as the system gives.
     unsigned threads = 0;
     unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
     unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
     unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
-    // CPU: "baseline", "avx2" or "avx512"; one that the processor lacks is `unsupported`. "" = the best it has.
+    // CPU: "baseline", "avx2" or "avx512"; `unsupported` where the processor lacks it. "": the best that it has.
     std::string instructions;
 
     ProgressCallback progress;
     LogCallback log;
 };
-// What a result holds: options.want, and the arrays that these, min_face and min_area need. Throws invalid_argument or
-// unsupported for options that are wrong whatever the seeds are.
+// Returns the arrays that a result holds: options.want, and those that it, min_face and min_area need. Throws
+// invalid_argument or unsupported for options that are wrong for any seeds.
 [[nodiscard]] VOTESS_API Want implied_want(const Options& options);
 
-// Seconds of wall clock per stage of the pipeline. `open` looks for a device, opens it and makes its pipelines; it is 0
-// where no device was looked for. On the CPU `knn` builds the search structure, and `clip` pulls the candidates and
-// decides uncertain signs exactly on the spot, so that nothing is left for `fallback`. On a GPU, where chunks of cells
-// pass through knn, clip and download while the CPU does its share of the chunk before (`fallback`), that stretch is
-// divided by what each took; where a subgroup of the device makes a cell, it searches within `clip`.
+// Seconds of wall clock per stage. `open` finds and opens a device and makes its pipelines; 0 if no device was looked
+// for. On the CPU, `knn` builds the search structure; `clip` finds the candidates too and decides uncertain signs
+// exactly, so `fallback` is 0. On a GPU, a chunk of cells passes through knn, clip and download while the CPU finishes
+// its share of the chunk before (`fallback`). The common time is divided in proportion to the time of each stage. Where
+// a subgroup of the device makes a cell, it searches within `clip`.
 struct StageSeconds {
     double open = 0, upload = 0, sort = 0, knn = 0, clip = 0, fallback = 0, download = 0;
     double total = 0;
 };
 
-// Why cells were redone on the CPU after another device.
+// Numbers of cells that the CPU made again after a device, by reason.
 struct FallbackReasons {
     std::uint64_t uncertain = 0;  // floating point could not decide a sign, or not measure well enough
     std::uint64_t overflow = 0;   // more planes or vertices at once than the device holds
     std::uint64_t exhausted = 0;  // the search ended before the security radius
-    std::uint64_t skipped = 0;    // the device had failed at nearly all cells before, and was not asked
+    std::uint64_t skipped = 0;    // not given to the device, which had failed at nearly all cells before
     std::uint64_t domain = 0;     // the device does not clip this domain
 };
 
 struct Stats {
     std::string device;                // name of the device that ran
     std::uint64_t points = 0;          // N
-    std::uint64_t faces = 0;           // sum over cells of their number of faces, walls included
-    double mean_faces = 0;             // faces / cells that are not empty
-    double volume_sum = 0;             // sum of all volumes; 0 when volumes were not wanted
+    std::uint64_t faces = 0;           // sum of the cells' numbers of faces, walls included
+    double mean_faces = 0;             // faces / number of cells that are not empty
+    double volume_sum = 0;             // sum of all volumes; 0 when volumes were not requested
     double box_volume = 0;             // volume of the domain
     std::uint64_t duplicates = 0;      // seeds with status `duplicate`
-    std::uint64_t empty_cells = 0;     // seeds that have no cell: duplicate, empty or outside
-    std::uint64_t fallback_cells = 0;  // cells redone on the CPU after another device
-    FallbackReasons fallback_reasons;  // they add up to fallback_cells
+    std::uint64_t empty_cells = 0;     // seeds without a cell: duplicate, empty or outside
+    std::uint64_t fallback_cells = 0;  // cells that the CPU made again after another device
+    FallbackReasons fallback_reasons;  // add up to fallback_cells
     std::uint64_t exact_cells = 0;     // cells where exact arithmetic decided a sign
-    // Of faces, walls left out: those with an area below 1e-9 of the mean, or rather below the largest power of two
-    // within that. Coordinates of lattices that were rounded have such faces; Options::min_face drops them. Known where
-    // the CPU measured all cells, for volumes, centroids, areas, surfaces or radii, and where there are polygons;
-    // count_tiny_faces() finds it elsewhere.
+    // Number of faces between cells with an area below 1e-9 of the mean, rounded down to a power of two. Lattices with
+    // rounded coordinates have such faces; Options::min_face drops them. Known where the CPU measured all cells (for
+    // volumes, centroids, areas, surfaces or radii) and where there are polygons; else see count_tiny_faces().
     std::optional<std::uint64_t> tiny_faces;
     unsigned threads = 0;  // CPU threads used
     StageSeconds seconds;
     std::uint64_t peak_memory_bytes = 0;  // peak resident memory of the process so far
-    // What volumes, centroids and areas hold; the CPU always gives double_.
+    // Of volumes, centroids and areas; double_ after a run on the CPU.
     Precision precision = Precision::double_;
 };
 
@@ -247,59 +246,59 @@ struct Delaunay;
 struct VerifyOptions;
 struct VerifyReport;
 
-// The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans stay
-// valid as long as any copy of the handle. An array that was not wanted is an empty span. N is the number of seeds,
-// rows follow the input order.
+// The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans are valid
+// as long as any copy of the handle. Arrays that were not requested are empty. N is the number of seeds; rows follow
+// the input order.
 class VOTESS_API Tessellation {
 public:
     Tessellation();
     explicit Tessellation(std::shared_ptr<const detail::Result> result);
 
     [[nodiscard]] std::size_t size() const noexcept;  // N
-    // Row i: ids of the neighbors of seed i in ascending order (walls first, being negative).
+    // Row i: ids of the neighbors of seed i, ascending; walls come first, being negative.
     [[nodiscard]] std::span<const std::int32_t> neighbors(std::size_t i) const noexcept;
     [[nodiscard]] std::span<const std::int64_t> indptr() const noexcept;   // N+1, CSR row starts, indptr[0] = 0
     [[nodiscard]] std::span<const std::int32_t> indices() const noexcept;  // indptr[N], CSR columns
-    // indptr[N], length unit squared: area of the face behind each entry of indices, in the same order; those of walls
-    // only when the rows list walls. Each with an absolute error of at most 1e-10 of the area of the cell's whole
-    // surface (1e-5 with stats().precision single), so a face that is no tiny part of it has that relative error, and
-    // one too small to measure may have area 0.
+    // indptr[N] areas of the faces behind the entries of indices, length unit squared. Faces on walls only when the
+    // rows list walls. The absolute error is at most 1e-10 of the cell's surface (1e-5 with stats().precision single).
+    // So a face that is too small to measure may have area 0.
     [[nodiscard]] std::span<const double> face_areas() const noexcept;
-    // 3 indptr[N]: unit normal of the face behind each entry of indices, outward.
+    // 3 indptr[N]: unit normals of the faces behind the entries of indices, outward.
     [[nodiscard]] std::span<const double> face_normals() const noexcept;
-    // 3 indptr[N] in a periodic domain, else empty: the number of box vectors (sx, sy, sz) that carry the neighbor to
-    // where it touches, both seeds taken where they lie inside the box. Rows are ordered by id, then shift.
+    // 3 indptr[N] in a periodic domain, else empty: the numbers of box vectors (sx, sy, sz) that carry the neighbor to
+    // where it touches. Both seeds count from where they lie inside the box. Rows are ordered by id, then shift.
     [[nodiscard]] std::span<const std::int8_t> shifts() const noexcept;
     [[nodiscard]] std::span<const double> volumes() const noexcept;               // N, length unit cubed
     [[nodiscard]] std::span<const double> centroids() const noexcept;             // 3N, x y z absolute; NaN when empty
     [[nodiscard]] std::span<const std::uint32_t> face_counts() const noexcept;    // N, walls included
     [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;    // N
     [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept;  // N
-    [[nodiscard]] std::span<const double> surface_areas() const noexcept;         // N, walls included
+    [[nodiscard]] std::span<const double> surface_areas() const noexcept;  // N, length unit squared, walls included
     // N: twice the distance from the seed to the farthest vertex of its cell; 0 when empty.
     [[nodiscard]] std::span<const double> security_radii() const noexcept;
-    // The mesh. Vertices that are equal in exact arithmetic are one, shared by all cells that have it; in a periodic
-    // domain cells lie where their seeds do, so a vertex appears once for each image that some cell has.
-    [[nodiscard]] std::span<const double> vertices() const noexcept;  // 3V, absolute
-    // indptr[N]+1 and face_offsets[indptr[N]]: the polygon of each entry of indices, as vertices in counterclockwise
-    // order seen from outside the cell.
+    // The mesh: 3V absolute coordinates of its vertices. Vertices that are equal in exact arithmetic are stored once
+    // and shared by their cells. In a periodic domain cells lie where their seeds do, so each image of a vertex that
+    // some cell has is stored.
+    [[nodiscard]] std::span<const double> vertices() const noexcept;
+    // indptr[N]+1 offsets into face_vertices, which has face_offsets[indptr[N]] elements: the polygon of each entry of
+    // indices, counterclockwise seen from outside the cell.
     [[nodiscard]] std::span<const std::int64_t> face_offsets() const noexcept;
     [[nodiscard]] std::span<const std::int32_t> face_vertices() const noexcept;
-    // N+1 and its last: the vertices of each cell, ascending.
+    // N+1 offsets into cell_vertex_indices: the vertices of each cell, ascending.
     [[nodiscard]] std::span<const std::int64_t> cell_vertex_indptr() const noexcept;
     [[nodiscard]] std::span<const std::int32_t> cell_vertex_indices() const noexcept;
-    // The area below which faces were dropped, see Options::min_face and min_area; 0: none were.
+    // The area below which faces were dropped, see Options::min_face and min_area; 0 when none were.
     [[nodiscard]] double least_face() const noexcept;
     [[nodiscard]] std::span<const CellStatus> status() const noexcept;  // N
-    // N when the input has duplicates, else empty: index of the seed that keeps the cell; -1 for those not duplicate.
+    // N when the input has duplicates, else empty: index of the seed that keeps the cell, -1 for seeds with a cell.
     [[nodiscard]] std::span<const std::int32_t> duplicate_of() const noexcept;
-    [[nodiscard]] const Box& box() const noexcept;  // the domain that was used; of a triclinic one the bounds
+    [[nodiscard]] const Box& box() const noexcept;  // the domain that was used; the bounds of a triclinic one
     [[nodiscard]] const std::array<bool, 3>& periodic() const noexcept;
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
     [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
-    [[nodiscard]] bool probed() const noexcept;                      // whether the cells are those of Diagram::probe()
+    [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
@@ -309,13 +308,15 @@ private:
     std::shared_ptr<const detail::Result> result_;
 };
 
-// Keeps device, threads and buffers between calls, and takes back the arrays of a Tessellation that nobody holds any
-// more: calls of the same size take no new memory, so seeds that move from call to call are tessellated by one object
-// that is kept. Destroying the Tessellator frees what it keeps; results that are held stay valid. One call at a time
-// per object: a second one, from another thread or from a callback of the first, throws `invalid_use` and changes
-// nothing. Different objects are independent. After fork() the child may use, move and destroy a copy of its own: the
-// CPU gets new threads; a GPU opened before is `unsupported` there, or with "auto" replaced by the CPU; one that was at
-// work during the fork stays so, and throws `invalid_use`.
+// Keeps device, threads and buffers between calls, and reuses the arrays of a Tessellation once no handle is left.
+// Calls of the same size then allocate nothing: keep one object for seeds that move from call to call. The destructor
+// frees all memory that it keeps; results stay valid.
+//
+// One call at a time per object: a second one, from another thread or a callback, throws `invalid_use` and changes
+// nothing. Different objects are independent.
+//
+// After fork() the child may use, move and destroy its copy. The CPU gets new threads. A GPU opened before is
+// `unsupported` there; with "auto" the CPU replaces it. An object that was busy during the fork throws `invalid_use`.
 class VOTESS_API Tessellator {
 public:
     Tessellator();
@@ -323,12 +324,12 @@ public:
     Tessellator(Tessellator&&) noexcept;
     Tessellator& operator=(Tessellator&&) noexcept;
 
-    // points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box. The call copies them and
-    // the weights first. Where another thread writes into them meanwhile, cells are wrong, and nothing else is.
-    // float32 input is widened without loss. N = 0 gives an empty result; N from 2^31 on is `unsupported`.
+    // Returns the cells of the points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box.
+    // float32 is widened without loss. N = 0 gives an empty result; 2^31 points or more are `unsupported`. The call
+    // copies points and weights first: if another thread writes to them meanwhile, cells are wrong, but nothing else
+    // is.
     // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use,
-    // no_threads.
-    // A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
+    // no_threads. A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
@@ -340,68 +341,73 @@ private:
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const double> points, const Options& options = {});
 [[nodiscard]] VOTESS_API Tessellation tessellate(std::span<const float> points, const Options& options = {});
 
-// The dual of the cells. Around each vertex of the mesh that lies off the walls: the tetrahedron of its four cells, or
-// where more cells meet (seeds on an empty sphere) the convex polytope that their seeds span, which has no one way to
-// be cut into tetrahedra. Together the Delaunay complex of the seeds (of a power diagram the regular one, with power
-// spheres), but for simplices whose empty sphere has its center outside of the domain. In order of the vertices; in a
-// periodic domain each once, not for each image.
+// The dual of the cells: one simplex for each vertex of the mesh off the walls, in the order of the vertices. Four
+// cells meet in a tetrahedron. Where more meet (seeds on an empty sphere) the dual is the convex polytope of their
+// seeds, which has no unique triangulation. Together they are the Delaunay complex of the seeds, or the regular complex
+// of a power diagram. Simplices whose empty sphere has its center outside the domain are missing. In a periodic domain
+// each simplex is stored once, not for each image.
 struct Delaunay {
-    std::vector<std::int32_t> tetrahedra;          // 4T seeds, the first the lowest, positive: det(b-a, c-a, d-a) > 0
+    std::vector<std::int32_t> tetrahedra;          // 4T seeds, the lowest first, det(b-a, c-a, d-a) > 0
     std::vector<std::int8_t> tetrahedra_shifts;    // 12T in a periodic domain, else empty: as Tessellation::shifts()
-    std::vector<std::int32_t> tetrahedra_centers;  // T: the vertex that is the center of the empty sphere
-    std::vector<std::int64_t> polytope_indptr;     // P+1
-    std::vector<std::int32_t> polytope_indices;    // seeds of polytope p from polytope_indptr[p], ascending
+    std::vector<std::int32_t> tetrahedra_centers;  // T vertices: the centers of the empty spheres
+    std::vector<std::int64_t> polytope_indptr;     // P+1 offsets into polytope_indices
+    std::vector<std::int32_t> polytope_indices;    // the seeds of each polytope, ascending
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
-    std::vector<std::int32_t> polytope_centers;    // P
+    std::vector<std::int32_t> polytope_centers;    // P vertices
 };
-// Needs Want::faces, else throws invalid_argument, as for cells of probes. After min_face or min_area, vertices that
-// dropped faces joined are one, named by the first of them: a rounded lattice has the polytopes of the lattice. A
-// dropped face shrinks to an edge when it is long, else to a point. Ends of edges so short that a face of that width is
-// dropped are joined too, and vertices where a cell has only two faces. Each polytope is a union of tetrahedra, so
-// volumes sum up as before. Throws invalid_argument where that leaves no complex: a face that was not dropped would
-// shrink too, or a vertex would meet its own image.
+// Returns the dual. Throws invalid_argument without Want::faces and for cells of probes.
+//
+// After min_face or min_area, vertices that dropped faces joined count as one, named by the first. So a lattice with
+// rounded coordinates has the polytopes of the lattice. A dropped face shrinks to an edge when it is long, else to a
+// point. The ends of an edge too short for a face to be kept are joined too, and vertices where a cell has only two
+// faces. Each polytope is a union of tetrahedra, so volumes sum up as before. Throws invalid_argument where no complex
+// results: where a kept face would shrink, or a vertex would meet its own image.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
-// The checker of --verify. Volumes sum to the domain's (relative 1e-9; 1e-4 when stats().precision is single), neighbor
-// rows ascend and are symmetric, Euler's formula V - E + F = 2 holds for each cell, and `sample` cells drawn with
-// `rng_seed` equal cells clipped anew by every seed, without any search structure. Checks whose arrays the result lacks
-// are skipped and named in `skipped`. Where there are polygons, each cell is also watertight: every edge twice, in
-// opposite directions, and both cells of a face have the same polygon. Where there are areas and normals of all faces,
-// it is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single). After min_face or min_area neither these nor
-// Euler's formula. Symmetry is tested by a sum of 128 bits, which misses a fault with a probability of about 2^-128.
 struct VerifyOptions {
-    // Nothing: as many as take about a second, at least 64 or all. How many depends on the input alone, not on a clock.
+    // Number of cells to clip again. Unset: as many as take about a second, but at least 64 or all. The number depends
+    // on the input alone, not on a clock.
     std::optional<std::size_t> sample;
-    std::uint64_t rng_seed = 1;
+    std::uint64_t rng_seed = 1;  // of the sample
 };
 struct VerifyReport {
     bool passed = false;
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
-    std::size_t sampled = 0;           // cells tried by brute force
-    // No failure: as in Stats. Of rows found in blocks unknown.
+    std::size_t sampled = 0;           // cells clipped again, up to the one that failed
+    // As in Stats, not a failure. Unset for rows found in blocks.
     std::optional<std::uint64_t> tiny_faces;
 };
-// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's, and for
-// cells of probes.
+// Checks a result from outside, as --verify does:
+//   - volumes sum to that of the domain (relative 1e-9; 1e-4 when stats().precision is single)
+//   - rows ascend and are symmetric; Euler's formula V - E + F = 2 holds for each cell
+//   - a sample of cells equals cells clipped again by every seed, without a search structure
+//   - with polygons each cell is watertight: every edge occurs twice, in opposite directions, and both cells of a face
+//     have the same polygon
+//   - with areas and normals of all faces each cell is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single)
+// Skips checks whose arrays the result lacks, and names them in `skipped`. After min_face or min_area it checks neither
+// Euler's formula nor that cells are watertight or closed. points: the array given to tessellate(). Throws
+// invalid_argument when its length differs from the result's, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 
-// Returns Stats::tiny_faces; where that is unknown, it tessellates the points again on the CPU and measures. points,
-// and what it throws: as verify().
+// Returns Stats::tiny_faces. Where that is unknown, tessellates the points again on the CPU and measures. points and
+// errors: as for verify().
 [[nodiscard]] VOTESS_API std::uint64_t count_tiny_faces(const Tessellation& tessellation,
                                                         std::span<const double> points);
 
-// Where the seeds lie inside a periodic domain, 3N: points, moved by whole box vectors and each coordinate rounded
-// once. Tessellation::shifts() count from there. Seeds that were dropped stay where they are. points: as in verify().
+// Returns 3N coordinates of the seeds inside a periodic domain: the points, moved by whole box vectors, each coordinate
+// rounded once. Tessellation::shifts() count from there. Dropped seeds are returned as given. points and errors: as for
+// verify().
 [[nodiscard]] VOTESS_API std::vector<double> wrapped_points(const Tessellation& tessellation,
                                                             std::span<const double> points);
 
 struct DeviceInfo {
-    std::string id;           // what Options::device accepts
+    std::string id;           // for Options::device
     std::string name;         // for people
     std::string description;  // limits and features in one line
 };
+// Returns the devices of this machine, the CPU among them.
 [[nodiscard]] VOTESS_API std::vector<DeviceInfo> devices();
 
 }  // namespace votess
