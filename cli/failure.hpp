@@ -1,17 +1,18 @@
-// How clvotess fails: one exception type that carries the exit code, one line of text for the user.
+// Errors of clvotess: one exception type, with an exit code and one line of text.
 #pragma once
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <votess/votess.hpp>
 
 namespace clvotess {
 
 namespace exit_code {
 inline constexpr int done = 0;
 inline constexpr int runtime_failure = 1;      // disk full, out of memory, device lost
-inline constexpr int bad_input = 2;            // bad usage or input: the user can mend it
+inline constexpr int bad_input = 2;            // bad usage or input: the user can correct it
 inline constexpr int verification_failed = 3;  // --verify
 inline constexpr int signal_base = 128;        // plus the signal number, as shells do
 }  // namespace exit_code
@@ -25,12 +26,18 @@ private:
     int code_;
 };
 
-// Returns a message as one line of bounded length without control bytes; names out of a file may hold any.
+// Returns a message as one line of bounded length without control bytes, which names in files may hold.
 [[nodiscard]] inline std::string one_line(std::string message) {
     constexpr std::size_t longest = 2000;
     std::ranges::replace_if(
         message, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
     return message.size() <= longest ? message : message.substr(0, longest) + "...";
+}
+
+// Returns the exit code for an error of the library.
+[[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {
+    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
+    return users ? exit_code::bad_input : exit_code::runtime_failure;
 }
 
 [[nodiscard]] inline Failure bad_input(const std::string& message) {
@@ -40,11 +47,10 @@ private:
     return {exit_code::runtime_failure, message};
 }
 
-// Text of the user for a message: in quotes, cut when long, control bytes shown as \xNN so that the message stays
-// one line.
+// Returns a user's text for a message: in quotes, cut when long, with control bytes as \xNN.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-// Names for a message, a blank between two.
+// Appends a name to a list with blanks between the names.
 inline void add_name(std::string& list, std::string_view name) {
     if (!list.empty()) list += ' ';
     list += name;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <votess/votess.hpp>
 
-#include "errors.hpp"
+#include "failure.hpp"
 
 namespace clvotess {
 namespace {
@@ -18,7 +18,7 @@ std::uint64_t reduced(std::uint64_t value, MPI_Op operation) {
     return result;
 }
 
-// Calls pass(begin, count) for pieces that an int counts.
+// Calls pass(begin, count) for pieces whose size fits an int.
 template <class Pass>
 void in_pieces(std::size_t bytes, const Pass& pass) {
     for (std::size_t begin = 0; begin < bytes; begin += max_bytes)

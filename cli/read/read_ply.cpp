@@ -1,5 +1,5 @@
-// PLY: a header in text that announces elements and their properties, then the elements as text or in binary. The
-// points are x, y, z of the element `vertex`; what other elements hold is skipped.
+// PLY: a header in text with elements and their properties, then the elements as text or binary. The points are x, y, z
+// of the element `vertex`. Other elements are skipped.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -17,7 +17,7 @@ namespace {
 struct Property {
     std::string_view name;
     NumberType type{};
-    std::optional<NumberType> count_type;  // of a list
+    std::optional<NumberType> count_type;  // for a list
 };
 
 struct Element {
@@ -66,7 +66,7 @@ public:
 
 private:
     void read_header() {
-        if (!lines_.release_pages().starts_with("ply\n") && !lines_.release_pages().starts_with("ply\r\n")) {
+        if (!lines_.rest().starts_with("ply\n") && !lines_.rest().starts_with("ply\r\n")) {
             throw bad_input(lines_.name() + ": not a PLY file: it must begin with a line \"ply\"");
         }
         (void)lines_.need("the header");
@@ -120,7 +120,8 @@ private:
                          " that its header announces");
     }
 
-    // This is the least size of a row without its lists; in text each number takes a digit and a blank.
+    // Returns the smallest size of a row in bytes. Lists count without elements; a number of text has a digit and a
+    // blank.
     [[nodiscard]] std::size_t shortest_row(const Element& element) const {
         std::size_t bytes = 0;
         for (const Property& property : element.properties) {
@@ -130,10 +131,10 @@ private:
     }
 
     void check_count(const Element& element) const {
-        if (!can_hold(lines_.release_pages().size(), element.count, shortest_row(element))) throw too_short(element, 0);
+        if (!can_hold(lines_.rest().size(), element.count, shortest_row(element))) throw too_short(element, 0);
     }
 
-    // An element of a text file is a line; this calls use(row) with its words.
+    // Calls use() for each line of an element in text, with its words in words_.
     template <typename Use>
     void each_line(const Element& element, Use use) {
         std::string_view line;
@@ -146,11 +147,11 @@ private:
         }
     }
 
-    // Moves past one row; notes where each property that is no list begins.
+    // Skips one row, and stores in fields where each property begins.
     void pass_row(const Element& element, std::uint64_t row, std::vector<const char*>& fields) {
         constexpr std::uint64_t rows_in_a_round = 4096;
         if (row % rows_in_a_round == 0) throw_if_interrupted();
-        std::string_view rest = lines_.release_pages();
+        std::string_view rest = lines_.rest();
         fields.clear();
         for (const Property& property : element.properties) {
             fields.push_back(rest.data());
@@ -166,7 +167,7 @@ private:
             if (bytes > rest.size()) throw too_short(element, row);
             rest.remove_prefix(bytes);
         }
-        lines_.skip(lines_.release_pages().size() - rest.size(), 0);
+        lines_.skip(lines_.rest().size() - rest.size(), 0);
     }
 
     void skip(const Element& element) {
@@ -200,7 +201,7 @@ private:
         if (request_.all_columns) {
             std::vector<std::size_t> taken{*x, *y, *z};
             if (id) taken.push_back(*id);
-            Words all(names.size(), "0");  // every property is a number, or a list
+            Words all(names.size(), "0");  // every property is a number or a list
             for (std::size_t k = 0; k < names.size(); ++k)
                 if (element.properties[k].count_type) taken.push_back(k);
             wanted.add_others(names, taken, all);

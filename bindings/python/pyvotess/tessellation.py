@@ -4,43 +4,31 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _c_api
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
-from ._input import as_count
+from ._input import Domain
 from ._library import lib
-from ._state import Cells, tessellated_anew
-from .mesh import Delaunay, Neighbors, make_delaunay
+from ._run import new_options, tessellate_points
+from ._state import SeedCells, read_result, same_arrays
+from .mesh import Delaunay, make_delaunay
 from .pairs import Pairs, make_derivatives, make_pairs
-from .stats import VerifyReport
+from .stats import VerifyReport, verify
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
 
-
-class Tessellation(Cells):
+class Tessellation(SeedCells):
     """The cells of N seeds; rows follow the input order.
 
     Arrays are read-only and lie in the library's memory, which lives as long as any of them. An array that was not
     wanted raises AttributeError.
     """
-
-    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
-        super().__init__(result, wanted)
-        self._result: Optional[Handle] = result  # None once unpickled, until it is needed
-        self._points = points
-        self._domain_given = domain_given
-        self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
-
-    def __getstate__(self) -> Dict[str, Any]:
-        """The arrays go along, the library's object stays behind."""
-        return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
 
     def __copy__(self) -> Tessellation:
         """Shares all arrays, which are read-only."""
@@ -51,7 +39,7 @@ class Tessellation(Cells):
     def _handle(self) -> Handle:
         """The library's object; of an unpickled result it is made anew, with the same arrays."""
         if self._result is None:
-            result, differs = tessellated_anew(self)
+            result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
                     f"this result was unpickled, and its points give other {differs} when they are tessellated again",
@@ -60,6 +48,17 @@ class Tessellation(Cells):
             self._result = result
         return self._result
 
+    def _tessellated_again(self) -> Tuple[Handle, str]:
+        """The library's object for the same points, from the CPU, and the name of an array that differs, or ""."""
+        options = new_options("cpu", 0)
+        box = self.box if self._domain_given and self.cell is None else None
+        domain = Domain(box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop")
+        want: Any = self.wanted
+        result, _, wanted = tessellate_points(
+            None, options, self.points, domain, want, self.lists_walls, "merge", None, 0.0, self.least_face
+        )
+        return result, same_arrays(self._data, read_result(result, wanted))
+
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
         copies = self.stats.duplicates
@@ -67,25 +66,11 @@ class Tessellation(Cells):
         tiny = f"; {self.stats.tiny_faces} tiny faces, see min_face" if self.stats.tiny_faces else ""
         return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}{tiny}>"
 
-    def _domain(self) -> str:
-        return super()._domain() + ("" if self._domain_given else " around them")
-
     def _repr_html_(self) -> str:
         """For notebooks: a table, and a picture of a section when the faces were wanted."""
         from .export.html import as_html
 
         return as_html(self)
-
-    @property
-    def neighbors(self) -> Neighbors:
-        """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
-        self._check_wanted("neighbors")
-        return Neighbors(self.indptr, self.indices)
-
-    @property
-    def least_face(self) -> float:
-        """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
-        return self._data.least_face
 
     def delaunay(self) -> Delaunay:
         """The dual Delaunay complex. Needs "faces" in want.
@@ -99,30 +84,6 @@ class Tessellation(Cells):
         return make_delaunay(
             lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
-
-    @property
-    def weights(self) -> Optional[Float64Array]:
-        """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
-        return self._data.arrays.get("weights")
-
-    @property
-    def points(self) -> npt.NDArray[Any]:
-        """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
-        return self._points
-
-    @property
-    def wrapped_points(self) -> Float64Array:
-        """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
-        if self._places is not None:
-            return np.array(self._places)
-        points = np.array(self._points, dtype=np.float64, order="C")
-        if self._result is None:
-            return points  # of a domain without periods
-        places = np.empty_like(points)
-        raise_on_failure(
-            lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
-        )
-        return places
 
     def pairs(self) -> Pairs:
         """All entries of the rows but walls, so that each pair of neighbors is there from both sides."""
@@ -230,35 +191,14 @@ class Tessellation(Cells):
         :class:`Stats`; where they are not known, the points are tessellated again. A result that was unpickled is compared with its points tessellated again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
-        bits = 8 * ctypes.sizeof(ctypes.c_size_t)
-        count = _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits)
         try:
             handle = self._handle()
         except VotessError as error:
             if error.code != ErrorCode.INVALID_USE:
                 raise
             return VerifyReport(False, str(error), ())
-        passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
-        failure = ctypes.create_string_buffer(1024)
-        raise_on_failure(
-            lib.votess_verify(
-                handle.pointer,
-                points.ctypes.data,
-                len(points),
-                count,
-                as_count(rng_seed, "rng_seed", 64),
-                ctypes.byref(passed),
-                ctypes.byref(skipped),
-                ctypes.byref(sampled),
-                failure,
-                len(failure),
-            )
-        )
-        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
+        seeds = (handle.pointer, points.ctypes.data, len(points))
+        report = verify(lib.votess_verify, seeds, sample, rng_seed)
         tiny = ctypes.c_uint64()
-        raise_on_failure(
-            lib.votess_count_tiny_faces(handle.pointer, points.ctypes.data, len(points), ctypes.byref(tiny))
-        )
-        return VerifyReport(
-            bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value, tiny.value
-        )
+        raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
+        return replace(report, tiny_faces=tiny.value)

@@ -1,5 +1,5 @@
-// LAMMPS dumps in text: frames of `ITEM:` blocks. The box of the frame, with its tilt and its periodic axes, becomes
-// the domain.
+// LAMMPS dumps in text: frames of `ITEM:` blocks. The box of the frame, with tilt and periodic axes, becomes the
+// domain.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace clvotess {
 namespace {
 
-// Where the coordinates are: columns of x, y, z, and how they are written.
+// The columns of x, y, z, and their scaling.
 struct Place {
     std::array<std::size_t, 3> columns{};
     bool scaled = false;
@@ -77,9 +77,9 @@ private:
         split_words(lines_.need("the number of atoms"), words_);
         const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
         if (!count) throw lines_.error("expected one whole number, the number of atoms");
-        if (!can_hold(lines_.release_pages().size(), *count, 2)) {
+        if (!can_hold(lines_.rest().size(), *count, 2)) {
             throw lines_.error(std::to_string(*count) + " atoms are announced, but only " +
-                               std::to_string(lines_.release_pages().size()) + " bytes follow");
+                               std::to_string(lines_.rest().size()) + " bytes follow");
         }
         count_ = *count;
     }
@@ -162,7 +162,7 @@ private:
         if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
         const auto count = static_cast<std::size_t>(*count_);
-        if (!can_hold(lines_.release_pages().size(), count, 2 * names.size())) throw short_frame(0);
+        if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
         input.points.reserve(3 * count);
         if (id != names.end()) input.ids.reserve(count);
         input.columns = wanted.columns(count);

@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Union
 
-from . import arrays, vtu
+from . import arrays
 from .colors import cell_colors
-from .columns import added_columns
-from .faces import write_obj, write_ply
+from .columns import VTU_NAMES, added_columns, vtu_columns
 from .geometry import mesh_of
-from .glb import write_glb
+from .mesh_file import write_mesh
 from .optional import imported
 from .whole_file import whole_file
 
 if TYPE_CHECKING:
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
     from .columns import Columns
 
 
@@ -41,7 +40,7 @@ def _that(**flags: bool) -> str:
     return " ".join(e for e, kind in _KINDS.items() if all(getattr(kind, k) == v for k, v in flags.items()))
 
 
-def _checked_kind(t: Tessellation, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
+def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
     """Refuses what cannot be written before any work."""
     kind = _KINDS.get(extension)
     if kind is None:
@@ -58,13 +57,13 @@ def _checked_kind(t: Tessellation, name: str, extension: str, columns: Columns, 
 
 
 def save(
-    t: Tessellation, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
+    t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
 ) -> None:
     """See :meth:`Tessellation.save`."""
     name = os.fspath(path)
     extension = os.path.splitext(name)[1].lower()
     kind = _checked_kind(t, name, extension, columns, color)
-    taken = vtu.NAMES if extension == ".vtu" else arrays.NAMES
+    taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES
     added = added_columns(t, columns, taken)
     if extension == ".glb" and color is None:
         color = "volumes" if "volumes" in t.wanted else "neighbors"
@@ -74,11 +73,6 @@ def save(
             arrays.write_npz(temporary, t, added)
         elif extension in (".h5", ".hdf5"):
             arrays.write_h5(temporary, t, added)
-        elif extension == ".vtu":
-            vtu.write_vtu(temporary, t, added)
-        elif extension == ".ply":
-            write_ply(temporary, t, colors)
-        elif extension == ".obj":
-            write_obj(temporary, t)
-        elif colors is not None:
-            write_glb(temporary, t, colors)
+        else:
+            data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
+            write_mesh(temporary, extension, t, data, colors)

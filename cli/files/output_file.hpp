@@ -1,0 +1,139 @@
+// A file that appears whole or not at all, also after a power failure. It is written without a name, synced, then
+// named. A killed run leaves a file `.clvotess-*.tmp` in two cases only: where unnamed files (O_TMPFILE) are not
+// supported, and between the two calls that replace an old file (linkat, rename).
+#pragma once
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "failure.hpp"
+
+namespace clvotess {
+
+// Returns whether a file exists that is neither regular nor a folder, such as a device or pipe. It is written directly.
+[[nodiscard]] bool is_special_file(const std::string& path);
+
+// Throws Failure when `path` cannot become a file: its folder is missing, it is a folder, or permission is missing.
+void check_writable(const std::string& path);
+
+// Syncs a file to the disk. Throws Failure.
+void sync_file(const std::string& path);
+
+// Returns a name that is equal for all names of a file, which need not exist.
+[[nodiscard]] std::string identity_of(const std::string& path);
+
+class OutputFile {
+public:
+    // named: other processes can open the file before it is published, but a killed run leaves it.
+    enum class Temporary { unnamed, named };
+
+    explicit OutputFile(const std::string& path, Temporary temporary = Temporary::unnamed);  // "-" is stdout
+    OutputFile(OutputFile&& other) noexcept;
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+    OutputFile& operator=(OutputFile&&) = delete;
+    ~OutputFile();  // removes what was not published
+
+    [[nodiscard]] std::string description() const;  // for messages
+    // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.
+    void write(std::string_view bytes);
+    // Returns a path to the temporary file, for libraries that write by name. Only this process can use the path of an
+    // unnamed file. Throws Failure for a device or a pipe.
+    [[nodiscard]] std::string path_for_library() const;
+    // Returns the exception that write() throws. error: errno, or 0 if unknown.
+    [[nodiscard]] Failure write_failure(int error) const;
+    void finish();   // syncs the file; no write may follow
+    void publish();  // gives the file its name, and syncs the folder
+
+private:
+    void open_temporary(Temporary temporary);
+    void close_quietly() noexcept;
+
+    std::string name_;       // as given by the user, for messages
+    std::string target_;     // links resolved; empty when written to directly
+    std::string temporary_;  // name until publish(); may be empty
+    int descriptor_ = -1;
+};
+
+// Buffers text and binary numbers in front of an OutputFile.
+class OutputBuffer {
+public:
+    explicit OutputBuffer(OutputFile& file) : file_(file), bytes_(capacity, '\0') {}
+
+    void put(std::string_view text) {
+        if (text.empty()) return;
+        if (text.size() > capacity - used_) flush();
+        if (text.size() > capacity) return file_.write(text);
+        std::memcpy(bytes_.data() + used_, text.data(), text.size());
+        used_ += text.size();
+    }
+
+    void put(char c) {
+        make_room();
+        bytes_[used_++] = c;
+    }
+
+    // Limits floating-point numbers to so many digits, as %g does. 0, the default: the shortest text that reads back
+    // the same.
+    void set_digits(int digits) { digits_ = digits; }
+
+    // Writes a number as text.
+    template <typename Number>
+    void put_number(Number value) {
+        make_room();
+        if constexpr (std::is_floating_point_v<Number>) {
+            if (std::isnan(value)) return put(std::string_view("nan"));  // never -nan
+        }
+        char* const begin = bytes_.data() + used_;
+        char* end = nullptr;
+        if constexpr (std::is_floating_point_v<Number>) {
+            end = digits_ > 0
+                      ? std::to_chars(begin, begin + longest_number, value, std::chars_format::general, digits_).ptr
+                      : std::to_chars(begin, begin + longest_number, value).ptr;
+        } else {
+            end = std::to_chars(begin, begin + longest_number, value).ptr;
+        }
+        used_ += static_cast<std::size_t>(end - begin);
+    }
+
+    void put_three(double x, double y, double z, char between = ' ') {
+        put_number(x);
+        put(between);
+        put_number(y);
+        put(between);
+        put_number(z);
+    }
+
+    // Writes the bytes of a value.
+    template <typename Number>
+    void put_binary(Number value) {
+        make_room();
+        std::memcpy(bytes_.data() + used_, &value, sizeof value);
+        used_ += sizeof value;
+    }
+
+    void flush() {
+        file_.write(std::string_view(bytes_.data(), used_));
+        used_ = 0;
+    }
+
+private:
+    static constexpr std::size_t capacity = std::size_t{1} << 20;
+    static constexpr std::size_t longest_number = 32;
+
+    void make_room() {
+        if (capacity - used_ < longest_number) flush();
+    }
+
+    OutputFile& file_;
+    std::string bytes_;
+    std::size_t used_ = 0;
+    int digits_ = 0;
+};
+
+}  // namespace clvotess

@@ -1,0 +1,176 @@
+"""Meshes as .vtu, .ply and .obj, read back by VTK, and .glb."""
+
+import json
+import struct
+import unittest
+
+import numpy as np
+
+from cli_test import CUBE, CUBE_BOX, SANITIZED, random_points
+from reader_cases import ReaderTest
+
+try:
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonCore import vtkIdList
+    from vtkmodules.vtkIOPLY import vtkPLYReader
+    from vtkmodules.vtkIOGeometry import vtkOBJReader
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+    HAS_VTK = True
+except ImportError:
+    HAS_VTK = False
+
+
+@unittest.skipUnless(HAS_VTK, "NO VTK: .vtu, .ply AND .obj ARE NOT READ BACK (Debian: python3-vtk9)")
+class MeshFiles(ReaderTest):
+    def grid(self, name):
+        reader = vtkXMLUnstructuredGridReader()
+        reader.SetFileName(str(self.folder / name))
+        errors = []
+        reader.AddObserver("ErrorEvent", lambda *_: errors.append(1))
+        reader.Update()
+        self.assertEqual(errors, [])
+        return reader.GetOutput()
+
+    @staticmethod
+    def polygons(grid, cell):
+        stream = vtkIdList()
+        grid.GetFaceStream(cell, stream)
+        numbers = [stream.GetId(k) for k in range(stream.GetNumberOfIds())]
+        faces, at = [], 1
+        while at < len(numbers):
+            faces.append(numbers[at + 1:at + 1 + numbers[at]])
+            at += 1 + numbers[at]
+        assert len(faces) == numbers[0]
+        return faces
+
+    def check_grid(self, name, volumes, box_volume, first_id=0):
+        """Watertight, oriented cells whose volumes are those of the library, by `id`, and fill the box."""
+        grid = self.grid(name)
+        volumes = np.asarray(volumes)
+        self.assertEqual(grid.GetNumberOfCells(), np.count_nonzero(volumes))
+        ids = vtk_to_numpy(grid.GetCellData().GetArray("id")) - first_id
+        self.assertEqual(sorted(ids), np.flatnonzero(volumes).tolist())
+        volumes = volumes[ids]
+        sizes = [grid.GetCell(cell).GetNumberOfPoints() for cell in range(grid.GetNumberOfCells())]
+        self.assertEqual(sizes, sorted(sizes))
+        vertices = vtk_to_numpy(grid.GetPoints().GetData())
+        total = 0
+        for cell in range(grid.GetNumberOfCells()):
+            self.assertEqual(grid.GetCellType(cell), 42)
+            faces = self.polygons(grid, cell)
+            edges = [edge for face in faces for edge in zip(face, face[1:] + face[:1])]
+            self.assertEqual(len(set(edges)), len(edges))
+            self.assertEqual({(b, a) for a, b in edges}, set(edges))  # each edge once in either direction
+            corners = {v for face in faces for v in face}
+            self.assertEqual(len(corners) - len(edges) // 2 + len(faces), 2)
+            ids = vtkIdList()
+            grid.GetCellPoints(cell, ids)
+            self.assertEqual({ids.GetId(k) for k in range(ids.GetNumberOfIds())}, corners)
+            origin = vertices[faces[0][0]]
+            volume = 0
+            for face in faces:
+                fan = vertices[face] - origin
+                volume += sum(np.dot(fan[0], np.cross(fan[k], fan[k + 1])) for k in range(1, len(fan) - 1)) / 6
+            self.assertAlmostEqual(volume, volumes[cell], delta=1e-12 * box_volume)
+            total += volume
+        self.assertAlmostEqual(total, box_volume, delta=1e-11 * box_volume)
+        return grid
+
+    def test_vtu(self):
+        self.put("a.txt", "".join(f"{i + 50} {row}\n" for i, row in enumerate(CUBE.splitlines())) + "99 0 0 0\n")
+        self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "a.vtu")
+        grid = self.check_grid("a.vtu", [1] * 8 + [0], 8, 50)
+        self.assertEqual(grid.GetNumberOfPoints(), 27)
+        data = {grid.GetCellData().GetArrayName(k): vtk_to_numpy(grid.GetCellData().GetArray(k))
+                for k in range(grid.GetCellData().GetNumberOfArrays())}
+        self.assertEqual(data["id"].tolist(), list(range(50, 58)))
+        self.assertEqual(data["volume"].tolist(), [1] * 8)
+        self.assertEqual(data["neighbors"].tolist(), [3] * 8)
+        self.assertEqual(data["status"].tolist(), [0] * 8)
+        np.testing.assert_allclose(data["centroid"], np.loadtxt(CUBE.splitlines()), atol=1e-15)
+        self.run_cli("--random", 0, "-o", "none.vtu")
+        self.assertEqual(self.grid("none.vtu").GetNumberOfCells(), 0)
+
+    def test_vtu_of_many(self):
+        count = 2000 if SANITIZED else 10000
+        self.run_cli("--random", count, "-o", "a.vtu", "-o", "a.npz", "--want", "vertices,volumes")
+        with np.load(self.folder / "a.npz") as arrays:
+            grid = self.check_grid("a.vtu", arrays["volumes"], 1)
+            np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), arrays["vertices"])
+
+    def test_faces(self):
+        self.run_cli("--random", 500, "-o", "a.ply", "-o", "a.obj", "-o", "a.npz", "--want", "faces,neighbors")
+        with np.load(self.folder / "a.npz") as arrays:
+            arrays = dict(arrays)
+        rows = np.repeat(np.arange(500), np.diff(arrays["indptr"]))
+        once = np.flatnonzero((arrays["indices"] < 0) | (rows < arrays["indices"]))
+        offsets = arrays["face_offsets"]
+        polygons = [arrays["face_vertices"][offsets[k]:offsets[k + 1]].tolist() for k in once]
+        for name, reader in [("a.ply", vtkPLYReader()), ("a.obj", vtkOBJReader())]:
+            reader.SetFileName(str(self.folder / name))
+            reader.Update()
+            mesh = reader.GetOutput()
+            # VTK keeps float32 here.
+            np.testing.assert_allclose(vtk_to_numpy(mesh.GetPoints().GetData()), arrays["vertices"], rtol=0, atol=1e-6)
+            self.assertEqual(mesh.GetNumberOfPolys(), len(once))
+            ids = vtkIdList()
+            for k, polygon in enumerate(sorted(polygons, key=len) if name == "a.ply" else polygons):
+                mesh.GetCellPoints(k, ids)
+                self.assertEqual([ids.GetId(j) for j in range(ids.GetNumberOfIds())], polygon)
+        obj = (self.folder / "a.obj").read_text().splitlines()
+        vertices = np.array([line.split()[1:] for line in obj if line.startswith("v ")], float)
+        np.testing.assert_array_equal(vertices, arrays["vertices"])
+        # The two cells of each face.
+        head, body = (self.folder / "a.ply").read_text().split("end_header\n", 1)
+        self.assertIn("property list uchar int vertex_indices\nproperty int cell\nproperty int neighbor", head)
+        lines = body.splitlines()
+        np.testing.assert_array_equal(np.array([line.split() for line in lines[:len(vertices)]], float), vertices)
+        faces = [[int(word) for word in line.split()] for line in lines[len(vertices):]]
+        expected = [[len(polygon), *polygon, rows[k], arrays["indices"][k]] for k, polygon in zip(once, polygons)]
+        self.assertEqual(faces, sorted(expected, key=lambda face: face[0]))
+
+
+class GltfFiles(ReaderTest):
+    """What clvotess adds to the writer of the library, which the Python tests cover."""
+
+    def vertices(self, name):
+        """Color and cell of each vertex of a .glb file, (V, 4) uint8 and (V,) int."""
+        content = (self.folder / name).read_bytes()
+        size = struct.unpack_from("<I", content, 12)[0]
+        head = json.loads(content[20:20 + size])
+
+        def array(kind, number):
+            view = head["bufferViews"][head["accessors"][number]["bufferView"]]
+            return np.frombuffer(content, kind, view["byteLength"] // np.dtype(kind).itemsize, 28 + size + view["byteOffset"])
+
+        parts = [primitive["attributes"] for primitive in head["meshes"][0]["primitives"]]
+        colors = np.concatenate([array("u1", part["COLOR_0"]) for part in parts])
+        return colors.reshape(-1, 4), np.concatenate([array("<f4", part["_CELL"]) for part in parts]).astype(int)
+
+    def test_size_is_reported(self):
+        done = self.run_cli("--random", 3000, "-o", "a.glb")
+        size = (self.folder / "a.glb").stat().st_size
+        self.assertEqual(done.stderr, f"'a.glb' takes {-(-size // 10**6)} MB\n")
+        self.assertLess(size, 900 * 3000 + 2000)
+
+    def test_colors(self):
+        points = random_points(50)
+        mass = np.arange(50.0)
+        np.savez(self.folder / "p.npz", points=points, mass=mass)
+        self.run_cli("p.npz", "--copy", "mass", "--color", "mass", "--colormap", "gray", "-o", "a.glb")
+        colors, cells = self.vertices("a.glb")
+        self.assertTrue((colors[:, :3] == colors[:, :1]).all() and (colors[:, 3] == 255).all())
+        of_cell = np.empty(50)
+        of_cell[cells] = colors[:, 0]
+        np.testing.assert_array_equal(of_cell[cells], colors[:, 0])
+        self.assertTrue((np.diff(of_cell) >= 0).all())  # as the mass; a byte tells few dark colors apart
+        self.assertGreater(len(np.unique(of_cell)), 35)
+        for column in ["volume", "neighbors", "area", "x", "index"]:
+            self.run_cli("p.npz", "--color", column, "-o", "a.glb")
+            self.assertGreater(len(np.unique(self.vertices("a.glb")[0], axis=0)), 5)
+        self.refuse("p.npz", "--color", "mass", "-o", "b.glb", says=["'mass'", "--copy"])
+        self.refuse("p.npz", "--copy", "mass", "-o", "b.obj", says=["--copy", ".glb"])
+
+    def test_no_points(self):
+        self.put("none.txt", "")
+        self.run_cli("none.txt", "-o", "a.glb")
