@@ -155,7 +155,7 @@ void CpuClipper::clip_first(std::size_t count, std::span<double> powers, ResultB
     order_.clear();
     for (std::size_t s = 0; s < seeds_.size(); ++s)
         if (static_cast<std::size_t>(seeds_.input[s]) < count) order_.push_back(static_cast<std::int32_t>(s));
-    const std::span<std::int32_t> cells = out.keep(order_.size());
+    const std::span<std::int32_t> cells = out.allocate_cells(order_.size());
     std::ranges::transform(order_, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     cut_into_blocks(order_.size());
     powers_ = powers;
@@ -182,7 +182,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     if (cells.empty()) return;
     prepare();
     put_in_sorted_order(cells);
-    const std::span<std::int32_t> kept = out.keep(order_.size());
+    const std::span<std::int32_t> kept = out.allocate_cells(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     const std::size_t per_block =
         std::clamp(order_.size() / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
@@ -302,7 +302,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
         worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));
-        worker.writer.leave_out();
+        worker.writer.skip_row();
     }
 }
 

@@ -30,7 +30,7 @@ public:
     }
     void prepare() override;
     std::span<const std::int32_t> duplicate_of() override;
-    [[nodiscard]] bool takes(std::int32_t cell) const override {
+    [[nodiscard]] bool has_cell(std::int32_t cell) const override {
         return position_[static_cast<std::size_t>(cell)] >= 0;
     }
     void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) override;

@@ -55,7 +55,7 @@ bool CpuClipper::triangulate() {
 
 template <class Build>
 void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Build& build) {
-    const std::span<std::int32_t> cells = out.keep(seeds.size());
+    const std::span<std::int32_t> cells = out.allocate_cells(seeds.size());
     std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     pool_->run(ceil_div(cells.size(), block_cells), [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];

@@ -38,7 +38,7 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
             ++outside;
         });
         state.result.count({.empty_cells = outside});
-        for_runs(job, searcher, queries, begin, state.result.keep(searcher.order.size()),
+        for_runs(job, searcher, queries, begin, state.result.allocate_cells(searcher.order.size()),
                  [&](std::span<const std::int32_t> numbers, std::size_t near) {
                      searcher.rows.begin_run(searcher.probes, numbers);
                      searcher.prober.run(searcher.probes, near, searcher.rows);

@@ -15,7 +15,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t usual_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
+constexpr std::size_t initial_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
 
 // Keeps the first `kept` values.
 template <class T>
@@ -75,7 +75,7 @@ void CellWriter::prefetch(std::size_t seed) const {
     if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
 }
 
-void CellWriter::leave_out() {
+void CellWriter::skip_row() {
     lengths_.push_back(0);
     if (want_.vertices) polygon_writer_.append_none();
 }
@@ -163,7 +163,7 @@ void CellWriter::measure(const Cell& cell) {
 void CellWriter::write_none(std::size_t output, CellStatus status) {
     out_->set_empty(output, status);
     ++counters_.empty_cells;
-    leave_out();
+    skip_row();
 }
 
 void CellWriter::write_measures() {
@@ -213,7 +213,7 @@ void CellWriter::count_from_domain(std::span<const std::int32_t> ids) {
     }
 }
 
-void CellWriter::aim(std::size_t output, const Probe& probe) {
+void CellWriter::set_output(std::size_t output, const Probe& probe) {
     output_ = output;
     probe_ = &probe;
     probe_id_ = static_cast<std::int32_t>(seeds_.places());
@@ -240,7 +240,7 @@ exact::Point CellWriter::place() const {
 }
 
 void CellWriter::grow(std::size_t ids) {
-    const std::size_t size = std::max(usual_rows, 2 * ids);
+    const std::size_t size = std::max(initial_rows, 2 * ids);
     grow_to(rows_, rows_size_, size);
     if (want_.areas) grow_to(areas_, rows_size_, size);
     if (want_.normals) grow_to(normals_, 3 * rows_size_, 3 * size);

@@ -27,26 +27,26 @@ public:
     void prefetch(std::size_t seed) const;
     // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
     [[nodiscard]] bool write(std::size_t seed, Star& star) {
-        aim(seed);
+        set_output(seed);
         return write(star);
     }
     void write(std::size_t seed, Cell& cell) {
-        aim(seed);
+        set_output(seed);
         write(cell);
     }
     // The cell of a probe, to the place `output`.
     [[nodiscard]] bool write(std::size_t output, const Probe& probe, Star& star) {
-        aim(output, probe);
+        set_output(output, probe);
         return write(star);
     }
     void write(std::size_t output, const Probe& probe, Cell& cell) {
-        aim(output, probe);
+        set_output(output, probe);
         write(cell);
     }
     // A probe that has no cell.
     void write_none(std::size_t output, CellStatus status);
     // The row of the next cell comes by another block.
-    void leave_out();
+    void skip_row();
     // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
@@ -57,12 +57,12 @@ private:
     static constexpr std::size_t max_marked = 64;   // ids of a row in which some may be the same
     static constexpr std::size_t max_ranked = 256;  // ids of a row; ranking takes the square of their number
 
-    void aim(std::size_t seed) {
+    void set_output(std::size_t seed) {
         output_ = static_cast<std::size_t>(seeds_.input[seed]);
         seed_ = seed;
         probe_ = nullptr;
     }
-    void aim(std::size_t output, const Probe& probe);
+    void set_output(std::size_t output, const Probe& probe);
     [[nodiscard]] bool write(Star& star);
     void write(Cell& cell);
     void write_empty() { write_none(output_, CellStatus::empty); }

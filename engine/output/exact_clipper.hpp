@@ -43,7 +43,7 @@ public:
     virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) = 0;
 
     // Whether clip() takes this seed, which it was given.
-    [[nodiscard]] virtual bool takes(std::int32_t cell) const = 0;
+    [[nodiscard]] virtual bool has_cell(std::int32_t cell) const = 0;
 
     // For cells whose neighbors are known, each cell once: makes their polytopes from these alone, in float64, and
     // stores what clip() would, though they do not count as fallback cells. Throws as clip().

@@ -154,7 +154,7 @@ void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<con
     }
 }
 
-std::span<std::int32_t> ResultBuilder::keep(std::size_t count) {
+std::span<std::int32_t> ResultBuilder::allocate_cells(std::size_t count) {
     const std::lock_guard lock(mutex_);
     return {reinterpret_cast<std::int32_t*>(memory_.allocate(count * sizeof(std::int32_t))), count};
 }

@@ -48,16 +48,16 @@ public:
 
     // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending (then by shift, when
     // the domain is periodic); lengths[k] of them belong to cells[k]. values: those that are wanted. A cell of length 0
-    // has no row here and may get one by another call. `cells` must stay as it is until finish(), see keep(); the other
-    // arrays are the caller's again on return. Large results finish faster in blocks of some thousand cells or less.
-    // Does nothing when neighbors are not wanted.
+    // has no row here and may get one by another call. `cells` must stay as it is until finish(), see allocate_cells();
+    // the other arrays are the caller's again on return. Large results finish faster in blocks of some thousand cells
+    // or less. Does nothing when neighbors are not wanted.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                   std::span<const std::int32_t> ids, const RowValues& values = {});
     // From any thread. The same, cut into blocks: `cells` too is the caller's again on return.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
     // From any thread. Room for an array of cells that stays until finish().
-    std::span<std::int32_t> keep(std::size_t count);
+    std::span<std::int32_t> allocate_cells(std::size_t count);
     // Records of the cells of these rows; from any thread.
     [[nodiscard]] MeshBuilder& mesh() { return mesh_; }
     // From any thread.

@@ -91,7 +91,7 @@ void Triangulation::find_conflicts(std::int32_t point) {
 
 void Triangulation::fill_hole(std::int32_t point) {
     for (Boundary& face : boundary_) {
-        face.fresh = take_place();
+        face.fresh = allocate_cell();
         Tetrahedron& old = cells_[face.cell];
         Tetrahedron& fresh = cells_[face.fresh];
         const std::int32_t outside = old.neighbor[face.slot];
@@ -137,7 +137,7 @@ void Triangulation::link(const Boundary& face) {
     }
 }
 
-std::int32_t Triangulation::take_place() {
+std::int32_t Triangulation::allocate_cell() {
     if (free_.empty()) {
         cells_.emplace_back();
         state_.push_back(State::unknown);

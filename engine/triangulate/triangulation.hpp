@@ -62,7 +62,7 @@ private:
     void find_conflicts(std::int32_t point);
     void fill_hole(std::int32_t point);
     void link(const Boundary& face);
-    [[nodiscard]] std::int32_t take_place();
+    [[nodiscard]] std::int32_t allocate_cell();
 
     std::span<const exact::Point> points_;
     std::vector<Tetrahedron> cells_;

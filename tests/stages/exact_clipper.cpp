@@ -264,7 +264,7 @@ TEST_SUITE("stages") {
                 order.push_back(static_cast<std::int32_t>(i));
             std::span<const std::int32_t> cells = order;
             if (!copied) {
-                const auto kept = builder.keep(order.size());
+                const auto kept = builder.allocate_cells(order.size());
                 std::ranges::copy(order, kept.begin());
                 cells = kept;
             }

@@ -68,7 +68,7 @@ PendingCells::Left PendingCells::add_left(std::span<const std::uint32_t> info, s
 void PendingCells::clip(ExactClipper& clipper, ResultBuilder& result, const Share& share) {
     clipper.clip(cells_, result, share);
     for (std::size_t k = 0; k < cells_.size(); ++k)
-        if (clipper.takes(cells_[k])) ++(counts_.*reasons_[k]);
+        if (clipper.has_cell(cells_[k])) ++(counts_.*reasons_[k]);
     cells_.clear();
     reasons_.clear();
 }
