@@ -13,7 +13,6 @@
 #include "core/process.hpp"
 #include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
-#include "output/face_filter.hpp"
 
 namespace votess {
 namespace {

@@ -11,7 +11,7 @@
 #include "core/thread_pool.hpp"
 #include "input/job.hpp"
 #include "mesh/mesh_builder.hpp"
-#include "output/face_tally.hpp"
+#include "output/small_faces.hpp"
 #include "result/result.hpp"
 
 namespace votess {

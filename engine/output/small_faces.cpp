@@ -1,4 +1,4 @@
-#include "output/face_filter.hpp"
+#include "output/small_faces.hpp"
 
 #include <algorithm>
 #include <vector>

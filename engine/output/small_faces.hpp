@@ -1,5 +1,4 @@
-// How many faces are tiny beside the mean, which is known when all are measured: until then small areas are counted by
-// their powers of two.
+// Small faces: how many are tiny, and Options::min_face and min_area, which drop them.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +6,15 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
+
+#include "core/arithmetic.hpp"
+#include "result/result.hpp"
 
 namespace votess {
 
+// Counts faces that are tiny compared with the mean area. The mean is known only when all are measured; until then small
+// areas are counted by powers of two.
 class FaceTally {
 public:
     static constexpr double tiny = 1e-9;  // of the mean area
@@ -54,7 +57,7 @@ public:
     // The largest power of two that is no more than a 1e-9 of the mean area.
     [[nodiscard]] double limit() const {
         const double mean = faces_ == 0 ? 0 : sum_ / static_cast<double>(faces_);
-        return std::ldexp(1.0, static_cast<int>(bin(tiny * mean)) - bias);
+        return std::ldexp(1.0, static_cast<int>(bin(tiny * mean)) - double_bias);
     }
     // Faces smaller than that, once for each of their cells.
     [[nodiscard]] std::uint64_t count() const {
@@ -65,7 +68,6 @@ public:
 
 private:
     static constexpr std::size_t bins = 2048;
-    static constexpr int bias = 1023;
     // Of an area that is not negative: its exponent.
     static std::size_t bin(double area) { return std::bit_cast<std::uint64_t>(area) >> 52 & (bins - 1); }
 
@@ -74,5 +76,8 @@ private:
     std::uint64_t faces_ = 0, cells_ = 0;
     std::array<std::uint64_t, bins> small_{};
 };
+
+// Needs rows with areas. share: of the mean area. Notes the area below which faces go; how many entries went.
+std::uint64_t drop_small_faces(detail::Result& result, double share, double area);
 
 }  // namespace votess
