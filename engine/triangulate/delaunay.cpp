@@ -24,8 +24,8 @@ std::uint64_t scramble(std::uint64_t x) {
     return x ^ (x >> 31);
 }
 
-// Rounds of twice as many random seeds as before, each in the order of the seeds in space (Amenta, Choi, Rote,
-// Incremental constructions con BRIO, SoCG 2003): near each other, yet the seeds inserted so far always lie everywhere.
+// Rounds of twice as many random seeds as before, each in spatial order (Amenta, Choi, Rote, Incremental constructions
+// con BRIO, SoCG 2003). So successive seeds are near each other, yet the inserted seeds are always spread everywhere.
 std::vector<std::int32_t> insertion_order(std::size_t count) {
     const int rounds = std::max(0, static_cast<int>(std::bit_width(count)) - first_round_bits) + 1;
     auto round_of = [&](std::size_t i) { return rounds - 1 - std::min(rounds - 1, std::countr_zero(scramble(i))); };
@@ -57,9 +57,9 @@ Delaunay::Delaunay(const SortedSeeds& seeds) : count_(seeds.size()) {
 
 bool Delaunay::triangulate(Triangulation& triangulation) {
     std::vector<std::int32_t> order = insertion_order(count_);
-    // Coplanar seeds get a point beside their plane, collinear ones two: then every tetrahedron joins triangles (pairs)
-    // of seeds to these points. Wherever these are, its circumsphere meets the plane (line) in the circle of the
-    // triangle (the pair): what it says about seeds stays right.
+    // Coplanar seeds get a point beside their plane, collinear ones two. Then every tetrahedron joins triangles (pairs)
+    // of seeds to these points. Wherever the points are, its circumsphere meets the plane (line) in the circle of the
+    // triangle (the pair), so its answers about seeds stay right.
     const auto added = static_cast<std::int32_t>(count_);
     auto orient = [this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
         return exact::orient(points_[a], points_[b], points_[c], points_[d]);

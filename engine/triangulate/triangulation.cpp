@@ -15,7 +15,7 @@ void Triangulation::begin(std::int32_t a, std::int32_t b, std::int32_t c, std::i
     if (exact::orient(points_[a], points_[b], points_[c], points_[d]) < 0) std::swap(a, b);
     cells_ = {{{a, b, c, d}, {1, 2, 3, 4}}};
     for (int k = 0; k < 4; ++k) {
-        // Beyond face k the infinite vertex is on the other side: two vertices change places.
+        // Beyond face k the infinite vertex is on the other side, so two vertices are swapped.
         Tetrahedron t{cells_[0].vertex, {}};
         t.vertex[k] = infinite;
         for (int j = 0; j < 4; ++j) t.neighbor[j] = j == k ? 0 : 1 + j;
@@ -34,7 +34,7 @@ void Triangulation::insert(std::int32_t point) {
     fill_hole(point);
 }
 
-// The sign of the tetrahedron with the point in place of one vertex, which may be the infinite one.
+// Returns the sign of the tetrahedron with the point in place of one vertex, which may be the infinite one.
 int Triangulation::orient_with(const Tetrahedron& t, int slot, std::int32_t point) const {
     std::array<std::int32_t, 4> v = t.vertex;
     v[slot] = point;
@@ -52,8 +52,8 @@ bool Triangulation::in_conflict(const Tetrahedron& t, std::int32_t point) const 
     return exact::insphere(points_[v[0]], points_[v[1]], points_[v[2]], points_[v[3]], points_[point]) > 0;
 }
 
-// Walks through any face that has the point strictly beyond it. In a regular triangulation this comes to an end
-// (Edelsbrunner, An acyclicity theorem for cell complexes in d dimensions, Combinatorica 10, 1990).
+// Walks through any face that has the point strictly beyond it. In a regular triangulation this ends (Edelsbrunner, An
+// acyclicity theorem for cell complexes in d dimensions, Combinatorica 10, 1990).
 std::int32_t Triangulation::locate(std::int32_t point) {
     std::int32_t cell = last_, from = unused;
     for (bool moved = true; moved;) {
@@ -67,7 +67,7 @@ std::int32_t Triangulation::locate(std::int32_t point) {
         }
         if (!is_finite(cells_[cell])) break;  // strictly beyond the hull triangle
     }
-    return cell;  // holds the point, which is none of its vertices, or is infinite and beyond the hull
+    return cell;  // holds the point, which is not one of its vertices, or is infinite and beyond the hull
 }
 
 void Triangulation::find_conflicts(std::int32_t point) {
@@ -114,13 +114,13 @@ void Triangulation::fill_hole(std::int32_t point) {
     for (const Boundary& face : boundary_) state_[face.fresh] = State::unknown;
 }
 
-// The neighbors of a fresh tetrahedron across its faces at the new point: around each edge of the boundary face, old
-// tetrahedra lead to the boundary face on its other side.
+// Finds the neighbors of a fresh tetrahedron across its faces at the new point. Around each edge of the boundary face,
+// old tetrahedra lead to the boundary face on the other side.
 void Triangulation::link(const Boundary& face) {
     const std::array<std::int32_t, 4> old = cells_[face.cell].vertex;
     for (int k = 0; k < 4; ++k) {
         if (cells_[face.fresh].neighbor[k] != unused) continue;
-        // The edge is the one without `across` and `kept`; the next face to cross is opposite to `across`.
+        // The edge is the one without `across` and `kept`. The next face to cross is opposite to `across`.
         std::int32_t across = old[k], kept = old[face.slot];
         const std::int32_t edge = old[0] ^ old[1] ^ old[2] ^ old[3] ^ across ^ kept;
         std::int32_t cell = face.cell;

@@ -1,16 +1,16 @@
 // A Delaunay triangulation that grows point by point (Bowyer 1981, Watson 1981), with exact predicates.
 //
-// A point inside the circumsphere of a tetrahedron is in conflict with it; a new point replaces the tetrahedra that it
-// is in conflict with by those that join it to their common boundary. A vertex at infinity closes the hull: behind each
-// triangle of it lies an infinite tetrahedron.
+// A point conflicts with a tetrahedron if it lies inside its circumsphere. A new point replaces the tetrahedra in
+// conflict by those that join it to their common boundary. A vertex at infinity closes the hull: behind each hull
+// triangle is an infinite tetrahedron.
 //
-// Ties. A point on a circumsphere is not in conflict. This is a consistent perturbation: lift points to
-// (x, |x|^2 + e_i), with e_i > 0 infinitesimal and each point's far greater than those of all points before it; the
-// newest point's then decides every tie (Devillers and Teillaud, Perturbations for Delaunay and weighted Delaunay 3D
-// triangulations, Comput. Geom. 44(3), 2011, who sort points another way). The result is the regular triangulation
-// with these weights: orientations are not perturbed, and no tetrahedron is flat. A point in the plane of a hull
-// triangle is in conflict with the infinite tetrahedron when it is with the finite one across: in that plane both
-// circumspheres have the circle of the triangle, and of the weights only the triangle's and the point's count.
+// Ties. A point on a circumsphere is not in conflict. This is a consistent perturbation: points are lifted to (x, |x|^2
+// + e_i), where e_i > 0 is infinitesimal and far greater than those of all earlier points. So the newest point decides
+// every tie (Devillers and Teillaud, Perturbations for Delaunay and weighted Delaunay 3D triangulations, Comput. Geom.
+// 44(3), 2011, who sort points in another way). The result is the regular triangulation with these weights:
+// orientations are not perturbed, and no tetrahedron is flat. A point in the plane of a hull triangle conflicts with
+// the infinite tetrahedron if it conflicts with the finite one across. In that plane both circumspheres have the circle
+// of the triangle, and only the weights of the triangle and the point count.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@
 
 namespace votess::cpu {
 
-// orient(vertices) > 0, where the infinite vertex stands for any point beyond the hull triangle.
+// orient(vertices) > 0, where the infinite vertex is any point beyond the hull triangle.
 struct Tetrahedron {
     std::array<std::int32_t, 4> vertex;    // indices of points
     std::array<std::int32_t, 4> neighbor;  // across the face opposite to that vertex
@@ -34,10 +34,10 @@ public:
     static constexpr std::int32_t infinite = -1;
     static constexpr std::int32_t unused = -2;  // vertex[0] of a free place
 
-    // The points must stay; no two that are inserted may be equal.
+    // The points must outlive this. No two inserted points may be equal.
     explicit Triangulation(std::span<const exact::Point> points) : points_(points) {}
 
-    // The first four points, not coplanar. Later infinitesimal weights are greater than those.
+    // Inserts the first four points, not coplanar. Their infinitesimal weights are smaller than later ones.
     void begin(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d);
     void insert(std::int32_t point);
 
@@ -55,7 +55,7 @@ private:
         std::int32_t fresh;  // the tetrahedron made on it
     };
 
-    // A tetrahedron that the point is in conflict with.
+    // Returns a tetrahedron that conflicts with the point.
     [[nodiscard]] std::int32_t locate(std::int32_t point);
     [[nodiscard]] int orient_with(const Tetrahedron& t, int slot, std::int32_t point) const;
     [[nodiscard]] bool in_conflict(const Tetrahedron& t, std::int32_t point) const;
