@@ -15,7 +15,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t initial_rows = std::size_t{1} << 20;  // ids of a block; memory that is not needed is not touched
+constexpr std::size_t initial_rows = std::size_t{1} << 20;  // ids of a block; memory costs nothing until it is touched
 
 // Keeps the first `kept` values.
 template <class T>
@@ -104,7 +104,7 @@ bool CellWriter::write(Star& star) {
     if (want_.neighbors) write_row();
     if (want_.vertices) {
         star.polygons(std::span(ranks_).first(faces.size()), polygons_);
-        // Their cells lie elsewhere in the domain, each by a shift of its own.
+        // Each of their cells has its own shift in the domain.
         if (moved_) polygons_.shared.clear();
         write_polygons();
     }
@@ -147,7 +147,7 @@ void CellWriter::write(Cell& cell) {
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
 }
 
-// As the walk's cells are measured, so that it does not matter how a cell was found; else from exact corners.
+// Measures as the walk does, so that results do not depend on how a cell was found; else from exact corners.
 void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
     shape_.weighted = domain_->has_weights();
@@ -193,8 +193,8 @@ std::int32_t CellWriter::input_of(std::int32_t id) const {
     return seeds_.input[static_cast<std::size_t>(home)];
 }
 
-// Nothing is found where all are seeds themselves by no shift, as they are away from the faces of the domain.
-// An image may have no shift either: one that was moved into the reduced cell, and lies beside it.
+// Clears face_shifts_ if all ids are seeds without a shift, as they are away from the faces of the domain. An image may
+// have shift 0 too, if it was moved into the reduced cell and lies beside it.
 void CellWriter::find_shifts(std::span<const std::int32_t> ids) {
     const SeedImages& images = *seeds_.images;
     const bool any_image = std::ranges::any_of(ids, [&](auto id) { return id >= 0 && images.is_image(id); });

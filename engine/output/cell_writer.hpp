@@ -1,5 +1,5 @@
-// Puts finished cells where results go: rows in the order of the engine, block by block, and what has a fixed place at
-// once. One per thread.
+// Writes finished cells to the result: rows block by block in the order of the engine, values of fixed size at once to
+// their places. One for each thread.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ public:
     explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
 
     void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
-    // When `star` begins another stretch.
+    // Call when `star` begins another stretch.
     void begin_stretch() { polygon_writer_.begin_stretch(); }
-    // For the start of a cell: its results go to the places of the input, which are anywhere in memory.
+    // Prefetches the places of a cell's values, which are anywhere in memory. Call when the cell is started.
     void prefetch(std::size_t seed) const;
-    // The last cell that `star` has built; false when its geometry cannot be had to the digits promised.
+    // Writes the last cell that `star` built. Returns false if its geometry lacks the promised digits.
     [[nodiscard]] bool write(std::size_t seed, Star& star) {
         set_output(seed);
         return write(star);
@@ -34,7 +34,7 @@ public:
         set_output(seed);
         write(cell);
     }
-    // The cell of a probe, to the place `output`.
+    // Writes the cell of a probe to the place `output`.
     [[nodiscard]] bool write(std::size_t output, const Probe& probe, Star& star) {
         set_output(output, probe);
         return write(star);
@@ -43,18 +43,18 @@ public:
         set_output(output, probe);
         write(cell);
     }
-    // A probe that has no cell.
+    // Writes a probe that has no cell.
     void write_none(std::size_t output, CellStatus status);
-    // The row of the next cell comes by another block.
+    // Skips a cell whose row is in another block.
     void skip_row();
-    // Hands the rows written since the last call to the result; cells: as in ResultBuilder::add_rows.
+    // Adds the rows written since the last call to the result. cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
     [[nodiscard]] const FaceTally& tally() const { return tally_; }
 
 private:
-    static constexpr std::size_t max_marked = 64;   // ids of a row in which some may be the same
+    static constexpr std::size_t max_marked = 64;   // ids of a row in which some may be equal
     static constexpr std::size_t max_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     void set_output(std::size_t seed) {
@@ -67,23 +67,24 @@ private:
     void write(Cell& cell);
     void write_empty() { write_none(output_, CellStatus::empty); }
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
-    // Fills face_shifts_ where seeds have been moved.
+    // Fills face_shifts_ if seeds have been moved.
     void find_shifts(std::span<const std::int32_t> ids);
-    // In a skewed domain: shifts of face_shifts_, and where a seed lies, count from the domain, not its reduced cell.
+    // In a skewed domain: makes face_shifts_, and the place of a seed, count from the domain instead of its reduced
+    // cell.
     void count_from_domain(std::span<const std::int32_t> ids);
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
     void measure(const Cell& cell);
     void write_measures();
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
-    // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or, when these are empty,
-    // those of the ids.
+    // Fills names_ and ranks_ of faces: sorted seeds or walls. Their shifts are face_shifts_, or those of the ids if
+    // these are empty.
     void rank_faces(std::span<const std::int32_t> ids);
     void rank_labels();
-    // Whether no two ranks of faces are the same.
+    // Whether all ranks of faces differ.
     [[nodiscard]] bool ranks_differ() const;
     [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
-    // After rank_faces(), in their order; face_normals_ in that of the faces.
+    // Writes in the order of rank_faces(). face_normals_ is in the order of the faces.
     void write_row();
     void grow(std::size_t ids);
     void write_polygons();
@@ -107,7 +108,7 @@ private:
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
 
-    // The cell at hand: where it goes, and whose it is.
+    // The current cell: its place in the output, and its seed.
     std::size_t output_ = 0, seed_ = 0;
     const Probe* probe_ = nullptr;  // instead of seed_
     ShapeReader shape_reader_;
@@ -125,7 +126,7 @@ private:
     // By face: the input index or wall, and the place among all faces of the cell, by index and shift.
     std::vector<std::int32_t> names_, keys_;
     std::vector<std::uint32_t> ranks_;
-    std::size_t wall_faces_ = 0;  // of the cell, which come first
+    std::size_t wall_faces_ = 0;  // of the cell; they come first
     std::size_t hidden_ = 0;      // faces that rows do not list: none, or the walls
     std::vector<FaceLabel> labels_;
     std::vector<std::uint32_t> order_;

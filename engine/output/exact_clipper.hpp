@@ -1,4 +1,4 @@
-// The exact clipper of the CPU as other engines see it: they hand it the cells that they could not certify.
+// The interface of the CPU's exact clipper, which finishes uncertified cells for every engine.
 #pragma once
 
 #include <array>
@@ -12,48 +12,48 @@
 
 namespace votess {
 
-// Rows of some cells, one after the other: input indices, and walls, which count for nothing.
+// Rows of some cells, one after the other: input indices, and walls, which are ignored.
 struct NeighborLists {
     std::span<const std::int32_t> cells;
     std::span<const std::uint32_t> lengths;
     std::span<const std::int32_t> ids;
-    std::span<const std::array<std::int8_t, 3>> shifts;  // beside ids in a periodic domain, else empty
+    std::span<const std::array<std::int8_t, 3>> shifts;  // one for each id in a periodic domain, else empty
 };
 
-// One call at a time, from any thread; the calling thread works with the pool's.
+// One call at a time, from any thread. The calling thread works with the pool's threads.
 class ExactClipper {
 public:
     virtual ~ExactClipper() = default;
 
-    // Begins a job, whose points must stay until end(). Cheap but for threads when their number changes: seeds are
-    // sorted and searched first by whichever call below needs it.
+    // Begins a job, whose points must stay valid until end(). Seeds are sorted and the search structure is built on
+    // first need.
     virtual void begin(const Job& job) = 0;
-    // Threads as job.options.threads says. Kept between jobs; free whenever no call of the clipper is running.
+    // Has job.options.threads threads, is kept between jobs, and is free whenever no call of the clipper runs.
     virtual ThreadPool& pool() = 0;
 
-    // Sorts the seeds and builds the search structure now, once a job: for a thread that would otherwise wait.
-    // Throws invalid_argument when there are duplicates and the options refuse them.
+    // Sorts and builds now, once a job, for a thread that would otherwise wait. Throws invalid_argument when there are
+    // duplicates and the options refuse them.
     virtual void prepare() = 0;
-    // Returns what the result holds: N indices, or none when no two seeds are equal. They are valid until end().
+    // Returns N indices as in the result, or none if all seeds differ. Valid until end().
     virtual std::span<const std::int32_t> duplicate_of() = 0;
-    // Clips the cells of these seeds (input indices in any order, each once) and stores rows, geometry and counts;
-    // their status becomes `certified` or `empty`, and they count as fallback cells. Seeds without a cell among them
-    // are left as they are: they are for set_empty() and ResultBuilder::set_duplicates(). Calls options.progress from
-    // the calling thread, with fractions of this share of the run, and throws `cancelled` when it says so.
+    // Clips the cells of these seeds (input indices in any order, each once). Stores rows, geometry and counts, sets
+    // their status to `certified` or `empty`, and counts them as fallback cells. Skips seeds without a cell. Calls
+    // options.progress from the calling thread, with fractions of this share of the run. Throws `cancelled` on its
+    // request.
     virtual void clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) = 0;
 
-    // Whether clip() takes this seed, which it was given.
+    // Whether this seed has a cell, which clip() would make.
     [[nodiscard]] virtual bool has_cell(std::int32_t cell) const = 0;
 
-    // For cells whose neighbors are known, each cell once: makes their polytopes from these alone, in float64, and
-    // stores what clip() would, though they do not count as fallback cells. Throws as clip().
+    // Makes cells from their known neighbors alone, each cell once, in float64, and stores the same as clip(). They do
+    // not count as fallback cells. Throws as clip().
     virtual void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) = 0;
 
-    // Tells of the seeds that have no cell, but for duplicates: outside of walls, or lighter than another at their
-    // place.
+    // Sets the status of seeds without a cell, except duplicates: outside of walls, or lighter than another seed at the
+    // same place.
     virtual void set_empty(ResultBuilder& out) = 0;
 
-    // Forgets the job; threads and memory stay for the next. Not before ResultBuilder::finish().
+    // Ends the job, not before ResultBuilder::finish(). Threads and memory stay for the next.
     virtual void end() = 0;
 };
 

@@ -1,4 +1,4 @@
-// Brings the polygons of a cell to the form of records: see mesh_record.hpp. One per thread.
+// Converts the polygons of a cell to records, see mesh_record.hpp. One for each thread.
 #pragma once
 
 #include <array>
@@ -13,12 +13,12 @@ namespace votess::cpu {
 
 class PolygonWriter {
 public:
-    // Numbers of CellPolygons::shared mean others from now on.
+    // Numbers of CellPolygons::shared get a new meaning from here on.
     void begin_stretch() {
         group_ = block_.begin_group();
         in_block_.clear();
     }
-    // labels: by face; order: all faces by label, of which the first `hidden` are walls that rows do not list.
+    // labels: by face; order: all faces by label. The first `hidden` of them are walls that rows do not list.
     void append(const CellPolygons& polygons, std::span<const FaceLabel> labels, std::span<const std::uint32_t> order,
                 std::size_t hidden, const std::array<double, 3>& origin);
     void append_none() { block_.append_none(); }

@@ -20,9 +20,9 @@ namespace {
 constexpr std::size_t copied_block = 4096;  // cells
 constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, so that sums do not depend on threads
 constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
-constexpr std::size_t lookahead = 16;  // cells whose places in memory are fetched before they are needed
+constexpr std::size_t lookahead = 16;  // cells whose places are prefetched
 
-// task(block, begin, end)
+// Calls task(block, begin, end).
 template <class Task>
 void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
     pool.run(ceil_div(count, task_cells), [&](std::size_t block, unsigned) {
@@ -66,7 +66,7 @@ double accurate_sum(std::span<const double> values) {
 }
 
 [[noreturn]] void bug(const std::string& what) {
-    throw Error(ErrorCode::internal, "a bug in votess: " + what);
+    throw Error(ErrorCode::internal, "a bug in votess, please report it: " + what);
 }
 
 std::size_t sum_of(std::span<const std::uint32_t> lengths) {
@@ -130,7 +130,7 @@ void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<cons
                              std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
     check_values(values, ids.size());
-    // A row that comes by another call would be taken for one of this block.
+    // Otherwise a row from another call would count as one of this block.
     const bool gaps = set_lengths(cells, lengths, ids.size());
     push(cells, lengths, ids, values, gaps);
 }
@@ -138,7 +138,7 @@ void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<cons
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                               std::span<const std::int32_t> ids, const RowValues& values) {
     if (!want_neighbors_) return;
-    if (sum_of(lengths) != ids.size()) bug("rows and their lengths do not fit");
+    if (sum_of(lengths) != ids.size()) bug("rows and their lengths differ in size");
     check_values(values, ids.size());
     for (std::size_t begin = 0, entry = 0; begin < cells.size(); begin += copied_block) {
         const auto part = cells.subspan(begin, std::min(copied_block, cells.size() - begin));
@@ -172,15 +172,15 @@ void ResultBuilder::count(const FaceTally& faces) {
 }
 
 void ResultBuilder::check_values(const RowValues& values, std::size_t ids) const {
-    if (want_areas_ && values.areas.size() != ids) bug("rows and their areas do not fit");
-    if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals do not fit");
-    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts do not fit");
+    if (want_areas_ && values.areas.size() != ids) bug("rows and their areas differ in size");
+    if (want_normals_ && values.normals.size() != 3 * ids) bug("rows and their normals differ in size");
+    if (want_shifts_ && values.shifts.size() != 3 * ids) bug("rows and their shifts differ in size");
 }
 
 // The checks keep an engine's bug from writing beyond the arrays in place_rows().
 bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                                 std::size_t ids) {
-    if (cells.size() != lengths.size()) bug("cells and row lengths do not fit");
+    if (cells.size() != lengths.size()) bug("cells and row lengths differ in size");
     auto& indptr = result_.indptr;
     const auto place_of = [&](std::size_t k) { return static_cast<std::uint32_t>(cells[k]) + std::size_t{1}; };
     std::size_t sum = 0, rows = 0;
@@ -193,7 +193,7 @@ bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<c
         sum += lengths[k];
         ++rows;
     }
-    if (sum != ids) bug("rows and their lengths do not fit");
+    if (sum != ids) bug("rows and their lengths differ in size");
     return rows < cells.size();
 }
 
@@ -279,7 +279,7 @@ void ResultBuilder::check_status(ThreadPool& pool) const {
         for (std::size_t before = first; at < end && at < before && !first.compare_exchange_weak(before, at);) {
         }
     });
-    if (first < status.size()) bug("cell " + std::to_string(first) + " was left over");
+    if (first < status.size()) bug("cell " + std::to_string(first) + " has no final status");
 }
 
 void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& pool) {
@@ -298,11 +298,11 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
 }
 
-// Lengths become the places where rows begin.
+// Turns lengths into the beginnings of rows.
 void ResultBuilder::sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool) {
     auto& indptr = result_.indptr;
     const std::size_t count = indptr.size() - 1;
-    if (!later.empty() && later.size() != count) bug("cells and the lengths of later rows do not fit");
+    if (!later.empty() && later.size() != count) bug("cells and the lengths of later rows differ in size");
     std::vector<std::int64_t> begins(ceil_div(count, task_cells) + 1, 0);
     for_blocks(pool, count, [&](std::size_t block, std::size_t begin, std::size_t end) {
         std::int64_t sum = std::accumulate(indptr.data() + begin + 1, indptr.data() + end + 1, std::int64_t{0});
@@ -324,24 +324,25 @@ void ResultBuilder::place_rows(std::size_t first, std::span<const std::uint32_t>
                                std::span<const std::int32_t> ids, const RowValues& values) {
     check_values(values, ids.size());
     const std::int64_t* const indptr = result_.indptr.data() + first;
-    if (!settled_ || first + lengths.size() >= result_.indptr.size()) bug("rows come at the wrong time");
+    if (!settled_ || first + lengths.size() >= result_.indptr.size())
+        bug("rows are placed before settle(), or beyond the last cell");
     std::size_t entry = 0;
     for (std::size_t k = 0; k < lengths.size();) {
-        // Rows up to the next cell that has one from elsewhere go together.
+        // Rows up to the next cell that has one from elsewhere are copied together.
         const std::int64_t begin = indptr[k];
         std::size_t size = 0;
         for (; k < lengths.size() && indptr[k + 1] - begin == static_cast<std::int64_t>(size + lengths[k]); ++k)
             size += lengths[k];
-        if (size > ids.size() - entry) bug("rows and their lengths do not fit");
+        if (size > ids.size() - entry) bug("rows and their lengths differ in size");
         copy_entries(ids.data(), values, entry, static_cast<std::size_t>(begin), size);
         entry += size;
         if (k == lengths.size()) break;
         if (lengths[k] == 0)
             ++k;
         else if (size == 0)
-            bug("a row is not as long as was said");
+            bug("a row differs from its announced length");
     }
-    if (entry != ids.size()) bug("rows and their lengths do not fit");
+    if (entry != ids.size()) bug("rows and their lengths differ in size");
 }
 
 void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
@@ -357,7 +358,7 @@ void ResultBuilder::place_block(const Block& block) {
     const auto cells = block.cells;
     std::size_t entry = 0;
     for (std::size_t k = 0; k < cells.size(); ++k) {
-        // The order of the engine is not that of the input: each row lies elsewhere.
+        // The engine's order is not the input's, so each row is somewhere else in memory.
         if (k + 2 * lookahead < cells.size()) __builtin_prefetch(indptr + cells[k + 2 * lookahead]);
         if (k + lookahead < cells.size()) {
             const std::int32_t* const next = result_.indices.data() + indptr[cells[k + lookahead]];
@@ -371,7 +372,7 @@ void ResultBuilder::place_block(const Block& block) {
     }
 }
 
-// At the scale of the job, where no square overflows.
+// Measures at the scale of the job, where no square overflows.
 void ResultBuilder::measure_polygons(ThreadPool& pool) {
     const detail::Result& r = result_;
     const auto corner = [&](std::int64_t k) {
@@ -403,7 +404,7 @@ void ResultBuilder::measure_polygons(ThreadPool& pool) {
     });
 }
 
-// Of the faces that are left.
+// Counts tiny faces that have not been dropped.
 void ResultBuilder::count_tiny_faces(Stats& stats) const {
     stats.tiny_faces = faces_.count();
     if (result_.least_face == 0) return;

@@ -1,5 +1,5 @@
-// The result while engines fill it: arrays in input order, and rows of neighbors that wait, block by block and
-// in the order of the engine, until all lengths are known. What is called from several threads says so.
+// The result while engines fill it: arrays in input order, and rows of neighbors, block by block in the order of the
+// engine, until all lengths are known. Functions may be called from one thread only unless they say otherwise.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +23,7 @@ struct CellCounters {
     std::uint64_t empty_cells = 0;     // without interior, or outside; not duplicates
 };
 
-// Beside the ids of rows, one for each or three; empty when they are not wanted.
+// Values for the ids of rows, one or three for each id; empty if not requested.
 struct RowValues {
     std::span<const double> areas, normals;
     std::span<const std::int8_t> shifts;
@@ -31,12 +31,12 @@ struct RowValues {
 
 class ResultBuilder {
 public:
-    // Sizes the arrays that the job wants, in the memory of job.arrays if there is any. Every cell is certified and its
-    // row empty; the other arrays are not initialized: the engine writes them for each cell but duplicates.
+    // Sizes the arrays that the job requests, in the memory of job.arrays if any. Sets every cell to certified with an
+    // empty row. The other arrays are not initialized: the engine writes them for each cell except duplicates.
     void begin(const Job& job, ThreadPool& pool);
 
-    // The arrays of N, centroids 3N; those not wanted are empty. Threads may write different cells at once. finish()
-    // takes a cell whose status is a reason to hand it on for a bug.
+    // Arrays of N values, centroids 3N; empty if not requested. Threads may write different cells at once. finish()
+    // throws if a cell still has a hand-over status.
     [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
     [[nodiscard]] std::span<double> volumes() { return result_.volumes; }
     [[nodiscard]] std::span<double> centroids() { return result_.centroids; }
@@ -46,41 +46,40 @@ public:
     [[nodiscard]] std::span<std::uint32_t> edge_counts() { return result_.edge_counts; }
     [[nodiscard]] std::span<std::uint32_t> vertex_counts() { return result_.vertex_counts; }
 
-    // From any thread. ids: rows of `cells` (input indices) one after the other, each ascending (then by shift, when
-    // the domain is periodic); lengths[k] of them belong to cells[k]. values: those that are wanted. A cell of length 0
-    // has no row here and may get one by another call. `cells` must stay as it is until finish(), see allocate_cells();
-    // the other arrays are the caller's again on return. Large results finish faster in blocks of some thousand cells
-    // or less. Does nothing when neighbors are not wanted.
+    // Adds rows, from any thread. ids: the rows of `cells` (input indices) one after the other, each ascending (then by
+    // shift, in a periodic domain); lengths[k] of them belong to cells[k]. values: the requested ones. A cell of length
+    // 0 has no row here and may get one from another call. `cells` must stay valid until finish(), see
+    // allocate_cells(); the other arrays are copied. Large results finish faster in blocks of at most some thousand
+    // cells. Does nothing if neighbors are not requested.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                   std::span<const std::int32_t> ids, const RowValues& values = {});
-    // From any thread. The same, cut into blocks: `cells` too is the caller's again on return.
+    // Does the same from any thread, cut into blocks. `cells` is copied too.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
-    // From any thread. Room for an array of cells that stays until finish().
+    // Returns room for an array of cells until finish(). From any thread.
     std::span<std::int32_t> allocate_cells(std::size_t count);
-    // Records of the cells of these rows; from any thread.
+    // Records of the cells of these rows. From any thread.
     [[nodiscard]] MeshBuilder& mesh() { return mesh_; }
     // From any thread.
     void count(const CellCounters& counters);
-    // From any thread. Faces of cells whose areas are good to double precision.
+    // From any thread. Counts faces of cells whose areas are good to double precision.
     void count(const FaceTally& faces);
 
-    // From any thread. A cell that is not there: volume and counts 0, centroid NaN.
+    // From any thread. Sets a missing cell: volume and counts 0, centroid NaN.
     void set_empty(std::size_t i, CellStatus status);
-    // duplicate_of: N, or empty when there are none. Gives the duplicates their status, volume and counts 0, centroid
-    // NaN.
+    // Sets the duplicates: status, volume and counts 0, centroid NaN. duplicate_of: N, or empty if there are none.
     void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
 
-    // For engines that have rows in the order of the input: puts the rows that wait into place, beside room for later
-    // ones. later: N lengths, 0 for cells with a row that waits; or none. No other call adds rows from here on.
+    // Puts the pending rows into place and leaves room for later ones, for engines that have rows in input order.
+    // later: N lengths, 0 for cells with a pending row; or none. No other call may add rows from here on.
     void settle(std::span<const std::uint32_t> later, ThreadPool& pool);
-    // From any thread, after settle(). The rows of the cells from `first` on, one after the other, and their lengths as
-    // settle() was told.
+    // Places the rows of the cells from `first` on, one after the other, with the lengths given to settle(). From any
+    // thread, after settle().
     void place_rows(std::size_t first, std::span<const std::uint32_t> lengths, std::span<const std::int32_t> ids,
                     const RowValues& values = {});
 
-    // Settles where that has not been done, and fills everything of the result but stats.device and stats.seconds,
-    // which it leaves alone. The builder keeps no array of the result, but its own memory, for the next begin().
+    // Settles if needed, and fills the result except stats.device and stats.seconds. The builder keeps its own memory
+    // for the next begin(), but no array of the result.
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
@@ -90,9 +89,9 @@ private:
         RowValues values;
     };
 
-    // Throws when they are not those wanted, each of the right size.
+    // Throws unless the requested values are present, each of the right size.
     void check_values(const RowValues& values, std::size_t ids) const;
-    // Notes the lengths; whether some are 0.
+    // Stores the lengths. Returns whether some are 0.
     bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
     void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
               std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells);
@@ -101,7 +100,7 @@ private:
     void check_status(ThreadPool& pool) const;
     void sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool);
     void place_block(const Block& block);
-    // Copies rows, or one, that begin at these entries.
+    // Copies `count` entries, one or more rows.
     void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
                       std::size_t count);
     void finish_stats(Stats& stats, ThreadPool& pool) const;
@@ -113,7 +112,7 @@ private:
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0, scale_ = 1;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()
-    std::mutex mutex_;       // of what follows
+    std::mutex mutex_;       // guards the following members
     Arena memory_;
     std::vector<Block> blocks_;
     CellCounters counters_;

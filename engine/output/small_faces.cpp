@@ -10,14 +10,14 @@ namespace {
 
 using detail::Result;
 
-// The area that counts for both sides: the lower cell's, or of two faces with itself that of the later one.
+// Returns the area that counts for both sides: the lower cell's, or the later face's if a cell meets itself twice.
 double area_of_pair(const Result& r, const Rows& rows, std::size_t i, std::size_t entry) {
     const FaceLabel there = rows.label(entry);
     const bool lower = FaceLabel{static_cast<std::int32_t>(i), {}} < there;
     return r.face_areas[lower ? entry : rows.find(static_cast<std::size_t>(there.id), there.seen_from_behind(i))];
 }
 
-// Moves what stays to the front; `each` values for one entry.
+// Moves the entries that stay to the front. each: values for one entry.
 template <class T>
 void compact(Buffer<T>& values, const std::vector<bool>& stays, std::size_t each) {
     if (values.empty()) return;
@@ -42,7 +42,7 @@ void compact_polygons(Result& r, const std::vector<bool>& stays) {
     r.face_vertices.resize_uninitialized(to);
 }
 
-// Each once, from the side whose area counts.
+// Stores each dropped polygon once, from the side whose area counts.
 void keep_dropped_polygons(Result& r, const Rows& rows, const std::vector<bool>& stays) {
     if (r.face_offsets.empty()) return;
     std::vector<std::int64_t> offsets{0};

@@ -1,4 +1,4 @@
-// Small faces: how many are tiny, and Options::min_face and min_area, which drop them.
+// Small faces: counting tiny ones, and dropping them for Options::min_face and min_area.
 #pragma once
 
 #include <algorithm>
@@ -13,18 +13,18 @@
 
 namespace votess {
 
-// Counts faces that are tiny compared with the mean area. The mean is known only when all are measured; until then small
-// areas are counted by powers of two.
+// Counts faces that are tiny compared with the mean area. The mean is known only when all are measured. Until then
+// small areas are counted by powers of two.
 class FaceTally {
 public:
     static constexpr double tiny = 1e-9;  // of the mean area
 
-    // Forgets all. largest: no face is larger.
+    // Resets the counts. largest: a bound on the areas.
     void begin(double largest) {
         *this = {};
         below_ = tiny * largest;
     }
-    // The areas of a cell's faces with other cells.
+    // Adds the areas of a cell's faces with other cells.
     void add(std::span<const double> areas) {
         constexpr std::size_t lanes = 4;
         std::array<double, lanes> sum{}, least{};
@@ -54,12 +54,12 @@ public:
     }
 
     [[nodiscard]] std::uint64_t cells() const { return cells_; }
-    // The largest power of two that is no more than a 1e-9 of the mean area.
+    // Returns the largest power of two that does not exceed 1e-9 of the mean area.
     [[nodiscard]] double limit() const {
         const double mean = faces_ == 0 ? 0 : sum_ / static_cast<double>(faces_);
         return std::ldexp(1.0, static_cast<int>(bin(tiny * mean)) - double_bias);
     }
-    // Faces smaller than that, once for each of their cells.
+    // Returns the number of smaller faces, each counted once for each of its cells.
     [[nodiscard]] std::uint64_t count() const {
         std::uint64_t count = 0;
         for (std::size_t b = 0; b < bin(limit()); ++b) count += small_[b];
@@ -68,7 +68,7 @@ public:
 
 private:
     static constexpr std::size_t bins = 2048;
-    // Of an area that is not negative: its exponent.
+    // Returns the biased exponent of an area, which must not be negative.
     static std::size_t bin(double area) { return std::bit_cast<std::uint64_t>(area) >> 52 & (bins - 1); }
 
     double below_ = 0;  // larger ones cannot be tiny
@@ -77,7 +77,8 @@ private:
     std::array<std::uint64_t, bins> small_{};
 };
 
-// Needs rows with areas. share: of the mean area. Notes the area below which faces go; how many entries went.
+// Drops faces below `area` and below `share` of the mean area. Needs rows with areas. Stores the limit in the result.
+// Returns the number of dropped entries.
 std::uint64_t drop_small_faces(detail::Result& result, double share, double area);
 
 }  // namespace votess
