@@ -22,7 +22,7 @@ constexpr double band_growth = 1.6;              // of the squared distance from
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
-constexpr std::size_t vertices_per_look = std::size_t{1} << 14;
+constexpr std::size_t vertices_per_check = std::size_t{1} << 14;
 
 bool farther(const QueueEntry& a, const QueueEntry& b) {
     return a.distance_squared > b.distance_squared;
@@ -77,7 +77,7 @@ void CellBuilder::begin_job(const Domain& domain) {
     reach_ = 0;
 }
 
-void CellBuilder::be(std::size_t seed) {
+void CellBuilder::set_seed(std::size_t seed) {
     own_ = static_cast<std::int32_t>(seed);
     probing_ = false;
     guards_ = {};
@@ -119,15 +119,15 @@ void CellBuilder::clip_by_heaviest() {
     clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
-void CellBuilder::look() {
+void CellBuilder::poll_stop() {
     tested_vertices_ += static_cast<std::size_t>(cell_.slots());
-    if (tested_vertices_ < vertices_per_look) return;
+    if (tested_vertices_ < vertices_per_check) return;
     tested_vertices_ = 0;
     check_stop();
 }
 
 void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
-    look();
+    poll_stop();
     if (plain_ && coincident_ < 0)
         cell_.clip(id, {x, y, z});
     else if (seeds_.images == nullptr)
@@ -137,7 +137,7 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 }
 
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
-    look();
+    poll_stop();
     const auto i = static_cast<std::size_t>(home);
     // The nearest of them are there from the start.
     if ((home == own_ || home == heaviest_) && cell_.has_plane(home, shift)) return;
@@ -243,13 +243,13 @@ void CellBuilder::extend_window(double distance_squared, std::size_t min_count) 
 
 Cell* CellBuilder::build(std::size_t seed, std::size_t max_tests) {
     if (max_tests > 0) open_window_of(seed);
-    be(seed);
+    set_seed(seed);
     return search(max_tests);
 }
 
 Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards) {
     open_window_of(seed);
-    be(seed);
+    set_seed(seed);
     guards_ = guards;
     return *search(std::numeric_limits<std::size_t>::max());
 }
@@ -305,7 +305,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
-    be(seed);
+    set_seed(seed);
     return build_from(candidates);
 }
 
@@ -326,23 +326,23 @@ Cell& CellBuilder::build_from(std::span<const std::int32_t> candidates) {
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates,
                               std::span<const exact::Shift> shifts, std::span<const exact::Plane> guards) {
-    be(seed);
+    set_seed(seed);
     guards_ = guards;
     start();
     for (std::size_t k = 0; k < candidates.size(); ++k) clip_by_image(candidates[k], shifts[k]);
     return cell_;
 }
 
-Cell& CellBuilder::again(CellFaces& faces) {
+Cell& CellBuilder::rebuild(CellFaces& faces) {
     cell_.canonical_faces(faces);
-    if (!plain_) return again_by_planes(faces);
+    if (!plain_) return rebuild_by_planes(faces);
     neighbors_.clear();
     for (const std::int32_t p : faces.planes)
         if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
     return build_from(neighbors_);
 }
 
-Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
+Cell& CellBuilder::rebuild_by_planes(const CellFaces& faces) {
     planes_.clear();
     for (const std::int32_t p : faces.planes)
         if (const CellPlane& plane = cell_.planes()[p]; plane.source.is_bisector()) planes_.push_back(plane);
@@ -354,7 +354,7 @@ Cell& CellBuilder::again_by_planes(const CellFaces& faces) {
     });
     start();
     for (const CellPlane& plane : planes_) {
-        look();
+        poll_stop();
         if (!cell_.has_plane(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
     return cell_;
@@ -394,7 +394,7 @@ void CellBuilder::clip_far(double from) {
         far_queue_.pop_back();
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > max_tests_) return;
-        look();
+        poll_stop();
         if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
             continue;
         if (entry.level > 0) {
@@ -456,7 +456,7 @@ void CellBuilder::clip_far_images() {
         const double reach = reach_squared();
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > max_tests_) return;
-        look();
+        poll_stop();
         if (!cell_.in_reach(entry.images, more_weight_)) continue;
         if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
         const bool single = entry.at.shifts.is_single();

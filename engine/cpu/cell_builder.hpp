@@ -64,10 +64,10 @@ public:
                      std::span<const exact::Plane> guards = {});
     // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
     // found. faces: scratch.
-    Cell& again(CellFaces& faces);
+    Cell& rebuild(CellFaces& faces);
 
 private:
-    void be(std::size_t seed);
+    void set_seed(std::size_t seed);
     // Begins the cell of the seed or probe at hand.
     void start();
     Cell* search(std::size_t max_tests);
@@ -77,7 +77,7 @@ private:
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
     [[nodiscard]] std::int32_t find_coincident();
     // Lets the user stop, after every so many vertices that were tested.
-    void look();
+    void poll_stop();
     // A seed or image, by its id.
     void clip_by(std::int32_t id, double x, double y, double z);
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
@@ -94,7 +94,7 @@ private:
     bool clip_band(double from, double to);
     // Clips by all seeds, and images among them, from that squared distance on.
     void clip_far(double from);
-    Cell& again_by_planes(const CellFaces& faces);
+    Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
     // Clips by the images beyond those that lie among the seeds.
     void clip_far_images();

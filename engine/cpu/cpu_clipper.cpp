@@ -21,8 +21,8 @@ constexpr std::size_t many_threads = 32, parts_per_thread = 2;
 constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
 constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
-constexpr std::size_t index_task = 65536;   // entries of the inverse order per parallel task
-constexpr std::size_t cells_per_look = 64;  // after which the user may stop
+constexpr std::size_t index_task = 65536;    // entries of the inverse order per parallel task
+constexpr std::size_t cells_per_check = 64;  // after which the user may stop
 
 }  // namespace
 
@@ -258,7 +258,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         std::size_t stretch_end = 0;
         worker.budget.begin(end - begin);
         for (std::size_t k = begin; k < end; ++k) {
-            if (k % cells_per_look == 0) check_stop();
+            if (k % cells_per_check == 0) check_stop();
             const std::size_t seed = seed_at(k);
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
@@ -299,7 +299,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
                     ? Star::min_power
                     : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
         const bool placed = job_.options.want.vertices;
-        worker.writer.write(seed, placed ? worker.builder.again(worker.faces) : *cell);
+        worker.writer.write(seed, placed ? worker.builder.rebuild(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));
         worker.writer.skip_row();

@@ -85,7 +85,7 @@ private:
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
     // hard_cells.cpp: the cells that the workers gave up.
     void clip_hard(ResultBuilder& out);
-    [[nodiscard]] std::vector<std::int32_t> take_hard();
+    [[nodiscard]] std::vector<std::int32_t> collect_hard();
     bool triangulate();
     template <class Build>
     void clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Build& build);

@@ -18,7 +18,7 @@ constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
-std::vector<std::int32_t> CpuClipper::take_hard() {
+std::vector<std::int32_t> CpuClipper::collect_hard() {
     std::vector<std::int32_t> hard;
     for (Worker& worker : workers_) {
         hard.insert(hard.end(), worker.hard.begin(), worker.hard.end());
@@ -30,10 +30,10 @@ std::vector<std::int32_t> CpuClipper::take_hard() {
 
 void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
-    std::vector<std::int32_t> hard = take_hard();
+    std::vector<std::int32_t> hard = collect_hard();
     // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
     std::size_t tests = SearchBudget::max_tests;
-    for (; !hard.empty(); hard = take_hard(), tests *= budget_growth) {
+    for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
         // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);

@@ -14,8 +14,8 @@ namespace votess::cpu {
 // is hard does not depend on threads.
 class SearchBudget {
 public:
-    static constexpr std::size_t max_tests = 2000;   // for one cell
-    static constexpr std::size_t usual_tests = 128;  // these are free
+    static constexpr std::size_t max_tests = 2000;  // for one cell
+    static constexpr std::size_t free_tests = 128;  // these are free
     static constexpr std::size_t tests_per_cell = 8, min_cells = 256;
     static constexpr std::size_t long_streak = 8;
 
@@ -30,7 +30,7 @@ public:
 
     void star_done() { streak_ = 0; }
     void searched(std::size_t tests, bool found) {
-        left_ -= std::min(left_, tests - std::min(tests, usual_tests));
+        left_ -= std::min(left_, tests - std::min(tests, free_tests));
         streak_ = found ? 0 : streak_ + 1;
     }
 

@@ -19,7 +19,7 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
     find_positions();
     begin_workers(out);
     const std::size_t count = lists.cells.size(), blocks = ceil_div(count, block_cells);
-    const std::span<std::int32_t> cells = out.keep(count);
+    const std::span<std::int32_t> cells = out.allocate_cells(count);
     std::ranges::copy(lists.cells, cells.begin());
     std::vector<std::size_t> first_entry(blocks + 1, 0);
     for (std::size_t k = 0; k < count; ++k) first_entry[k / block_cells + 1] += lists.lengths[k];

@@ -15,7 +15,7 @@ namespace votess {
 namespace {
 
 using detail::Result;
-constexpr std::size_t entries_per_look = 4096, cells_per_look = 1024;  // after which the user may stop
+constexpr std::size_t entries_per_check = 4096, cells_per_check = 1024;  // after which the user may stop
 
 // A face passes a vertex: it comes from `before` and goes to `after`.
 struct Passage {
@@ -30,7 +30,7 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
     lengthen(cells, r.vertices.size() / 3);
     std::vector<std::pair<std::size_t, ByteShift>> of_cell;
     for (std::size_t i = 0; joined.any() && i < r.status.size(); ++i) {
-        if (i % cells_per_look == 0) check_stop();
+        if (i % cells_per_check == 0) check_stop();
         of_cell.clear();
         for (auto k = at(r.cell_vertex_indptr[i]); k < at(r.cell_vertex_indptr[i + 1]); ++k) {
             const std::int32_t v = r.cell_vertex_indices[k];
@@ -45,7 +45,7 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
             for (std::size_t k = begin; k < end; ++k) ++cells[joined.original(r.cell_vertex_indices[k])];
         });
     for (std::size_t entry = 0; entry < r.indices.size(); ++entry) {
-        if (entry % entries_per_look == 0) check_stop();
+        if (entry % entries_per_check == 0) check_stop();
         if (r.indices[entry] >= 0) continue;
         for (std::int64_t k = r.face_offsets[entry]; k < r.face_offsets[entry + 1]; ++k)
             cells[joined.original(r.face_vertices[at(k)])] = 0;
@@ -59,7 +59,7 @@ public:
         lengthen(place_, cells_.size(), none);
         out_.polytope_indptr.assign(1, 0);
         for (std::size_t v = 0; v < cells_.size(); ++v) {
-            if (v % entries_per_look == 0) check_stop();
+            if (v % entries_per_check == 0) check_stop();
             if (cells_[v] == 4) {
                 place_[v] = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
                 out_.tetrahedra_centers.push_back(static_cast<std::int32_t>(v));
@@ -79,7 +79,7 @@ public:
 
     Delaunay make() {
         for (std::size_t i = 0; i < r_.status.size(); ++i) {
-            if (i % cells_per_look == 0) check_stop();
+            if (i % cells_per_check == 0) check_stop();
             add_tetrahedra(i);
         }
         add_polytopes();
@@ -119,7 +119,7 @@ private:
     void add_polytopes() {
         std::vector<std::vector<Member>> members(out_.polytope_centers.size());
         for (std::size_t i = 0; i < r_.status.size(); ++i) {
-            if (i % cells_per_look == 0) check_stop();
+            if (i % cells_per_check == 0) check_stop();
             for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
                 const std::int32_t v = r_.cell_vertex_indices[k];
                 const std::size_t center = joined_.original(v);

@@ -63,7 +63,7 @@ void Prober::clip(const Probe& probe, std::size_t k, ProbeSink& sink) {
     if (there >= 0 && (seeds_.weights.empty() || seeds_.weights[seed] >= probe.weight))
         sink.taken(k, seed);
     else
-        sink.take(k, keep_ == Star::Keep::places ? builder_.again(faces_) : cell);
+        sink.take(k, keep_ == Star::Keep::places ? builder_.rebuild(faces_) : cell);
 }
 
 }  // namespace votess::cpu

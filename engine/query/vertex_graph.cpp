@@ -14,8 +14,8 @@ using Vector = Vector3;
 constexpr double worst_condition = 64;  // product of lengths over the determinant: then a vertex is solved exactly
 // Of the squared distance of a vertex from its seeds, which is known to less than that.
 constexpr double uncertain = 0x1p-38;
-constexpr double off_plane = 0x1p-46;         // of the terms that place a corner on a plane
-constexpr std::size_t cells_per_look = 1024;  // or vertices, after which the user may stop
+constexpr double off_plane = 0x1p-46;          // of the terms that place a corner on a plane
+constexpr std::size_t cells_per_check = 1024;  // or vertices, after which the user may stop
 
 }  // namespace
 
@@ -33,7 +33,7 @@ VertexGraph::VertexGraph(const SortedSeeds& seeds, const Tessellation& t, double
     lengthen(first_, t.size(), none);
     std::vector<std::int64_t> next(cells_begin_.begin(), cells_begin_.end() - 1);
     for (std::size_t i = 0; i < t.size(); ++i) {
-        if (i % cells_per_look == 0) check_stop();
+        if (i % cells_per_check == 0) check_stop();
         const auto begin = static_cast<std::size_t>(indptr[i]), end = static_cast<std::size_t>(indptr[i + 1]);
         if (begin < end) first_[i] = indices[begin];
         for (std::size_t k = begin; k < end; ++k)
@@ -56,7 +56,7 @@ void VertexGraph::place(const SortedSeeds& seeds, const Tessellation& t, double 
         return seeds.weights.empty() ? 0 : seeds.weights[static_cast<std::size_t>(seed)];
     };
     for (std::size_t v = 0; v < vertices_.size(); ++v) {
-        if (v % cells_per_look == 0) check_stop();
+        if (v % cells_per_check == 0) check_stop();
         Vertex& vertex = vertices_[v];
         const auto begin = static_cast<std::size_t>(cells_begin_[v]);
         const std::size_t count = static_cast<std::size_t>(cells_begin_[v + 1]) - begin;
@@ -116,7 +116,7 @@ void VertexGraph::link(const Tessellation& t) {
     const auto offsets = t.face_offsets();
     const auto corners = t.face_vertices();
     for (std::size_t i = 0; i < t.size(); ++i) {
-        if (i % cells_per_look == 0) check_stop();
+        if (i % cells_per_check == 0) check_stop();
         for (auto face = static_cast<std::size_t>(t.indptr()[i]); face < static_cast<std::size_t>(t.indptr()[i + 1]);
              ++face) {
             if (t.indices()[face] < static_cast<std::int32_t>(i)) continue;  // seen from the other side, or a wall

@@ -46,7 +46,7 @@ struct Sorted {
         std::vector<ExpectedCell> cells(seeds.size());
         for (std::size_t s = 0; s < seeds.size(); ++s) {
             builder.build(s);
-            Cell& cell = builder.again(faces);
+            Cell& cell = builder.rebuild(faces);
             cell.canonical_faces(faces);
             cells[s].geometry = cell.measure(faces, &areas);
             for (std::size_t f = 0; f < faces.size(); ++f)
