@@ -21,6 +21,7 @@ constexpr std::size_t many_threads = 32, parts_per_thread = 2;
 constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
 constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
+constexpr std::size_t listed_block = 512;    // cells of clip_listed() in a task
 constexpr std::size_t index_task = 65536;    // entries of the inverse order per parallel task
 constexpr std::size_t cells_per_check = 64;  // after which the user may stop
 
@@ -303,6 +304,50 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));
         worker.writer.skip_row();
+    }
+}
+
+// Makes the polytopes of cells whose neighbors another engine has certified, for wants that it does not measure.
+void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) {
+    if (lists.cells.empty()) return;
+    sort();
+    find_positions();
+    begin_workers(out);
+    const std::size_t count = lists.cells.size(), blocks = ceil_div(count, listed_block);
+    const std::span<std::int32_t> cells = out.allocate_cells(count);
+    std::ranges::copy(lists.cells, cells.begin());
+    std::vector<std::size_t> first_entry(blocks + 1, 0);
+    for (std::size_t k = 0; k < count; ++k) first_entry[k / listed_block + 1] += lists.lengths[k];
+    for (std::size_t b = 0; b < blocks; ++b) first_entry[b + 1] += first_entry[b];
+    const Stoppable stoppable(progress_);
+    if (progress_) Stoppable::enter_stage(share);
+    const auto task = [&](std::size_t block, unsigned index) {
+        Worker& worker = workers_[index];
+        const std::size_t begin = block * listed_block, end = std::min(count, begin + listed_block);
+        std::size_t entry = first_entry[block];
+        for (std::size_t k = begin; k < end; ++k) {
+            worker.candidates.clear();
+            worker.shifts.clear();
+            const auto seed = static_cast<std::size_t>(position_[static_cast<std::size_t>(cells[k])]);
+            for (const std::size_t row_end = entry + lists.lengths[k]; entry < row_end; ++entry) {
+                if (lists.ids[entry] < 0) continue;
+                const std::int32_t neighbor = position_[static_cast<std::size_t>(lists.ids[entry])];
+                worker.candidates.push_back(neighbor);
+                if (lists.shifts.empty()) continue;
+                exact::Shift shift = images_.shift_in_domain(neighbor, seed);
+                for (std::size_t j = 0; j < 3; ++j) shift[j] = lists.shifts[entry][j] - shift[j];
+                worker.shifts.push_back(shift);
+            }
+            Cell& cell = lists.shifts.empty() ? worker.builder.build_from(seed, worker.candidates)
+                                              : worker.builder.build_from(seed, worker.candidates, worker.shifts);
+            worker.writer.write(seed, cell);
+        }
+        worker.writer.end_block(cells.subspan(begin, end - begin));
+    };
+    pool_->run_stage(blocks, std::cref(task));
+    for (const Worker& worker : workers_) {
+        out.count(worker.writer.counters());
+        out.count(worker.writer.tally());
     }
 }
 
