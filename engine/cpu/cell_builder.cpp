@@ -15,13 +15,13 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
-constexpr std::size_t max_window = 768;          // beyond this the far walk is cheaper
+constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
 constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
 constexpr double first_band = 0.8;               // of the squared reach expected
 constexpr double band_growth = 1.6;              // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
-constexpr double coordinate_rounding = 0x1p-50;  // of differences of places that are rounded
+constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
 constexpr std::size_t vertices_per_check = std::size_t{1} << 14;
 
 bool farther(const QueueEntry& a, const QueueEntry& b) {
@@ -36,7 +36,7 @@ double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
     return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
 }
 
-// Returns at most the squared distance between any point of a and any of b.
+// Returns a lower bound of the squared distance between any point of a and any of b.
 double box_distance(const Box& a, const Box& b) {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
@@ -46,7 +46,7 @@ double box_distance(const Box& a, const Box& b) {
     return sum * (1 - 1e-14);
 }
 
-// Opens the children of a node, or the root when level is above the top.
+// Visits the children of a node, or the root for a level above the top.
 template <class Visit>
 void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit visit) {
     const int level = entry.level - 1;
@@ -96,7 +96,7 @@ void CellBuilder::start() {
     for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
 }
 
-// A seed's own images are among the others.
+// For probes. A seed's own images are among the other images.
 void CellBuilder::clip_by_own_images() {
     if (own_images_.empty()) own_images_ = near_translations(*domain_);
     for (const exact::Shift& shift : own_images_) {
@@ -107,8 +107,8 @@ void CellBuilder::clip_by_own_images() {
     }
 }
 
-// The heaviest seed has an image near any place. It buries what is much lighter, and after it no weight can reach a
-// cell from far away.
+// The heaviest seed has an image near any place. It buries much lighter seeds, and after it no weight can reach a cell
+// from far away.
 void CellBuilder::clip_by_heaviest() {
     if (heaviest_ == own_) return;
     const auto i = static_cast<std::size_t>(heaviest_);
@@ -139,7 +139,7 @@ void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
 void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     poll_stop();
     const auto i = static_cast<std::size_t>(home);
-    // The nearest of them are there from the start.
+    // Their nearest images are clipped at the start.
     if ((home == own_ || home == heaviest_) && cell_.has_plane(home, shift)) return;
     exact::Plane plane = bisector(home, shift);
     if (home == coincident_ && coincides(plane)) return;
@@ -158,7 +158,7 @@ exact::Plane CellBuilder::bisector(std::int32_t home, const exact::Shift& shift)
                                     : seeds_.images->bisector(base_, home, shift);
 }
 
-// The seed at the place of the probe; -1 if there is none.
+// Returns the seed at the place of the probe, or -1.
 std::int32_t CellBuilder::find_coincident() {
     const Box here{at_, at_};
     const double near = 4 * rounding_ * rounding_;
@@ -185,7 +185,7 @@ std::int32_t CellBuilder::find_coincident() {
     return -1;
 }
 
-// A seed of weight w cuts the cell of weight w_p only when it is nearer than R + sqrt(R^2 + w - w_p), where R is the
+// A seed of weight w cuts the cell of weight w_p only if it is nearer than R + sqrt(R^2 + w - w_p), where R is the
 // distance to the farthest vertex.
 double CellBuilder::reach_squared() {
     if (cell_.empty()) return 0;
@@ -201,12 +201,12 @@ void CellBuilder::open_window(const Box& home) {
     covered_ = 0;
     for (auto* v : {&x_, &y_, &z_}) v->clear();
     index_.clear();
-    // Groups that overlap the home box lie at distance 0: go on until the window proves anything.
+    // Groups that overlap the home box are at distance 0. Continue until the window proves anything.
     for (std::size_t least = first_window; least <= max_window; least *= 2) {
         extend_window(0, least);
         if (covered_ > 0) break;
     }
-    // The neighbor in memory is a neighbor in space, its cell of about this size; but density may jump.
+    // The last cell is a neighbor in space and has about this size, but density may jump.
     reach_ = std::clamp(reach_, covered_, 8 * covered_);
 }
 
@@ -366,7 +366,7 @@ bool CellBuilder::clip_band(double from, double to) {
         distance_.resize(count);
         kernels_.squared_distances(x_.data() + measured_, y_.data() + measured_, z_.data() + measured_,
                                    static_cast<int>(count - measured_), at_.data(), distance_.data() + measured_);
-        // The home group comes first into the window, but equal distances may put another before it.
+        // The home group enters the window first, but equal distances may put another before it.
         for (std::size_t i = measured_; i < count; ++i)
             if (index_[i] == own_) distance_[i] = infinity;
         measured_ = count;
@@ -443,8 +443,7 @@ void CellBuilder::clip_far_group(const FarEntry& entry, double from) {
 void CellBuilder::clip_far_images() {
     const double known = std::max(0.0, seeds_.images->reach(at_) - rounding_);
     if (reach_squared() <= known * known) return;
-    // Images surely nearer than that have been tried; bounds of images are rounded outward by more than coordinates
-    // are.
+    // Images that are certainly nearer have been tried. Bounds of images are rounded outward by more than coordinates.
     const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
     const int top = hierarchy_.top_level();
     far_images_.clear();

@@ -1,8 +1,8 @@
-// Candidates near a seed, nearest first. A hierarchy of bounding boxes over groups of consecutive sorted seeds serves
-// two searches: a window of candidates around a group, shared by its seeds, and for cells that reach farther than a
-// window (voids, hulls of clusters) a walk that skips boxes which no vertex of the cell reaches. In a periodic domain
-// the walk goes on through the images that are not among the seeds: through pairs of a box and a range of shifts, of
-// which it halves whichever extends farther, so that a thin or long box costs little more than a cube.
+// The clipper: builds the cell of a seed from candidates, nearest first. A hierarchy of boxes over groups of sorted
+// seeds serves two searches. A window of candidates around a group is shared by its seeds. Cells that reach farther
+// (voids, hulls of clusters) search on through the boxes that a vertex of the cell reaches. In a periodic domain this
+// search continues through images that are not among the seeds, as pairs of a box and a range of shifts. It halves the
+// larger of the two, so that a thin or long box costs little more than a cube.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ namespace votess::cpu {
 
 // Entry of the best-first queues.
 struct QueueEntry {
-    double distance_squared;  // at most the distance from the home to any seed below the node
+    double distance_squared;  // lower bound from the home to any seed below the node
     std::int32_t level;
     std::uint32_t node;
 };
@@ -31,44 +31,45 @@ struct QueueEntry {
 struct FarEntry {
     double distance_squared;
     ImageNode at;
-    Box images;  // holds them all, as seen from the home
+    Box images;  // bounds of all images, as seen from the home
 };
 
-// Builds cells. One per thread; holds all scratch memory.
+// Builds cells. One for each thread; holds all scratch memory.
 class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
 
-    // Before build(). Forgets what it knew of the seeds, which have changed, but keeps its memory. The domain stays
-    // with the caller.
+    // Call before build() when the seeds have changed. Keeps memory. The domain must outlive the job.
     void begin_job(const Domain& domain);
     // Clips the cell of a seed (index in sorted order) until it is proven complete. Fastest in ascending order.
     Cell& build(std::size_t seed) { return *build(seed, std::numeric_limits<std::size_t>::max()); }
-    // The same; nullptr when that takes more than so many tests, of seeds against the cell or boxes against its reach.
+    // Does the same, or returns nullptr when that takes more than max_tests tests of seeds against the cell or boxes
+    // against its reach.
     Cell* build(std::size_t seed, std::size_t max_tests);
     [[nodiscard]] std::size_t tests() const { return tests_; }
-    // Builds the cell of a seed, cut by planes first. Guards are relative to the place of the seed as given; their ids
-    // in the cell are places() + 1 and so on.
+    // Builds the cell of a seed, clipped by planes first. Guards are relative to the place of the seed as given. Their
+    // ids in the cell are places() + 1 and so on.
     Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
-    // The cell that a query would have if it were a seed. Its id, which images of it have in faces, is places() of the
-    // seeds. Fastest when the last was near.
+    // Builds the cell of a query, as if it were a seed. Its id, which faces with its own images have, is places() of
+    // the seeds. Fastest near the last query.
     Cell& build(const Probe& probe) { return build(probe, {}); }
-    // The same with guards, as for a seed.
+    // Does the same with guards, as for a seed.
     Cell& build(const Probe& probe, std::span<const exact::Plane> guards);
-    // The sorted seed that lies where the last probe does; -1: none. Unless it weighs less the probe has no cell.
+    // Returns the sorted seed at the place of the last probe, or -1. The probe has no cell unless that seed weighs
+    // less.
     [[nodiscard]] std::int32_t coincident() const { return coincident_; }
-    // Clips the cell by these seeds, which include its neighbors.
+    // Clips the cell by these seeds, which must include its neighbors.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates);
-    // The same by images of seeds, after guards.
+    // Does the same by images of seeds, after guards.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts,
                      std::span<const exact::Plane> guards = {});
-    // Clips the last cell once more, by its neighbors only: its vertices then have the same rounding however it was
-    // found. faces: scratch.
+    // Clips the last cell again, by its neighbors only, so that the rounding of its vertices does not depend on how it
+    // was found. faces: scratch.
     Cell& rebuild(CellFaces& faces);
 
 private:
     void set_seed(std::size_t seed);
-    // Begins the cell of the seed or probe at hand.
+    // Begins the cell of the current seed or probe.
     void start();
     Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
@@ -76,12 +77,12 @@ private:
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
     [[nodiscard]] std::int32_t find_coincident();
-    // Lets the user stop, after every so many vertices that were tested.
+    // Lets the user stop, at intervals of many tested vertices.
     void poll_stop();
-    // A seed or image, by its id.
+    // Clips by a seed or image, by its id.
     void clip_by(std::int32_t id, double x, double y, double z);
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
-    // No seed at this squared distance or beyond it can cut the cell as it is.
+    // Returns a squared distance at or beyond which no seed can cut the cell.
     [[nodiscard]] double reach_squared();
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
@@ -89,14 +90,14 @@ private:
     void extend_window(double distance_squared, std::size_t min_count);
     void pop_into_window();
     [[nodiscard]] bool exhausted() const { return tests_ > max_tests_; }
-    // Clips by the window's seeds with squared distance in [from, to); true when the cell is proven complete or the
-    // tests are exhausted.
+    // Clips by the window's seeds with squared distance in [from, to). Returns true when the cell is proven complete or
+    // the tests are exhausted.
     bool clip_band(double from, double to);
     // Clips by all seeds, and images among them, from that squared distance on.
     void clip_far(double from);
     Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
-    // Clips by the images beyond those that lie among the seeds.
+    // Clips by the images beyond those among the seeds.
     void clip_far_images();
     void push_far(const ImageNode& node);
     void clip_far_group(const FarEntry& entry, double from);
@@ -106,14 +107,14 @@ private:
     const Hierarchy& hierarchy_;
     const Domain* domain_ = nullptr;
     Cell cell_;
-    bool plain_ = true;                     // neither images nor weights
+    bool plain_ = true;                     // no images and no weights
     double rounding_ = 0;                   // of distances to images
     exact::Point place_rounding_{};         // of their coordinates
     std::int32_t heaviest_ = -1;            // seed of a periodic power diagram
-    double more_weight_ = 0;                // by which any weight may exceed that of the seed
+    double more_weight_ = 0;                // bound on the excess of any weight over the seed's
     std::vector<exact::Shift> own_images_;  // that may bound the cell of a probe
 
-    // The seed or probe at hand.
+    // The current seed or probe.
     std::int32_t own_ = -1;  // its id
     bool probing_ = false;
     std::span<const exact::Plane> guards_;
@@ -136,7 +137,7 @@ private:
     std::vector<CellPlane> planes_;
     std::size_t tests_ = 0, max_tests_ = 0;  // of the current seed
     double reach_ = 0;                       // 4 R^2 expected of the next cell
-    std::size_t tested_vertices_ = 0;        // since the last look
+    std::size_t tested_vertices_ = 0;        // since the last check_stop()
 };
 
 }  // namespace votess::cpu

@@ -12,18 +12,18 @@
 namespace votess::cpu {
 namespace {
 
-// Blocks are tasks and stretches: neighbors in space, which share what they find. The longer they are the less is found
-// twice; later ones are shorter, so that threads end together. Lists and measures do not depend on them. Places of
-// vertices do, in their last bits, so blocks of a mesh depend on the number of seeds alone, unless there are many
-// threads to feed; and they keep those places, for which longer ones gain nothing.
+// Blocks are tasks and stretches: neighbors in space, which share their vertices. Longer blocks compute fewer vertices
+// twice; later ones are shorter, so that threads end together. Lists and measures do not depend on blocks. The last
+// bits of vertices do, so blocks of a mesh depend on the number of seeds alone, unless there are many threads. They
+// also store positions of vertices, for which longer blocks gain nothing.
 constexpr std::size_t longest_block = 65536, longest_placed = 16384, shortest_block = 2048, fewest_placed = 4;
 constexpr std::size_t many_threads = 32, parts_per_thread = 2;
-constexpr std::size_t sparse_stretch = 16384;  // seeds, where few of them have cells
+constexpr std::size_t sparse_stretch = 16384;  // seeds, when few of them have cells
 constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
 constexpr std::size_t listed_block = 512;    // cells of clip_listed() in a task
-constexpr std::size_t index_task = 65536;    // entries of the inverse order per parallel task
-constexpr std::size_t cells_per_check = 64;  // after which the user may stop
+constexpr std::size_t index_task = 65536;    // entries of the inverse order in a task
+constexpr std::size_t cells_per_check = 64;  // between calls of check_stop()
 
 }  // namespace
 
@@ -77,7 +77,7 @@ void CpuClipper::sort() {
     sorted_ = true;
 }
 
-// The heaviest seed of a place has the cell, the first among equals; lighter ones have no cell, equal ones are its
+// The heaviest seed of a place has the cell, the first of equal ones. Lighter ones have no cell, equal ones are its
 // duplicates.
 void CpuClipper::gather_weights() {
     seeds_.weights.clear();
@@ -209,7 +209,7 @@ void CpuClipper::find_positions() {
     positions_known_ = true;
 }
 
-// The sorted seeds of the cells, ascending, without duplicates: neighbors in memory share windows and caches.
+// Lists the sorted seeds of the cells, ascending, without duplicates. Neighbors in memory share windows and caches.
 void CpuClipper::put_in_sorted_order(std::span<const std::int32_t> cells) {
     find_positions();
     auto& order = order_;
@@ -237,7 +237,7 @@ CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy,
 void CpuClipper::begin_workers(ResultBuilder& out) {
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
     for (Worker& worker : workers_) {
-        worker.hard.clear();  // of a job that was cancelled
+        worker.hard.clear();  // of a cancelled job
         worker.builder.begin_job(*job_.domain);
         worker.star->begin_job(*job_.domain);
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
@@ -307,7 +307,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
     }
 }
 
-// Makes the polytopes of cells whose neighbors another engine has certified, for wants that it does not measure.
+// Makes the polytopes of cells whose neighbors another engine has certified, for measures that it lacks.
 void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) {
     if (lists.cells.empty()) return;
     sort();

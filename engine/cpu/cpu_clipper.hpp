@@ -1,5 +1,5 @@
-// Sorted seeds, search structure and threads: what clips cells on the CPU, all of them for the CPU engine or some for
-// another engine.
+// Clips cells on the CPU: all of them for the CPU engine, or some for another engine. Holds the sorted seeds, the
+// search structure and the threads.
 #pragma once
 
 #include <deque>
@@ -21,9 +21,9 @@ namespace votess::cpu {
 class CpuClipper : public ExactClipper {
 public:
     void begin(const Job& job) override;
-    // Makes the pool of so many threads, 0 = all of the machine, unless it is there. begin() does so too.
+    // Makes the pool of so many threads, 0 = all of the machine, unless it exists. begin() does so too.
     ThreadPool& pool_of(unsigned threads);
-    // In a child made by fork() it gets new threads.
+    // Gets new threads in a child made by fork().
     ThreadPool& pool() override {
         if (!pool_->has_threads()) pool_.emplace(pool_->requested());
         return *pool_;
@@ -48,11 +48,10 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
-    // Instead of the last: the cells of the first `count` points of the job, those that the result has; the others are
-    // there to be their neighbors. powers: by cell, Star::power_found(), or of a clipped cell the power of all its
-    // vertices.
+    // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
+    // points are only neighbors. powers: by cell, Star::power_found(), or the power of all vertices of a clipped cell.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
-    // When no more cells are needed: gives much memory back, which the rows want.
+    // Returns large memory to the system for the rows. Call when no more cells are needed.
     void release_pages();
 
 private:
@@ -76,14 +75,14 @@ private:
     void put_in_sorted_order(std::span<const std::int32_t> cells);
     // Fills blocks_ for a full run.
     void cut_into_blocks(std::size_t count);
-    // cells[k] is the input index of the sorted seed seed_at(k); blocks_ says where tasks begin.
+    // cells[k] is the input index of the sorted seed seed_at(k). blocks_ holds the beginnings of tasks.
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
                      const Share& share);
     void search(std::size_t seed, Worker& worker) const;
-    // Writes the cell, or notes that its search was given up.
+    // Writes the cell, or stores that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;
-    // hard_cells.cpp: the cells that the workers gave up.
+    // hard_cells.cpp: cells that the workers gave up.
     void clip_hard(ResultBuilder& out);
     [[nodiscard]] std::vector<std::int32_t> collect_hard();
     bool triangulate();
@@ -100,14 +99,14 @@ private:
     SeedImages images_;
     std::vector<std::int32_t> buried_;  // input indices of seeds lighter than another at the same place
     Hierarchy hierarchy_;
-    // Scratch memory, which stays from job to job.
+    // Scratch memory, kept from job to job.
     Buffer<std::int32_t> position_;  // input index -> sorted seed, -1 for duplicates; built when some are clipped
     bool positions_known_ = false;
     std::vector<std::int32_t> order_;  // sorted seeds to clip
-    std::vector<std::size_t> blocks_;  // where blocks of them begin, and where the last ends
+    std::vector<std::size_t> blocks_;  // beginnings of blocks, and the end of the last
     std::vector<bool> chosen_;
     std::span<double> powers_;          // of clip_first(), else empty
-    const Kernels* kernels_ = nullptr;  // that the workers are made for
+    const Kernels* kernels_ = nullptr;  // for which the workers are made
     std::deque<Worker> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };

@@ -4,7 +4,7 @@
 
 namespace votess::cpu {
 
-// Nothing is left for the stage fallback: exact arithmetic decides every sign on the spot.
+// The stage fallback is empty, because exact arithmetic decides every sign at once.
 void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.begin(job);
     Progress& progress = clipper_.progress();
@@ -12,10 +12,10 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     progress.report(0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
-    // Periodic domains need what wrapping took from coordinates, and a mesh needs seeds in input order.
+    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
     if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
         job.snapshot->release_pages();
-    clock.enter(&StageSeconds::knn);  // the search structure; candidates are pulled while clipping
+    clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());

@@ -9,7 +9,7 @@ namespace votess::cpu {
 
 class CpuEngine {
 public:
-    // The clipper and its threads may serve another engine between the runs of this one.
+    // The clipper and its threads may serve another engine between runs.
     explicit CpuEngine(CpuClipper& clipper) : clipper_(clipper) {}
 
     // Goes through the stages upload, sort, knn, clip, fallback, download, and enters each on the clock. Fills the

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
-// What a triangulation costs, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
+// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
 constexpr std::size_t triangulation_tests = 60;
 constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
@@ -31,11 +31,11 @@ std::vector<std::int32_t> CpuClipper::collect_hard() {
 void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     std::vector<std::int32_t> hard = collect_hard();
-    // Most cells that were given up in a block have not been tried at all: the first round allows no more than a block.
+    // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
-        // At least one of the two is done to the end: together they cost a few times what the cheaper one does.
+        // One of the two is always completed. Together they cost a few times as much as the cheaper one.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
         if (job_.domain->is_plain() && count <= max_triangulated && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
