@@ -1,4 +1,4 @@
-// Vectors of three doubles.
+// Vectors of three numbers.
 #pragma once
 
 #include <array>
@@ -7,12 +7,14 @@ namespace votess {
 
 using Vector3 = std::array<double, 3>;
 
-inline double dot(const Vector3& a, const Vector3& b) {
+template <class A, class B>
+auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-inline Vector3 cross(const Vector3& a, const Vector3& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+template <class T>
+auto cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {
+    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
 inline Vector3 minus(const Vector3& a, const Vector3& b) {

@@ -157,8 +157,8 @@ int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shif
         for (int k = 0; k < 3; ++k) d[k] = d[k] + exact::resize<W>(v[k] * exact::from_int128<1>(times));
     }
     if (!domain.triclinic) return d[j].sign();
-    const auto across = exact::cross(vector((j + 1) % 3), vector((j + 2) % 3));
-    return exact::dot(d, across).sign() * exact::dot(vector(j), across).sign();
+    const auto across = cross(vector((j + 1) % 3), vector((j + 2) % 3));
+    return dot(d, across).sign() * dot(vector(j), across).sign();
 }
 
 int fraction_sign(const Domain& domain, const exact::Point& x, const exact::Shift& shift, int j, int less) {

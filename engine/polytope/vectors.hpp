@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/vector3.hpp"
 #include "exact/double_double.hpp"
 #include "exact/wide_float.hpp"
 
@@ -20,14 +21,6 @@ inline constexpr double roundoff<exact::WideFloat> = 0;
 template <class Real>
 using Vector = std::array<Real, 3>;
 
-template <class Real>
-Vector<Real> cross(const Vector<Real>& a, const Vector<Real>& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-template <class Real>
-Real dot(const Vector<Real>& a, const Vector<Real>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 template <class Real>
 Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};

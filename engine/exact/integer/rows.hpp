@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/vector3.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/wide_int.hpp"
 #include "exact/predicate.hpp"
@@ -173,16 +174,6 @@ template <int W>
 void reverse(WideRow<W>& row) {
     for (auto& n : row.n) n = -n;
     row.s = -row.s;
-}
-
-template <class N>
-auto cross(const std::array<N, 3>& a, const std::array<N, 3>& b) {
-    return std::array{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-template <class A, class B>
-auto dot(const std::array<A, 3>& a, const std::array<B, 3>& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 // Returns the exponent of the power of two that brings the normal of an oblique wall, or the vectors that span it, to
