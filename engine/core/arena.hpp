@@ -1,4 +1,4 @@
-// Memory that is allocated piece by piece from large segments and freed all at once, for reuse.
+// Memory allocated piece by piece from large segments and freed all at once.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@ public:
         }
         if (current_ == segments_.size()) {
             Buffer<std::byte> segment;
-            // Leaves room for a piece that is a little larger in the next use.
+            // room for a slightly larger piece in the next use
             segment.resize_uninitialized(std::max(segment_bytes_, std::bit_ceil(bytes + bytes / 8)));
             segments_.push_back(std::move(segment));
         }
@@ -46,7 +46,7 @@ public:
 private:
     std::vector<Buffer<std::byte>> segments_;
     std::size_t segment_bytes_ = 0;
-    std::size_t current_ = 0, used_ = 0;  // where the next piece begins
+    std::size_t current_ = 0, used_ = 0;
 };
 
 }  // namespace votess

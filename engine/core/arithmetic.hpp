@@ -9,12 +9,10 @@
 
 namespace votess {
 
-// Returns length / step, rounded up.
 template <std::integral A, std::integral B>
 constexpr std::common_type_t<A, B> ceil_div(A length, B step) {
     return length / step + (length % step != 0);
 }
-// Returns the smallest multiple of step that is not below length.
 template <std::integral A, std::integral B>
 constexpr std::common_type_t<A, B> round_up(A length, B step) {
     return ceil_div(length, step) * step;

@@ -22,8 +22,8 @@ class Buffer {
 
 public:
     Buffer() = default;
-    // Use huge pages only for what is written all over. They are slow to get, but scattered writes to small pages are
-    // slow, because their addresses do not fit the processor's tables.
+    // Huge pages are slow to get, but scattered writes to small pages are slow too: their addresses do not fit the
+    // processor's tables.
     enum class Pages : std::uint8_t { normal, huge };
     explicit Buffer(Pages pages) : pages_(pages) {}
     Buffer(Buffer&& other) noexcept { *this = std::move(other); }
@@ -35,7 +35,7 @@ public:
         return *this;
     }
 
-    // Keeps the elements that fit the current memory. If it has to grow, all elements are lost.
+    // Keeps the elements unless the memory has to grow; then all are lost.
     void resize_uninitialized(std::size_t count) {
         if (count > capacity_) {
             memory_.reset();
@@ -48,8 +48,7 @@ public:
         size_ = count;
     }
 
-    // Makes the pages of these elements present at once, which costs less than a fault for each. Does nothing where the
-    // system has no such call.
+    // Makes the pages of these elements present at once, which is cheaper than a fault for each.
     void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t count) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
         constexpr std::uintptr_t page = 4096;
@@ -61,8 +60,7 @@ public:
 
     static constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
 
-    // Returns the memory of a large buffer to the system but keeps its addresses, so that the next use allocates
-    // nothing. The contents are lost.
+    // Returns the memory of a large buffer to the system but keeps its addresses. The contents are lost.
     void release_pages([[maybe_unused]] std::size_t least = min_released) {
 #if defined(__linux__)
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());

@@ -17,7 +17,7 @@ void ConvexPiece::Surface::clear() {
     ends.clear();
 }
 
-// Drops a polygon of fewer than three corners. It has no area, and its edges meet each other.
+// Drops a polygon of fewer than three corners.
 void ConvexPiece::Surface::end_polygon() {
     const std::size_t begin = ends.empty() ? 0 : ends.back();
     if (corners.size() < begin + 3)
@@ -58,8 +58,8 @@ ConvexPiece::Sides ConvexPiece::sides() const {
     return sides;
 }
 
-// Writes the closed half of the surface on one side of the plane: -1 within, 1 beyond. Polygons that only touch the
-// plane belong to neither half, because the closing polygons lie there.
+// Writes the closed half of the surface on one side of the plane: -1 within, 1 beyond. The closing polygons replace
+// polygons in the plane.
 void ConvexPiece::clip_half(double side, Surface& half) {
     const std::vector<Vector>& corners = surface_.corners;
     half.clear();

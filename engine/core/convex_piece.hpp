@@ -22,7 +22,7 @@ public:
     // Adds a bounding polygon, counterclockwise seen from outside.
     void add_polygon(std::span<const Vector> corners);
     void add_box(const Vector& lower, const Vector& upper);
-    // Copies the polyhedron without its scratch.
+    // Copies all but the scratch.
     void assign(const ConvexPiece& other) { surface_ = other.surface_; }
     [[nodiscard]] bool empty() const { return surface_.ends.empty(); }
 
@@ -63,7 +63,6 @@ private:
     struct Edge {
         Vector from, to;
     };
-    // Whether any corner lies strictly on a side.
     struct Sides {
         bool within = false, beyond = false;
     };

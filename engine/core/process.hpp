@@ -1,4 +1,4 @@
-// The process: which one this is, and its memory.
+// The identity and the memory of the process.
 #pragma once
 
 #include <sys/resource.h>
@@ -13,8 +13,8 @@
 
 namespace votess {
 
-// The process that made an object. A child made by fork() has a copy of the memory, but not the threads and devices. It
-// may neither use nor end them.
+// The process that made an object. A child made by fork() has its memory but not its threads and devices, and may
+// neither use nor end them.
 class HomeProcess {
 public:
     [[nodiscard]] bool is_this() const { return id_ == ::getpid(); }
@@ -23,7 +23,7 @@ private:
     pid_t id_ = ::getpid();
 };
 
-// Returns the largest resident memory of the process so far, in bytes.
+// In bytes, resident.
 inline std::uint64_t peak_memory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -34,7 +34,7 @@ inline std::uint64_t peak_memory() {
 #endif
 }
 
-// Returns freed memory to the system. Otherwise freed memory of one size is kept while another size is allocated.
+// Returns freed memory to the system. Otherwise memory of one size is kept while another size is allocated.
 inline void give_back_memory() {
 #if defined(__GLIBC__)
     (void)malloc_trim(0);

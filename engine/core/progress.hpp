@@ -19,7 +19,6 @@ struct Share {
     [[nodiscard]] double at(std::size_t done, std::size_t total) const {
         return at(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(total, 1)));
     }
-    // Returns a part of this part.
     [[nodiscard]] Share part(double from, double to) const { return {at(from), at(to)}; }
 };
 
@@ -30,7 +29,6 @@ public:
     Progress() = default;
     explicit Progress(ProgressCallback callback) : callback_(std::move(callback)) {}
 
-    // True if there is a callback.
     explicit operator bool() const { return static_cast<bool>(callback_); }
     // Returns false when the user asks to stop. Calls back about ten times a second, with fractions that never fall.
     // Other calls cost a look at the clock.
@@ -53,9 +51,8 @@ private:
     std::chrono::steady_clock::time_point last_{};  // long ago, so that the first call goes through in the shortest run
 };
 
-// Lets the user stop a call. While it lives, check_stop() calls the progress callback when due, in the thread that made
-// this object and its tasks. In other threads of a pool check_stop() reads a flag. A progress without a callback
-// changes nothing: an outer object stays in charge.
+// Lets the user stop a call. While it lives, check_stop() calls the progress callback when due, in this thread and its
+// tasks; in other threads of a pool it reads a flag. A progress without a callback leaves an outer object in charge.
 class Stoppable {
 public:
     explicit Stoppable(Progress& progress);
@@ -63,7 +60,7 @@ public:
     Stoppable(const Stoppable&) = delete;
     Stoppable& operator=(const Stoppable&) = delete;
 
-    // Sets this thread's object, which may be null. may_call: whether this thread calls back or only reads the flag.
+    // Sets this thread's object, which may be null. may_call: call back, or only read the flag.
     class Scope {
     public:
         Scope(Stoppable* to, bool may_call) noexcept;
@@ -75,12 +72,11 @@ public:
         Stoppable* outer_;
         bool outer_may_call_;
     };
-    // Returns this thread's object, or null.
+    // May be null.
     [[nodiscard]] static Stoppable* current() noexcept;
-    // The share of the current stage, for report_stage().
     [[nodiscard]] static Share stage() noexcept;
     static void enter_stage(const Share& share) noexcept;
-    // Returns the progress callback for a run within the call, see Progress::within().
+    // See Progress::within().
     [[nodiscard]] static ProgressCallback within(const Share& share);
 
 private:
@@ -96,7 +92,7 @@ private:
 
 // Throws `cancelled` when the user asks to stop. Long loops call it at intervals of a few microseconds or more.
 void check_stop();
-// Does the same, and reports how much of the current stage is done.
+// Also reports how much of the current stage is done.
 void report_stage(std::size_t done, std::size_t total);
 
 // Calls work(begin, end) for pieces of 0 .. count-1, and check_stop() between them.
@@ -109,7 +105,7 @@ void in_pieces(std::size_t count, const Work& work) {
     }
 }
 
-// Appends copies of `value` until the list has `size` elements. The user may stop it.
+// Appends copies of `value` until the list has `size` elements, in pieces.
 template <class T>
 void lengthen(std::vector<T>& list, std::size_t size, const T& value = {}) {
     list.reserve(size);

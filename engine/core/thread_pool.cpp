@@ -16,7 +16,6 @@
 
 namespace votess {
 
-// The threads, and the state that they share with the calling thread.
 struct ThreadPool::Crew {
     // Makes fewer threads if the system gives no more.
     explicit Crew(unsigned threads);

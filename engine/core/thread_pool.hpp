@@ -1,5 +1,4 @@
-// Threads that wait between jobs. A job is a range of task numbers; threads take the next number in turn, and the
-// calling thread works too.
+// Threads that wait between jobs. Threads take the task numbers of a job in order; the calling thread works too.
 #pragma once
 
 #include <cstddef>
@@ -24,13 +23,12 @@ public:
 
     [[nodiscard]] unsigned size() const { return size_; }
     [[nodiscard]] unsigned requested() const { return requested_; }
-    // False in a child made by fork(), which has no threads and may only destroy the pool.
+    // False in a child made by fork(), which may only destroy the pool.
     [[nodiscard]] bool has_threads() const { return home_.is_this(); }
-    // Runs task for 0 .. count-1 and returns when all are done. Rethrows the first exception after the other tasks have
-    // stopped; an exception of the calling thread comes first. Tasks may call check_stop(). The calling thread calls it
-    // between its tasks and while it waits.
+    // Runs task for 0 .. count-1. Rethrows the first exception after the other tasks have stopped; one of the calling
+    // thread comes first. Tasks may call check_stop(); the calling thread does between tasks and while it waits.
     void run(std::size_t count, const Task& task);
-    // Does the same, and reports the tasks started as the progress of the current stage.
+    // Also reports the tasks started as the progress of the current stage.
     void run_stage(std::size_t count, const Task& task);
 
 private:

@@ -1,8 +1,7 @@
-// The clipper: builds the cell of a seed from candidates, nearest first. A hierarchy of boxes over groups of sorted
-// seeds serves two searches. A window of candidates around a group is shared by its seeds. Cells that reach farther
-// (voids, hulls of clusters) search on through the boxes that a vertex of the cell reaches. In a periodic domain this
-// search continues through images that are not among the seeds, as pairs of a box and a range of shifts. It halves the
-// larger of the two, so that a thin or long box costs little more than a cube.
+// The clipper: builds the cell of a seed from candidates, nearest first. A window of candidates around a group is
+// shared by its seeds. Cells that reach farther (voids, hulls of clusters) search the boxes of the hierarchy. In a
+// periodic domain this goes on through images that are not among the seeds, as pairs of a box and a range of shifts.
+// The larger of the two is halved, so that a thin or long box costs little more than a cube.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +33,7 @@ struct FarEntry {
     Box images;  // bounds of all images, as seen from the home
 };
 
-// Builds cells. One for each thread; holds all scratch memory.
+// One for each thread; holds all scratch memory.
 class CellBuilder {
 public:
     CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels = best_kernels());
@@ -63,13 +62,12 @@ public:
     // Does the same by images of seeds, after guards.
     Cell& build_from(std::size_t seed, std::span<const std::int32_t> candidates, std::span<const exact::Shift> shifts,
                      std::span<const exact::Plane> guards = {});
-    // Clips the last cell again, by its neighbors only, so that the rounding of its vertices does not depend on how it
-    // was found. faces: scratch.
+    // Clips the last cell again, by its neighbors only, so that its rounding does not depend on how it was found.
+    // faces: scratch.
     Cell& rebuild(CellFaces& faces);
 
 private:
     void set_seed(std::size_t seed);
-    // Begins the cell of the current seed or probe.
     void start();
     Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
@@ -79,7 +77,6 @@ private:
     [[nodiscard]] std::int32_t find_coincident();
     // Lets the user stop, at intervals of many tested vertices.
     void poll_stop();
-    // Clips by a seed or image, by its id.
     void clip_by(std::int32_t id, double x, double y, double z);
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
     // Returns a squared distance at or beyond which no seed can cut the cell.

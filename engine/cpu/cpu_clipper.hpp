@@ -1,5 +1,4 @@
-// Clips cells on the CPU: all of them for the CPU engine, or some for another engine. Holds the sorted seeds, the
-// search structure and the threads.
+// Clips cells on the CPU: all of them for the CPU engine, or some for another engine.
 #pragma once
 
 #include <deque>
@@ -21,7 +20,7 @@ namespace votess::cpu {
 class CpuClipper : public ExactClipper {
 public:
     void begin(const Job& job) override;
-    // Makes the pool of so many threads, 0 = all of the machine, unless it exists. begin() does so too.
+    // Makes the pool of so many threads, 0 = one for each processor, unless it exists.
     ThreadPool& pool_of(unsigned threads);
     // Gets new threads in a child made by fork().
     ThreadPool& pool() override {
@@ -71,9 +70,7 @@ private:
     void gather_weights();
     void begin_workers(ResultBuilder& out);
     void find_positions();
-    // Fills order_.
     void put_in_sorted_order(std::span<const std::int32_t> cells);
-    // Fills blocks_ for a full run.
     void cut_into_blocks(std::size_t count);
     // cells[k] is the input index of the sorted seed seed_at(k). blocks_ holds the beginnings of tasks.
     template <class SeedAt>

@@ -1,7 +1,6 @@
-// Hard cells, which a search proves only after very many tests: those of seeds near a common sphere, where every cell
-// reaches the center, and of hulls of clusters in a void. Their search is given up. After all other cells it continues
-// with more and more tests (CpuClipper::clip_hard()), or one triangulation of all seeds finds the neighbors, whichever
-// is cheaper.
+// Hard cells, which a search proves only after very many tests: those of seeds near a common sphere, and of hulls of
+// clusters in a void. Their search is given up. After all other cells it continues with more and more tests
+// (CpuClipper::clip_hard()), or one triangulation of all seeds finds the neighbors, whichever is cheaper.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +9,8 @@
 
 namespace votess::cpu {
 
-// Limits the cost of the cells of a block. When many are hard, later ones are hardly tried. Each block starts with a
-// new budget, so that hard cells do not depend on threads.
+// Limits the cost of the cells of a block. When many are hard, later ones are hardly tried. Each block has its own
+// budget, so that hard cells do not depend on threads.
 class SearchBudget {
 public:
     static constexpr std::size_t max_tests = 2000;  // for one cell

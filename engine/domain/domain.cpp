@@ -28,7 +28,7 @@ double triple_product(const std::array<Vector, 3>& v) {
 
 constexpr double unit = 0x1p-53;
 
-// Computes the rest of a basis from shift and vector. Each vector is scaled to order one, so that no product leaves the
+// Computes the rest of a basis from shift and vector. Vectors are scaled to order one, so that no product leaves the
 // range.
 void invert(Basis& basis) {
     std::array<int, 3> exponent{};
@@ -50,8 +50,7 @@ void invert(Basis& basis) {
     }
 }
 
-// Returns a whole number of box vectors. A quarter of the range leaves room for sums; numbers that double does not hold
-// exactly are too large as well.
+// A quarter of the range leaves room for sums. Numbers that double does not hold exactly are too large as well.
 std::int32_t checked_shift(double number) {
     if (!(std::abs(number) <= exact::max_shift / 4))
         throw Error(ErrorCode::unsupported,
@@ -60,8 +59,7 @@ std::int32_t checked_shift(double number) {
     return static_cast<std::int32_t>(number);
 }
 
-// Makes edges that are not periodic perpendicular to the lattice. Only the distance of the walls matters, and fewer
-// images are near when vectors lean less.
+// Makes edges that are not periodic perpendicular to the lattice. Walls stay, and fewer images are near.
 void straighten(const Domain& domain, std::array<Vector, 3>& v) {
     const auto periodic = std::ranges::count(domain.periodic, true);
     for (int j = 0; j < 3; ++j) {
@@ -73,8 +71,7 @@ void straighten(const Domain& domain, std::array<Vector, 3>& v) {
     }
 }
 
-// Makes the vectors of a lattice short: subtracts from each the multiples of the others that bring it nearest to 0
-// (pairwise reduction), until none becomes shorter. Only speed depends on their length.
+// Shortens the vectors of a lattice by pairwise reduction. Only speed depends on their length.
 Basis reduced_basis(const Domain& domain) {
     Basis basis = domain.edges;
     auto& shifts = basis.shift;
@@ -196,8 +193,8 @@ double Basis::fraction_error(int j, double size) const {
 }
 
 // In a periodic domain the square of the covering radius R is enough. A vertex at distance r that the cell must lose
-// lies in the cell of another seed, whose nearest image is within R of it: images of a seed weigh the same. The image
-// is at most r + R away, which is less than the reach r + sqrt(r^2 + R^2).
+// lies in the cell of another seed, whose nearest image is within R of it, hence at most r + R away. The reach r +
+// sqrt(r^2 + R^2) is longer.
 double Domain::max_heavier_by(double weight) const {
     const double more = largest_weight - weight;
     return is_periodic() ? std::min(more, covering_radius * covering_radius * (1 + 1e-6)) : more;

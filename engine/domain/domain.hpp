@@ -1,5 +1,5 @@
-// The domain of a job: a box or a triclinic box, periodic along any of its edges, with walls across the others and any
-// number of further walls. Lengths are multiplied by the scale of the job.
+// The domain of a job: a box or a triclinic box, periodic along any of its edges, with walls across the others and
+// further walls. Lengths are multiplied by the scale of the job.
 #pragma once
 
 #include <array>
@@ -45,11 +45,11 @@ struct Domain {
 
     bool triclinic = false;
     exact::Point origin{};
-    exact::Lattice lattice;                         // zero along axes of a box that are not periodic
-    std::array<std::array<double, 3>, 3> vector{};  // lattice, rounded
-    double handedness = 1;                          // sign of the determinant of the vectors
-    Basis edges;    // points of the domain are origin + f.edges, with 0 <= f < 1 along periodic axes
-    Basis reduced;  // short vectors of the same lattice
+    exact::Lattice lattice;  // zero along axes of a box that are not periodic
+    std::array<std::array<double, 3>, 3> vector{};
+    double handedness = 1;  // sign of the determinant of the vectors
+    Basis edges;            // points of the domain are origin + f.edges, with 0 <= f < 1 along periodic axes
+    Basis reduced;          // short vectors of the same lattice
     // The cell is so flat that seeds are moved into the reduced one.
     bool skewed = false;
     double covering_radius = 0;  // bound on the distance of any point to the nearest image of a seed
@@ -60,7 +60,6 @@ struct Domain {
 
     [[nodiscard]] bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
-    // A box with walls and no weights.
     [[nodiscard]] bool is_plain() const { return !is_periodic() && !triclinic && walls.empty() && !has_weights(); }
     // Returns how much the weight of a seed that matters to a cell may exceed the cell's weight.
     [[nodiscard]] double max_heavier_by(double weight) const;
@@ -73,12 +72,12 @@ struct Domain {
     [[nodiscard]] bool has_box_wall(int wall) const { return !periodic[wall / 2]; }
     // Whether the box has walls that are not across x, y or z.
     [[nodiscard]] bool has_cell_walls() const { return triclinic && !(periodic[0] && periodic[1] && periodic[2]); }
-    // Returns a wall of the box. It refers to this domain.
+    // Refers to this domain.
     [[nodiscard]] exact::Plane box_wall(int wall) const;
 };
 
 // Returns the shifts by which an image of a point may bound the point's own cell, nearest first: -2 to 2 times each
-// reduced vector. More are not needed, because any two reduced vectors are short compared with each other.
+// reduced vector, any two of which are short compared with each other.
 std::vector<exact::Shift> near_translations(const Domain& domain);
 // Returns a lower bound of the distance from a point to its nearest image; infinite if nothing repeats.
 double nearest_translation(const Domain& domain);
@@ -88,13 +87,12 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
 // Returns the bounds of all images of the points of `box` by shifts of the range, as seen from x, rounded outward once.
 Box images_of(const Domain& domain, const Box& box, const ShiftRange& range, const exact::Point& x);
 std::array<ShiftRange, 2> halves(const ShiftRange& range, int axis);
-// The axis along which the images of a point by a range extend farthest, and their extent.
+// The axis along which the images of a point by a range extend farthest.
 struct Extent {
     int axis = 0;
     double length = 0;
 };
 Extent longest_extent(const Domain& domain, const ShiftRange& range);
-// Returns the shift of a single range.
 exact::Shift only_shift(const Domain& domain, const ShiftRange& range);
 
 double largest_coordinate(const Box& box);
@@ -104,13 +102,13 @@ Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);
 // Throws Error(invalid_argument) when the volume of the vectors is 0 to rounding. The largest number of the box must be
 // of order one.
 Domain triclinic_domain(const TriclinicBox& cell);
-// Whether x lies between the walls of a triclinic box, or on them. Exact.
+// Exact. A place on a wall is inside.
 bool inside_walls(const Domain& domain, const exact::Point& x);
 
 // Returns the shift that brings x into a periodic domain, or nothing when that takes more than some 500 million
 // periods. Exact, so images of a point are brought to the same point.
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x);
-// Returns the shift that brings a point of a skewed domain into its reduced cell, to rounding.
+// To rounding.
 exact::Shift shift_into_reduced(const Domain& domain, const exact::Point& x);
 
 // Returns a wall normal.x <= offset, with a normal of order one and the offset times scale. Errors call it `name`.

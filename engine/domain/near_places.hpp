@@ -8,17 +8,14 @@
 
 namespace votess {
 
-// A grid of marks over the fractions of the domain's short vectors.
 class NearPlaces {
 public:
     // spacing: of the grid, approximately.
     NearPlaces(const Domain& domain, double spacing);
 
-    // Marks everything within the distance of x.
     void add(const exact::Point& x, double distance);
     // Returns false only if x is farther from each added place than its distance.
     [[nodiscard]] bool holds(const exact::Point& x) const;
-    // Returns the fraction of the domain that is marked.
     [[nodiscard]] double share() const;
 
 private:

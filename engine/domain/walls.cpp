@@ -33,7 +33,6 @@ void check_faces(std::size_t faces, std::size_t least) {
         refuse(std::to_string(faces) + " faces: give " + std::to_string(least) + " to " + std::to_string(most));
 }
 
-// Returns x scaled to length one.
 Vector direction(const char* what, const Vector& x) {
     check_finite(what, x);
     const double largest = std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});

@@ -48,7 +48,7 @@ auto lifted_determinant(const Row& a, const Row& b, const Row& c, const Row& d) 
     return (abc * lift(d) - abd * lift(c)) + (acd * lift(b) - bcd * lift(a));
 }
 
-// N points minus a last one: rounded differences, and their exact rounding errors.
+// N points minus a last one, rounded, and the exact rounding errors.
 template <std::size_t N>
 struct PointRows {
     std::array<std::array<double, 3>, N> high;
@@ -60,7 +60,7 @@ struct PointRows {
     }
 };
 
-// Writes the differences as integers below 2^61 in units of a power of two. Returns false if one would be rounded.
+// Writes the differences as integers below 2^61 in units of a power of two. Returns false if that would round.
 template <std::size_t N>
 bool to_int64(const PointRows<N>& d, std::array<std::array<std::int64_t, 3>, N>& out) {
     double largest = 0;

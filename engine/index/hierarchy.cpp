@@ -13,7 +13,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
 
-// Returns the largest weight of these seeds, or of the home seeds of these images.
 double largest_of(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
     double largest = -infinity;
     for (std::size_t id = begin; id < end; ++id) {

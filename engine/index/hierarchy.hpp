@@ -1,7 +1,6 @@
-// An implicit tree of bounding boxes over the sorted seeds and their images. Level 0 holds the boxes of groups of
-// consecutive seeds; each box of level k+1 covers eight of level k; the top level has one box. Seeds follow a Hilbert
-// curve, so boxes are compact at any density. In a power diagram each box stores its largest weight, so that one heavy
-// seed does not widen every search.
+// An implicit tree of bounding boxes over the sorted seeds and their images. Level 0 has one box for each group, each
+// box of level k+1 covers eight of level k, the top level has one. Seeds follow a Hilbert curve, so boxes are compact
+// at any density. Weights are stored by box, so that one heavy seed does not widen every search.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +22,6 @@ public:
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
-    // Returns large memory to the system until the next build().
     void release_pages() {
         for (auto& level : levels_) level.release_pages();
         for (auto& level : weights_) level.release_pages();
@@ -46,7 +44,6 @@ public:
     [[nodiscard]] double largest_weight(int level, std::size_t node) const {
         return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;
     }
-    // Returns the largest weight of all boxes of a block.
     [[nodiscard]] double largest_weight_of_block(int level, std::size_t index) const {
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }

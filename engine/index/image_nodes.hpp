@@ -1,5 +1,5 @@
-// Images of seeds that are not among the sorted ones: a node of the hierarchy with a range of shifts. A search splits
-// it until one image of one seed remains.
+// Images that are not among the sorted ones: a node of the hierarchy with a range of shifts. A search splits it until
+// one image of one seed remains.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ struct ImageNode {
     [[nodiscard]] bool is_single() const { return level < 0 && shifts.is_single(); }
 };
 
-// Returns the box of the seeds of a node, without their images.
+// Without images.
 inline Box box_of(const ImageNode& node, const SortedSeeds& seeds, const Hierarchy& hierarchy) {
     if (node.level >= 0) return hierarchy.box(node.level, node.node);
     const std::array<double, 3> x{seeds.x[node.node], seeds.y[node.node], seeds.z[node.node]};

@@ -149,8 +149,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
     });
 }
 
-// The sorter drops seeds whose rounded positions are equal. Those that differ exactly are appended at the end, sorted
-// by position. The lowest index of each place keeps it for its duplicates.
+// The sorter drops seeds whose rounded positions are equal. Those that differ exactly are appended, sorted by position.
+// The lowest index of each place keeps it for its duplicates.
 void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
     if (out.duplicates == 0 || wraps_.empty()) return;
     struct Member {

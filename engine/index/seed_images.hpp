@@ -50,7 +50,7 @@ public:
     }
     // Does the same for a cell that has been moved into the reduced cell by `moved`.
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t home, const exact::Shift& moved) const;
-    // Returns the place of a seed in the domain, rounded.
+    // Rounded.
     [[nodiscard]] exact::Point place_in_domain(std::size_t seed) const;
     [[nodiscard]] double largest_coordinate() const { return largest_coordinate_; }
     // Along each axis; 0 where box vectors have no component, so that no place is rounded.
@@ -68,7 +68,7 @@ public:
         exact::Shift shift;
     };
     [[nodiscard]] Base base(std::size_t seed) const;
-    // Returns the bisector of a seed and the image of `home` by `shift`, relative to base(seed).point.
+    // The image of `home` by `shift`, relative to base(seed).point.
     [[nodiscard]] exact::Plane bisector(const Base& seed, std::int32_t home, const exact::Shift& shift) const;
 
 private:
@@ -97,7 +97,7 @@ private:
     std::vector<double> wrapped_, wrapped_low_;  // 3N coordinates and their rounding errors, with wraps_
     std::vector<char> wrapped_rough_;            // N, whether even their sum is rounded
     double domain_size_ = 0;                     // bound on coordinates inside
-    std::array<double, 3> edge_error_{};         // of fractions of the domain's edges, within domain_size_
+    std::array<double, 3> edge_error_{};         // of fractions of the domain's edges
     double min_reach_ = 0;
     std::size_t first_ = 0;  // id of the first image
     Buffer<std::int32_t> home_;

@@ -28,7 +28,7 @@ static_assert(std::bit_width(crowded_min / bucket_seeds) >= 3, "a split has to s
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
 
-// Runs tasks without allocation, and without waking threads for a single one.
+// Runs tasks without allocation; wakes no threads for a single one.
 template <class Task>
 void run(ThreadPool& pool, std::size_t count, const Task& task) {
     if (count == 1)
@@ -248,7 +248,6 @@ void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
     for (BlockSorter& worker : workers_) worker.reserve(most);
     std::atomic<std::size_t> duplicates = 0;
     run(pool, ceil_div(records_.size(), sort_task), [&](std::size_t task, unsigned worker) {
-        // Buckets that begin within this part.
         const auto at = [&](std::size_t begin) { return std::ranges::lower_bound(filled_, begin, {}, &Bucket::begin); };
         std::size_t dropped = 0;
         for (auto s = at(task * sort_task), end = at((task + 1) * sort_task); s != end; ++s) {

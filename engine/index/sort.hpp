@@ -1,6 +1,5 @@
 // Sorts seeds so that memory order follows space. They are binned in a grid whose blocks follow a Hilbert curve. A
-// crowded block is binned again within its own bounds, which resolves any clustering. Equal seeds always share a block;
-// so duplicates are found.
+// crowded block is binned again within its own bounds. Equal seeds always share a block, so duplicates are found.
 #pragma once
 
 #include <cstdint>
@@ -16,8 +15,8 @@
 
 namespace votess::cpu {
 
-// Scatters the seeds into buckets (stretches of the curve that fit a cache) and sorts each bucket. Needs 36 bytes a
-// seed. It keeps the addresses for the next call, but releases the pages of large buffers.
+// Scatters the seeds into buckets that fit a cache and sorts each bucket. Needs 36 bytes a seed, keeps the addresses,
+// and releases the pages of large buffers.
 class SeedSorter {
 public:
     // points: 3N; each coordinate is multiplied by `scale`, a power of two. resolution: grid blocks along the longest
@@ -29,7 +28,6 @@ public:
 private:
     template <class Real>
     struct Cloud;
-    // The buckets of one grid, or of a bucket that is binned again.
     struct Split {
         Grid grid;
         int shift;  // from a key to its bucket
@@ -58,7 +56,7 @@ private:
     void sort_buckets(ThreadPool& pool, SortedSeeds& out);
     void remove_duplicates(std::size_t count, ThreadPool& pool, SortedSeeds& out);
 
-    // The input is cut in chunks, one task each. Each chunk counts its seeds in each bucket.
+    // The input is cut in chunks, one task each.
     std::size_t chunks_ = 1;
     std::vector<Bounds> bounds_;          // by chunk, and by crowded bucket
     std::vector<Split> splits_;           // the first is of all seeds
@@ -72,8 +70,8 @@ private:
     std::vector<std::size_t> kept_;  // by chunk
 };
 
-// Sorts the seeds of a job except those outside of the domain, which have no cell. outside: as in the job. Indices in
-// `out` are those of the points. See SeedSorter::sort() for the rest.
+// Sorts the seeds of a job that have a cell. outside: as in the job. Indices in `out` are those of the points. See
+// SeedSorter::sort() for the rest.
 void sort_inside(const Points& points, double scale, unsigned resolution, std::span<const CellStatus> outside,
                  SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
 

@@ -16,16 +16,14 @@ struct SeedRecord {
     std::uint32_t key;  // along the curve; below 2^30
 };
 
-// Marks a seed that equals another until all are sorted: this replaces `input`, and the input index of the seed that
-// keeps the cell replaces x.
+// Replaces `input` of a seed that equals another, until all are sorted. The input index of the seed that keeps the cell
+// replaces x.
 constexpr std::int32_t dropped(std::int32_t input) {
     return ~input;
 }
 
-// One for each thread; holds scratch memory.
 class BlockSorter {
 public:
-    // Makes room for blocks of so many seeds.
     void reserve(std::size_t seeds);
 
     // Sorts records, which are in input order, and writes them to out[begin ..]. Returns the number of dropped seeds.

@@ -14,8 +14,8 @@ inline constexpr std::size_t group_size = 8;  // consecutive seeds that share a 
 class SeedImages;
 
 struct SortedSeeds {
-    // Scaled coordinates of M seeds without duplicates, padded to whole groups. In a periodic domain those of images
-    // follow, padded too. Accessed at random, hence huge pages.
+    // Scaled coordinates of M seeds without duplicates, then those of images, each padded to whole groups. Accessed at
+    // random, hence huge pages.
     static constexpr auto pages = Buffer<double>::Pages::huge;
     Buffer<double> x{pages}, y{pages}, z{pages};
     Buffer<std::int32_t> input;              // M: index in the input
@@ -27,7 +27,6 @@ struct SortedSeeds {
 
     [[nodiscard]] std::size_t size() const { return input.size(); }  // M
     [[nodiscard]] std::size_t places() const { return x.size(); }
-    // Returns the end of the group that begins at `begin`.
     [[nodiscard]] std::size_t group_end(std::size_t begin) const {
         const std::size_t end = begin + group_size;
         return begin < size() ? std::min(end, size()) : std::min(end, images_end);

@@ -1,5 +1,5 @@
-// Vector loops over the candidates of a star, compiled for several instruction sets and chosen at run time. Their
-// results are exact or checked, so lists do not depend on the choice.
+// Vector loops over the candidates of a star, for several instruction sets, chosen at run time. Their results are exact
+// or checked, so lists do not depend on the choice.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@ namespace votess::cpu {
 
 inline constexpr int box_fan = 8;
 
-// Boxes of eight siblings in the tree. Missing ones are infinitely far away.
+// Boxes of eight siblings. Missing ones are infinitely far away.
 struct alignas(64) BoxBlock {
     double lower[3][box_fan];
     double upper[3][box_fan];
@@ -34,7 +34,7 @@ struct WindowSeeds {
 };
 
 // Candidate planes n.x = h of a cell in window units. h = |n|^2 / 2, or (|n|^2 + w_p - w_q) / 2 in a power diagram. A
-// wall is the bisector with the seed's mirror image. From `count` up to the next multiple of 16 are planes that nothing
+// wall is the bisector with the mirror image. From `count` up to the next multiple of 16 are planes that nothing
 // touches.
 struct CandidatePlanes {
     static constexpr int capacity = 256;
@@ -95,7 +95,7 @@ struct StarKernels {
     int (*touching)(const CandidatePlanes&, int count, const float* v, const std::int32_t* three, int begin);
     // places[k] = how many of `count` different ids are smaller than ids[k]. There is room for 32 places or more.
     void (*rank)(const std::int32_t* ids, int count, std::uint32_t* places);
-    // Sorts the corners, and puts fillers behind them.
+    // Sorts the corners and appends fillers.
     void (*order_corners)(const CellShape&, CornerOrder&);
     // Returns false if rounding might spoil promised digits. Last digits depend on the instruction set.
     bool (*measure)(CellShape&, CellMeasures&);

@@ -17,7 +17,6 @@ namespace {
 
 constexpr std::size_t initial_rows = std::size_t{1} << 20;  // ids of a block; memory costs nothing until it is touched
 
-// Keeps the first `kept` values.
 template <class T>
 void grow_to(Buffer<T>& values, std::size_t kept, std::size_t size) {
     Buffer<T> larger;

@@ -1,5 +1,5 @@
-// Writes finished cells to the result: rows block by block in the order of the engine, values of fixed size at once to
-// their places. One for each thread.
+// Writes finished cells: rows block by block in the order of the engine, values of fixed size at once to their places.
+// One for each thread.
 #pragma once
 
 #include <cstdint>
@@ -21,9 +21,9 @@ public:
     explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
 
     void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
-    // Call when `star` begins another stretch.
+    // When `star` begins another stretch.
     void begin_stretch() { polygon_writer_.begin_stretch(); }
-    // Prefetches the places of a cell's values, which are anywhere in memory. Call when the cell is started.
+    // Prefetches the places of a cell's values, when the cell is started.
     void prefetch(std::size_t seed) const;
     // Writes the last cell that `star` built. Returns false if its geometry lacks the promised digits.
     [[nodiscard]] bool write(std::size_t seed, Star& star) {
@@ -43,11 +43,10 @@ public:
         set_output(output, probe);
         write(cell);
     }
-    // Writes a probe that has no cell.
     void write_none(std::size_t output, CellStatus status);
     // Skips a cell whose row is in another block.
     void skip_row();
-    // Adds the rows written since the last call to the result. cells: as in ResultBuilder::add_rows.
+    // cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
@@ -81,7 +80,6 @@ private:
     // these are empty.
     void rank_faces(std::span<const std::int32_t> ids);
     void rank_labels();
-    // Whether all ranks of faces differ.
     [[nodiscard]] bool ranks_differ() const;
     [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
     // Writes in the order of rank_faces(). face_normals_ is in the order of the faces.

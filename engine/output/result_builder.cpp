@@ -22,7 +22,6 @@ constexpr std::size_t task_cells = 65536;   // of loops over all cells; fixed, s
 constexpr std::size_t min_segment = std::size_t{64} << 10, max_segment = std::size_t{8} << 20;
 constexpr std::size_t lookahead = 16;  // cells whose places are prefetched
 
-// Calls task(block, begin, end).
 template <class Task>
 void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
     pool.run(ceil_div(count, task_cells), [&](std::size_t block, unsigned) {

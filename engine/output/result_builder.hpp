@@ -1,5 +1,5 @@
-// The result while engines fill it: arrays in input order, and rows of neighbors, block by block in the order of the
-// engine, until all lengths are known. Functions may be called from one thread only unless they say otherwise.
+// The result while engines fill it: arrays in input order, and pending rows in the order of the engine. Functions may
+// be called from one thread only unless they say otherwise.
 #pragma once
 
 #include <cstdint>
@@ -48,12 +48,12 @@ public:
 
     // Adds rows, from any thread. ids: the rows of `cells` (input indices) one after the other, each ascending (then by
     // shift, in a periodic domain); lengths[k] of them belong to cells[k]. values: the requested ones. A cell of length
-    // 0 has no row here and may get one from another call. `cells` must stay valid until finish(), see
-    // allocate_cells(); the other arrays are copied. Large results finish faster in blocks of at most some thousand
-    // cells. Does nothing if neighbors are not requested.
+    // 0 may get a row from another call. `cells` must stay valid until finish(), see allocate_cells(); the rest is
+    // copied. Large results finish faster in blocks of at most some thousand cells. Does nothing if neighbors are not
+    // requested.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                   std::span<const std::int32_t> ids, const RowValues& values = {});
-    // Does the same from any thread, cut into blocks. `cells` is copied too.
+    // Copies `cells` too, and cuts into blocks. From any thread.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
     // Returns room for an array of cells until finish(). From any thread.
@@ -71,7 +71,7 @@ public:
     void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
 
     // Puts the pending rows into place and leaves room for later ones, for engines that have rows in input order.
-    // later: N lengths, 0 for cells with a pending row; or none. No other call may add rows from here on.
+    // later: N lengths, 0 for cells with a pending row; or none. No rows may be added from here on.
     void settle(std::span<const std::uint32_t> later, ThreadPool& pool);
     // Places the rows of the cells from `first` on, one after the other, with the lengths given to settle(). From any
     // thread, after settle().
@@ -89,7 +89,6 @@ private:
         RowValues values;
     };
 
-    // Throws unless the requested values are present, each of the right size.
     void check_values(const RowValues& values, std::size_t ids) const;
     // Stores the lengths. Returns whether some are 0.
     bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);

@@ -19,12 +19,12 @@ class FaceTally {
 public:
     static constexpr double tiny = 1e-9;  // of the mean area
 
-    // Resets the counts. largest: a bound on the areas.
+    // largest: a bound on the areas.
     void begin(double largest) {
         *this = {};
         below_ = tiny * largest;
     }
-    // Adds the areas of a cell's faces with other cells.
+    // Of a cell's faces with other cells.
     void add(std::span<const double> areas) {
         constexpr std::size_t lanes = 4;
         std::array<double, lanes> sum{}, least{};

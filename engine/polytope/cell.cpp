@@ -12,7 +12,7 @@ namespace {
 
 constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Below these, underflow of squares and products may spoil the error bounds. Such planes are always decided exactly.
+// Below these, underflow may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which need the exact test
@@ -357,8 +357,8 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
     return clip(make_plane(seed_, id, source, shift));
 }
 
-// In a power diagram the bisector with a farther seed may lie on the plane of a face. Then the face becomes the farther
-// seed's, whose power is least beyond the plane. Returns whether the bisector equals a face's plane.
+// In a power diagram the bisector with a farther seed may lie on the plane of a face. The face becomes the farther
+// seed's, whose power is least beyond the plane. Returns whether the planes are equal.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     if (plane.source.is_reversed()) return false;
     for (const std::int32_t p : corners_[slot].plane) {

@@ -41,8 +41,7 @@ struct CellPlane {
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
                      const exact::Shift& shift = {});
 
-// Returns the vector from the seed to its mirror image in a wall; 0 if the seed lies on the wall or the distance is not
-// reliable.
+// Returns the vector from the seed to its mirror image in a wall; 0 if h is not reliable or not positive.
 std::array<double, 3> mirror_image(const CellPlane& wall);
 
 struct CellGeometry {
@@ -62,8 +61,7 @@ struct CellFaces {
     [[nodiscard]] std::size_t size() const { return planes.size(); }
 };
 
-// Returns a box as seen from `at`, moved outward by the rounding of the subtraction and of the positions, which may be
-// off by `rounding` along each axis.
+// Returns a box as seen from `at`, moved outward by all rounding. rounding: by axis, of the positions.
 Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
 
 class Cell {
@@ -77,17 +75,17 @@ public:
     void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
     // Clips by the bisector with q, which must differ from the seed. Returns true if the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
-    // Clips by any plane relative to seed(). A bisector with a seed at the same place needs power.
+    // Clips by a plane relative to seed(). A bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
-    // Returns a bound on the squared distance R^2 to the farthest vertex, with slack for rounding in comparisons. No
-    // seed at 2 R or beyond cuts the cell.
+    // Returns an upper bound on the squared distance R^2 to the farthest vertex. No seed at 2 R or beyond cuts the
+    // cell.
     [[nodiscard]] double radius_squared();
-    // Returns false only if no seed inside the box can cut the cell. The box is relative to the cell's seed. more:
-    // bound on the excess of their weight over the cell's, 0 or more.
+    // Returns false only if no seed inside the box (relative to seed()) can cut the cell. more: bound on the excess of
+    // their weight over the cell's, 0 or more.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
-    // Does the same, slower, and sharp even if the box is much nearer than the vertices, like the row of images along
-    // the short edge of a thin box. After many calls it solves the vertices exactly.
+    // Slower, and sharp even if the box is much nearer than the vertices, like the images along the short edge of a
+    // thin box. After many calls it solves the vertices exactly.
     [[nodiscard]] bool may_cut(const Box& relative, double more);
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
@@ -103,12 +101,11 @@ public:
         const auto& [a, b, c] = corners_[slot].plane;
         return {&planes_[a], &planes_[b], &planes_[c]};
     }
-    // Returns the position of a vertex relative to the seed.
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
     // Returns a bound on the error of each coordinate of position().
     [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
-    // Whether a plane touched a vertex. Faces of no area may then remain.
+    // Whether a plane touched a vertex, so that faces of no area may remain.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
 
     // Lists the planes that have a face. After a tie some of them may have no area.
@@ -124,7 +121,7 @@ private:
     };
     struct Refined {  // gains precision with the number of uncertain tests
         int tests = 0;
-        bool solved = false;  // whether the position is known
+        bool solved = false;
         std::array<exact::DoubleDouble, 3> position{};
     };
     struct RefinedPlane {
@@ -172,7 +169,7 @@ private:
 
     std::vector<HorizonEdge> horizon_;
     std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
-    std::vector<std::int32_t> merged_;  // slot -> representative among equal vertices
+    std::vector<std::int32_t> merged_;  // slot -> representative of equal vertices
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
     bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
     double radius_squared_ = 0;

@@ -1,6 +1,5 @@
-// Volume, centroid and areas of a cell, as a sum of pyramids from the seed over its faces. Computed in double with a
-// running error bound. Needles and slabs, where vertices cancel, are computed again from exactly solved vertices: in
-// double, then in quad, then in WideFloat.
+// Volume, centroid and areas of a cell, as a sum of pyramids from the seed, with a running error bound. Needles and
+// slabs, where vertices cancel, are computed again from exactly solved vertices, in double, quad, then WideFloat.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -46,7 +45,6 @@ struct Pyramids {  // over the faces on one plane: volume = factor * doubled are
     Real factor;
 };
 
-// Returns the normal of an oblique wall.
 template <class Real>
 Vector<Real> wall_normal(const exact::Plane& wall) {
     Vector<Real> n;
@@ -157,7 +155,7 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
     return geometry;
 }
 
-// Sums over vertices that are solved exactly and rounded to Real, each once, from the planes of its first three faces.
+// Solves each vertex exactly, from the planes of its first three faces, and rounds it to Real.
 template <class Real>
 std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
     struct Solved {
@@ -206,7 +204,7 @@ CellGeometry Cell::measure(const CellFaces& faces, std::vector<double>* areas) c
     return solve(*this, faces, areas);
 }
 
-// Sorts faces by rank, and begins each polygon at the edge to the face of least rank, so that the sums do not depend on
+// Faces go by rank, and each polygon begins at the edge to the face of least rank, so that the sums do not depend on
 // how the cell was found.
 void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
                      std::vector<double>& areas) {

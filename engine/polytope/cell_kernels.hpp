@@ -13,7 +13,7 @@ namespace votess::cpu {
 inline constexpr int lanes = 8;        // vertices per block
 inline constexpr int word_slots = 64;  // vertices per mask word
 
-// Vertices of one mask word, structure of arrays. Positions are relative to the seed.
+// Vertices of one mask word, relative to the seed.
 struct VertexBlock {
     const double* x;
     const double* y;
@@ -23,7 +23,6 @@ struct VertexBlock {
     int blocks;                    // number of 8-lane blocks in use, at most 8
 };
 
-// The plane n.x = h with the error terms of its filter.
 struct FilterPlane {
     double nx, ny, nz, h;
     double norm;     // |n|
@@ -38,11 +37,10 @@ struct SideMasks {
 struct Kernels {
     const char* name;
     SideMasks (*classify)(const VertexBlock&, const FilterPlane&);
-    // Whether the box reaches into the ball around any vertex that touches the seed. Only there can a seed cut. The
+    // Whether the box reaches into the ball around any vertex that touches the seed: only there can a seed cut. The
     // squared radius counts as radius * slack + floor.
     bool (*box_in_reach)(const VertexBlock&, const Box& relative, double slack, double floor);
     double (*largest_radius)(const VertexBlock&);
-    // out[i] = squared distance of (x,y,z)[i] from p.
     void (*squared_distances)(const double* x, const double* y, const double* z, int count, const double* p,
                               double* out);
     // Writes sort keys of the distances in [from, to): their high half, monotone for positive doubles, above their
@@ -57,7 +55,7 @@ std::vector<const Kernels*> supported_kernels();
 // For tests, before anything else runs: hides all better sets.
 void set_best_kernels(const Kernels& kernels);
 const Kernels& best_kernels();
-// Returns a set by name, "" = the best; null if there is none.
+// "" = the best; null if there is none.
 const Kernels* find_kernels(std::string_view name);
 
 }  // namespace votess::cpu

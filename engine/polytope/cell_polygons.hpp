@@ -35,9 +35,8 @@ struct CellPolygons {
     }
 };
 
-// Returns the outward unit normal of a plane as seen by a seed at p. Each component of the exact normal is rounded once
-// before the division by the length. All rows take normals from here, so their digits do not depend on how a cell was
-// found.
+// Returns the outward unit normal of a plane as seen by a seed at p. Each component of the exact normal is rounded
+// once. All rows take normals from here, so their digits do not depend on how a cell was found.
 std::array<double, 3> unit_normal(const exact::Point& p, const exact::Plane& plane);
 
 // faces: the canonical ones of the cell; ranks: by face, all different.

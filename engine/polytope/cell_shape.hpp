@@ -1,6 +1,5 @@
-// The shape of a cell, from which its volume, centroid and areas are computed, and these measures. They depend on the
-// seed and its neighbors only, not on who found the cell or in which order. So planes are in the order of the cell's
-// row, and CellMeter sorts the corners.
+// The shape of a cell, and the measures computed from it. They depend on the seed and its neighbors only, so planes are
+// in the order of the cell's row, and CellMeter sorts the corners.
 #pragma once
 
 #include <array>
@@ -14,10 +13,9 @@ namespace votess::cpu {
 class Cell;
 struct CellFaces;
 
-// Solves corners exactly.
 class ExactCorners {
 public:
-    // Returns the corner of three planes, given by rank, rounded.
+    // Returns the corner of three planes, given by rank, rounded once.
     [[nodiscard]] virtual std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const = 0;
 
 protected:
@@ -56,7 +54,7 @@ struct CellShape {
         b[at] = static_cast<std::uint8_t>(q);
         c[at] = static_cast<std::uint8_t>(r);
     }
-    // Adds the planes around one corner. Their ranks must be set. Returns false when there is no room.
+    // Adds the planes around one corner, whose ranks must be set. Returns false when there is no room.
     [[nodiscard]] bool add_polygon(std::span<const std::uint8_t> around);
 };
 
@@ -94,8 +92,7 @@ private:
     std::vector<std::uint8_t> around_;
 };
 
-// Measures cells whose shape is not precise enough, from corners that are solved exactly. areas: by rank, to an
-// absolute error of 1e-10 of their sum.
+// Measures from exactly solved corners. areas: by rank, to an absolute error of 1e-10 of their sum.
 void measure_exactly(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellMeasures& out,
                      std::vector<double>& areas);
 

@@ -34,7 +34,6 @@ std::span<const std::int32_t> corners_of(const CellFaces& faces, std::size_t fac
     return std::span(faces.corners).subspan(begin, end - begin);
 }
 
-// Returns a corner as seen from another.
 template <class Real>
 Corner<Real> seen_from(const Corner<Real>& from, const Corner<Real>& corner) {
     const auto x = corner.x - from.x;
@@ -98,7 +97,6 @@ FaceMeasure face_in(const Cell& cell, const CellFaces& faces, std::size_t face) 
     return sum;
 }
 
-// Calls in_precision.operator()<Real>().
 template <class Measure>
 auto measure_in(Precision precision, const Measure& in_precision) {
     if (precision == Precision::cell) return in_precision.template operator()<double>();

@@ -1,8 +1,8 @@
-// A stretch of the sorted seeds whose cells are built by one thread. Its cells hand their new Voronoi vertices to the
-// other cells that share them, so each vertex is computed once.
+// A stretch of the sorted seeds whose cells are built by one thread. Cells hand new vertices to the other cells that
+// share them, so each vertex is computed once.
 //
-// Vertices refer to cells by local ids: first the walls (0..5 those of the box), then the seeds of the stretch, then
-// other seeds in order of use.
+// Local ids of cells: first the walls (0..5 those of the box), then the seeds of the stretch, then other seeds in order
+// of use.
 #pragma once
 
 #include <algorithm>
@@ -36,7 +36,6 @@ public:
     [[nodiscard]] bool holds(std::int64_t seed) const {
         return seed >= static_cast<std::int64_t>(first_) && seed < static_cast<std::int64_t>(last_);
     }
-    // Whether the stretch holds any of these seeds.
     [[nodiscard]] bool overlaps(std::size_t begin, std::size_t end) const { return begin < last_ && end > first_; }
     // Returns the local id. id: a sorted seed, or a wall below 0.
     [[nodiscard, gnu::always_inline]] std::int32_t local(std::int32_t id) {
@@ -89,7 +88,6 @@ public:
         if (count == 0 && next != 0) return with_spilled(seed - first_);
         return {known_.data() + (next - count + 1), count == 0 ? 0 : count - 1};
     }
-    // Returns all cells of a tie.
     [[nodiscard]] std::span<const std::int32_t> tie(const KnownVertex& known) const {
         const auto at = static_cast<std::size_t>(-1 - known.cells[0]);
         return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
@@ -108,9 +106,8 @@ public:
     [[nodiscard]] const Four& seed_low(std::size_t place) const { return lows_[place]; }
 
 private:
-    // The vertices given to a seed are in a slab of known_, behind its first place, then in a linked list. A seed has a
-    // slab from its first vertex until it is done. So only cells at the front of the stretch need memory, which stays
-    // in the cache.
+    // The vertices given to a seed are in a slab of known_, behind its first place, then in a linked list. Seeds that
+    // are done return their slabs, so the front of the stretch stays in the cache.
     static constexpr std::uint32_t slab_size = 32;
     struct Spill {
         KnownVertex vertex;

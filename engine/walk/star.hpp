@@ -41,11 +41,11 @@ public:
 
     static constexpr std::size_t alignment = 16;  // of the first seed of a stretch
 
-    // Stored of a cell's vertices: nothing but their number; which planes meet in each, for shape(); their places too,
-    // for polygons().
+    // Nothing of a cell's vertices but their number; which planes meet in each, for shape(); their places too, for
+    // polygons().
     enum class Keep { nothing, corners, places };
 
-    // Call once a job, before begin(). The domain must outlive the job.
+    // Once a job, before begin(). The domain must outlive the job.
     virtual void begin_job(const Domain& domain) = 0;
     // Begins a stretch of seeds. `first` is a multiple of alignment. Call build() for its seeds in order.
     virtual void begin(std::size_t first, std::size_t last, Keep keep) = 0;
@@ -59,7 +59,7 @@ public:
     virtual void look_around(const Box& box, double lightest) = 0;
     // Returns false also where a seed may lie at the same place, or leave no cell.
     virtual bool build(const Probe& probe) = 0;
-    // Returns the security radius of recent vertices, averaged.
+    // Of recent vertices, averaged.
     [[nodiscard]] virtual double typical_reach() const = 0;
 
     // Returns the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ... None if the
@@ -94,13 +94,12 @@ protected:
     double power_found_ = min_power;
 };
 
-// Returns what to keep of vertices for these wants.
 [[nodiscard]] inline Star::Keep kept_for(const Want& want) {
     if (want.vertices) return Star::Keep::places;
     return needs_geometry(want) ? Star::Keep::corners : Star::Keep::nothing;
 }
 
-// Returns the walk for the instruction set of that name, see supported_kernels().
+// instructions: see supported_kernels().
 std::unique_ptr<Star> make_star(std::string_view instructions, const SortedSeeds& seeds, const Hierarchy& hierarchy);
 std::unique_ptr<Star> make_star_baseline(const SortedSeeds& seeds, const Hierarchy& hierarchy);
 std::unique_ptr<Star> make_star_avx2(const SortedSeeds& seeds, const Hierarchy& hierarchy);

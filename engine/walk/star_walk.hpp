@@ -5,8 +5,7 @@
 
 namespace votess::cpu {
 
-// Isa has the functions of StarKernels in one instruction set. The file that includes this compiles the rest for it
-// too.
+// Isa: the functions of StarKernels in one instruction set, for which the including file compiles the rest too.
 template <class Isa>
 class StarWalk final : public Star, private ExactCorners {
 public:
@@ -120,8 +119,8 @@ private:
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
-    // Returns the candidate that the ray hits first, a guess. If there is none, adds the walls as candidates. Returns
-    // -1 if there still is none.
+    // Returns the candidate that the ray hits first, a guess; adds the walls if there is none. Returns -1 if there
+    // still is none.
     [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
     // Returns how many candidates may come near a vertex of that squared security radius. Walls and seeds that were
     // added later lie farther away than all seeds of the window.
@@ -144,8 +143,7 @@ private:
         const double most = bounds::max_distance(std::sqrt(x2), std::sqrt(third.length2));
         return most * most;
     }
-    // Converts a distance in window units to one between places. size: the largest of their coordinates, which are
-    // rounded.
+    // Converts a distance in window units to one between places. size: their largest coordinate, which is rounded.
     [[nodiscard]] double in_places(double distance, double size) const {
         return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
     }
@@ -268,8 +266,8 @@ private:
     bool moved_ = false;                     // the seed has been shifted from its input place
     bool weighted_ = false;
     bool plain_ = false;  // no weights, no images
-    // Squared. All images that matter to a vertex are present if its security radius is less than images_within2_, and
-    // their rounding does not matter if its distance exceeds images_beyond2_.
+    // Squared. All images that matter to a vertex are present if its security radius is below images_within2_, and
+    // their rounding does not matter beyond images_beyond2_.
     double images_beyond2_ = 0, images_within2_ = 0;
     bool any_wrapped_ = false;  // of all seeds
     Neighborhood cells_;
@@ -311,7 +309,7 @@ private:
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b. The vertex at its
     // other end has b -> a, and sets bit b of in_[a].
     std::array<std::uint64_t, max_planes> out_{}, in_{};
-    // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be open.
+    // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be.
     std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
     std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
@@ -334,7 +332,7 @@ private:
     Cell probe_;                                               // clips for a seed outside of its cell
     std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 
-    // For shape(): the corners of vertices on three planes, by vertex. Ties are separate until the ranks are known.
+    // For shape(): the corners of vertices on three planes, by vertex.
     CellShape shape_;
     std::array<std::uint8_t, max_planes> face_slot_;
     struct Tie {

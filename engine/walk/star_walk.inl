@@ -7,8 +7,7 @@ namespace votess::cpu {
 
 // ---- Which planes are candidates ----
 
-// Guesses the reach from the stretch alone, so that the result, to the last bit, does not depend on the number of
-// threads. Assumes that the seeds of a box of the tree share its volume.
+// Guesses from the stretch alone, so that the last bits do not depend on the number of threads.
 template <class Isa>
 void StarWalk<Isa>::guess_reach(std::size_t group) {
     const int level = std::min(1, hierarchy_.top_level());
@@ -188,8 +187,7 @@ bool StarWalk<Isa>::is_extra(std::int32_t id) const {
     return std::find(candidates_.id + extras_, end, id) != end;
 }
 
-// The nearest seed is a neighbor, and the midpoint lies inside their face. From there any way along the face leads to
-// an edge.
+// The nearest seed is a neighbor, and the midpoint lies inside their face. Any way along the face leads to an edge.
 template <class Isa>
 bool StarWalk<Isa>::begin_anywhere() {
     if (!have_candidates_ && !gather_candidates()) return false;
@@ -204,8 +202,8 @@ bool StarWalk<Isa>::begin_anywhere() {
     return begin_at_face(static_cast<int>(nearest - distance_.begin()));
 }
 
-// The seed lies outside of its cell, or nearly. The clipper finds an edge, or that the cell is empty. A few of the
-// nearest planes are usually enough to empty it, so the order of the others does not matter.
+// The seed lies outside of its cell, or nearly. The clipper finds an edge, or that the cell is empty, for which a few
+// of the nearest planes are usually enough.
 template <class Isa>
 bool StarWalk<Isa>::begin_outside() {
     constexpr int nearest_first = 8;
@@ -335,12 +333,11 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
                                  exact_plane(id));
 }
 
-// Adds seeds beyond the candidates that may lie in the ball around the vertex. It need not add all: each seed found
-// moves the vertex along its edge, and the ball shrinks.
+// Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
 //
-// The edge need not be searched again unless there were max_new_seeds of them. It begins at a proven vertex, where n.x
-// - h <= 0 for all seeds. Along the edge n.x - h is linear. If it is >= 0 at some vertex, it is so at all vertices
-// behind, and the search around those has found the seed.
+// The edge is searched again only after max_new_seeds of them. It begins at a proven vertex, where n.x - h <= 0 for all
+// seeds. Along the edge n.x - h is linear. If it is >= 0 at some vertex, it is so at all vertices behind, and the
+// search around those has found the seed.
 template <class Isa>
 bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
                                int& added) {
@@ -522,8 +519,8 @@ bool StarWalk<Isa>::complete() {
     }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
     for (;;) {
-        // Takes two open edges at once, far from each other, whose searches overlap in the processor. The vertex of the
-        // first may close the second.
+        // Two open edges at once, far from each other: their searches overlap in the processor. The vertex of the first
+        // may close the second.
         while (open_begin_ < open_end_ && !is_open(open_edges_[open_begin_])) ++open_begin_;
         if (open_begin_ == open_end_) break;
         OpenEdge edges[2];
@@ -546,8 +543,8 @@ bool StarWalk<Isa>::complete() {
     return collect_faces();
 }
 
-// Finds the first vertex of a cell that has none. The starting edge may have no end if seeds near it are not candidates
-// yet. Seeds that have been found since may help.
+// Finds the first vertex of a cell that has none. The starting edge may have no end while seeds near it are not
+// candidates.
 template <class Isa>
 template <Star::Keep Kept>
 bool StarWalk<Isa>::find_first() {
@@ -763,7 +760,7 @@ void StarWalk<Isa>::note_reach(double x2, const Third& third) {
     reached_ = std::max(reached_, 4 * max_distance_squared(x2, third));
 }
 
-// Whether all images that may lie nearer to a vertex than the seed are present, with rounding small enough to decide.
+// Whether all images near the vertex are present, with rounding small enough to decide.
 template <class Isa>
 bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
     set_image_reach(seeds_.images->reach(p_));
@@ -915,7 +912,7 @@ bool StarWalk<Isa>::is_difference(std::int32_t id) const {
            (!moved_ && !seeds_.images->is_rough(id) && seeds_.images->low(id) == std::array<double, 3>{});
 }
 
-// Plain: no weights and no images.
+// Plain: no weights, no images.
 template <class Isa>
 template <bool Plain>
 void StarWalk<Isa>::shape_planes(std::span<const std::uint32_t> ranks) {
@@ -1169,7 +1166,7 @@ double StarWalk<Isa>::distance_to(const Wall& wall) const {
     return wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
 }
 
-// Collects the walls nearer than `reach` to a box.
+// Nearer than `reach` to a box.
 template <class Isa>
 void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     near_walls_.clear();

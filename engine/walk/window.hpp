@@ -28,7 +28,6 @@ public:
     // weights are relative to it. Returns false when no window can represent them.
     bool open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells);
 
-    // Returns the bounds of the seeds of a home.
     [[nodiscard]] Box home_box(std::size_t home) const;
     [[nodiscard]] WindowSeeds seeds() const {
         return {x_.data(), y_.data(), z_.data(), id_.data(), seeds_.weights.empty() ? nullptr : weight_.data(), count_};
@@ -39,7 +38,6 @@ public:
         const std::size_t i = place(seed);
         return {x_[i], y_[i], z_[i]};
     }
-    // Returns the position of any point inside the box.
     [[nodiscard]] std::array<std::int32_t, 3> position(const std::array<double, 3>& x) const;
     // In a power diagram: a weight relative to the window's base, and the span of the weights and `own`, in squared
     // units.

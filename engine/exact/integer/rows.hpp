@@ -69,7 +69,6 @@ struct BitRange {
         low = std::min(low, sum.low);
         high = std::max(high, sum.high + 3);  // of up to seven terms
     }
-    // The range of the two lattice vectors that span a wall of a triclinic box.
     static BitRange of_vectors_in(const Plane& wall) {
         BitRange range;
         for (int j = 1; j <= 2; ++j)
@@ -266,7 +265,6 @@ int sign_of(const WideInt<W>& x) {
     return x.sign();
 }
 
-// An exact difference as the sum of two doubles.
 struct WallDifference {
     double sign;
     DoubleDouble distance;
@@ -277,7 +275,7 @@ inline WallDifference wall_difference(const Point& p, const Plane& wall) {
     return {1, two_sum(wall.wall, -p[wall.axis])};
 }
 
-// Returns the largest difference of a plane that is not an oblique wall.
+// Not for oblique walls.
 inline double largest_difference(const Point& p, const Plane& plane) {
     if (!plane.is_bisector()) return std::abs(wall_difference(p, plane).distance.high);
     double m = 0;
@@ -294,7 +292,7 @@ inline constexpr int widest = 36;
 // For coordinates that span at most so many bits, for example because some are 0 except for rounding.
 inline constexpr int middle = 4, middle_bits = 250;
 
-// Decides as side_of_vertex() does, for any float64, without its fast cases.
+// side_of_vertex() without its fast cases.
 int side_of_any(const Point& p, const Plane& a, const Plane& b, const Plane& c, const Plane& d);
 
 }  // namespace votess::exact

@@ -110,7 +110,6 @@ WideInt<W> shift_left(const WideInt<W>& a, int bits) {
     return r;
 }
 
-// Returns the number of bits of |a|.
 template <int W>
 int bit_length(const WideInt<W>& a) {
     const WideInt<W> m = a.negative() ? -a : a;
