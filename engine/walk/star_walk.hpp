@@ -176,7 +176,7 @@ private:
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? bounds::min_image_vertex2 : -1;
     }
-    [[gnu::noinline]] void note_reach(double x2, const Third& third);
+    [[gnu::noinline]] void store_reach(double x2, const Third& third);
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks the edge a -> b of a new vertex, unless its other end is known.
@@ -204,7 +204,7 @@ private:
     [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
     [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
     [[nodiscard]] exact::Plane exact_plane(std::int32_t id) const;
-    [[nodiscard]] exact::Plane powered(exact::Plane plane, std::int32_t id) const;
+    [[nodiscard]] exact::Plane with_power(exact::Plane plane, std::int32_t id) const;
     [[nodiscard]] bool any_parallel(std::span<const std::int32_t> cells);
     [[gnu::always_inline]] inline void face(int slot);
 
@@ -219,7 +219,7 @@ private:
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
     [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
     bool add_candidate(std::int32_t id);
-    [[nodiscard]] double surely_covered(double square) const;
+    [[nodiscard]] double covered_by_search(double square) const;
     [[nodiscard]] double with_weights(double reach2, double weight) const;
     [[nodiscard]] double min_weight(std::size_t home) const;
     [[nodiscard]] bool is_extra(std::int32_t id) const;

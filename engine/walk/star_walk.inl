@@ -112,8 +112,8 @@ bool StarWalk<Isa>::gather_candidates() {
         if (Isa::select(window_.seeds(), p.data(), weight, static_cast<float>(near_square), static_cast<float>(square),
                         candidates_) &&
             candidates_.count <= max_candidates) {
-            covered_ = surely_covered(square);
-            near_covered_ = surely_covered(near_square);
+            covered_ = covered_by_search(square);
+            near_covered_ = covered_by_search(near_square);
             break;
         }
         if (tries == 8) return false;
@@ -152,7 +152,7 @@ void StarWalk<Isa>::set_longest(double length) {
 
 // Returns the squared distance within which all seeds are certainly candidates after a search within `square`.
 template <class Isa>
-double StarWalk<Isa>::surely_covered(double square) const {
+double StarWalk<Isa>::covered_by_search(double square) const {
     const double covered = std::sqrt(square) * (1 - 0x1p-20) - quantum;
     return covered > 0 ? covered * covered : 0;
 }
@@ -745,7 +745,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 !images_known(x, x2, reach2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
-            if (weighted_) note_reach(x2, third);
+            if (weighted_) store_reach(x2, third);
         }
         reached_ = std::max(reached_, 4 * x2);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
@@ -756,7 +756,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
 
 // Stores the reach of a vertex in a power diagram. Not inlined, so that it costs nothing without weights.
 template <class Isa>
-void StarWalk<Isa>::note_reach(double x2, const Third& third) {
+void StarWalk<Isa>::store_reach(double x2, const Third& third) {
     reached_ = std::max(reached_, 4 * max_distance_squared(x2, third));
 }
 
@@ -1094,13 +1094,13 @@ template <class Isa>
 exact::Plane StarWalk<Isa>::exact_plane(std::int32_t id) const {
     if (id < 0) return walls_[static_cast<std::size_t>(wall_places_[static_cast<std::size_t>(-1 - id)])].plane;
     if (seeds_.images != nullptr)
-        return powered(seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id)), id);
+        return with_power(seeds_.images->bisector(base_, seeds_.images->home(id), seeds_.images->shift(id)), id);
     const auto i = static_cast<std::size_t>(id);
-    return powered(exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]}), id);
+    return with_power(exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]}), id);
 }
 
 template <class Isa>
-exact::Plane StarWalk<Isa>::powered(exact::Plane plane, std::int32_t id) const {
+exact::Plane StarWalk<Isa>::with_power(exact::Plane plane, std::int32_t id) const {
     if (weighted_) plane.power = exact::two_sum(weight_, -weight_of(id));
     return plane;
 }
