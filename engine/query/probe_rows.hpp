@@ -34,7 +34,7 @@ public:
         if (!seeds_.weights.empty() && seeds_.weights[seed] > probes_[k].weight)
             return writer_.write_none(query(k), CellStatus::empty);
         duplicate_of_[query(k)] = seeds_.input[seed];
-        writer_.leave_out();
+        writer_.skip_row();
     }
 
 private:
