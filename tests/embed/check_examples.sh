@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds and runs bindings/examples against an installed votess, as a user would. Parts that the machine cannot run are
-# named with the reason.
-# Usage: check_examples.sh SOURCE_DIR BUILD_DIR   (BUILD_DIR: votess configured and built there, VOTESS_INSTALL on)
+# Builds and runs bindings/examples against an installed votess, as a user would. Prints the parts that it skips, with
+# the reason.
+# Usage: check_examples.sh SOURCE_DIR BUILD_DIR   (BUILD_DIR: a built votess with VOTESS_INSTALL on)
 set -euo pipefail
 
 if [[ $# -ne 2 ]]; then
@@ -11,6 +11,7 @@ fi
 source_dir=$(cd "$1" && pwd)
 build_dir=$(cd "$2" && pwd)
 examples=$source_dir/bindings/examples
+python=$source_dir/tools/python.sh
 skipped=0
 
 work=$(mktemp -d)
@@ -19,7 +20,7 @@ trap 'rm -rf "$work"' EXIT
 cached() {
     sed -n "s/^$1:[A-Z]*=//p" "$build_dir/CMakeCache.txt"
 }
-build() {  # folder of the example, folder of the build; all output into a log
+build() {  # example's folder, build folder; writes all output to a log
     {
         cmake -G "$(cached CMAKE_GENERATOR)" -S "$1" -B "$2" -DCMAKE_PREFIX_PATH="$work/prefix" \
             -DCMAKE_C_COMPILER="$(cached CMAKE_C_COMPILER)" -DCMAKE_CXX_COMPILER="$(cached CMAKE_CXX_COMPILER)" \
@@ -27,14 +28,14 @@ build() {  # folder of the example, folder of the build; all output into a log
             cmake --build "$2"
     } >"$2.log" 2>&1
 }
-built() {  # process that builds, folder of the build
+built() {  # building process, build folder
     wait "$1" || { cat "$2.log" >&2; exit 1; }
 }
 skip() {
     echo "skipped: $*"
     skipped=$((skipped + 1))
 }
-expect() {  # text, command that must print it
+expect() {  # expected text, command
     local text=$1 output
     shift
     output=$("$@")
@@ -47,8 +48,8 @@ build "$examples/cmake" "$work/cmake" &
 plain=$!
 vulkan=$(cached VOTESS_BUILD_VULKAN)
 if [[ $vulkan == ON ]]; then
-    build "$examples/vulkan_window" "$work/window" &
-    window=$!
+    build "$examples/vulkan_frames" "$work/frames" &
+    frames=$!
 fi
 
 echo "== C and C++ by CMake"
@@ -94,16 +95,21 @@ echo "== Vulkan"
 if [[ $vulkan != ON ]]; then
     skip "votess is built without Vulkan"
 else
-    built "$window" "$work/window"
-    # With the validation layer, which looks for missing barriers too, where it is installed.
+    built "$frames" "$work/frames"
+    # With the validation layer, if it is installed; it looks for missing barriers too.
     if output=$(VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation \
                 VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT \
-                "$work/window/vulkan_window" --headless 3 2>&1); then
+                "$work/frames/vulkan_frames" --frames 7 --output "$work/frame.png" 2>&1); then
         echo "$output"
         if [[ $output == *VUID* || $output == *SYNC-HAZARD* ]]; then
             exit 1
         fi
-    elif [[ $output == *"no Vulkan device"* || $output == *IncompatibleDriver* ]]; then
+        if "$python" -c "import matplotlib" 2>/dev/null; then
+            "$python" "$source_dir/tests/embed/check_picture.py" "$work/frame.png" "$source_dir/tests/embed/frame.png"
+        else
+            skip "comparing the picture: no matplotlib"
+        fi
+    elif [[ $output == *"no Vulkan device"* || $output == *IncompatibleDriver* || $output == *"without libpng"* ]]; then
         skip "$output"
     else
         echo "$output" >&2
@@ -112,12 +118,11 @@ else
 fi
 
 echo "== Python"
-python=$source_dir/tools/python.sh
 library=$(find "$work/prefix" -name 'libvotess.so' -o -name 'libvotess.dylib')
 export VOTESS_LIBRARY=$library PYTHONPATH=$source_dir/bindings/python PYTHONDONTWRITEBYTECODE=1
-run_python() {  # package that it needs, script, text that it must print
+run_python() {  # required package, script, expected text
     if [[ -z $library ]]; then
-        skip "$2: libvotess is no shared library"
+        skip "$2: libvotess is a static library"
     elif ! "$python" -c "import $1" 2>/dev/null; then
         skip "$2: no $1"
     else

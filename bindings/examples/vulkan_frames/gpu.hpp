@@ -1,4 +1,4 @@
-// What every program with Vulkan has, as briefly as it goes: a device with one queue, buffers, a pipeline that draws.
+// The parts that every Vulkan program has: a device with one queue, buffers, a pipeline that draws.
 #pragma once
 
 #include <array>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 #include <vulkan/vulkan.hpp>
-// The headers of Vulkan go first.
+// Behind the headers of Vulkan.
 #include <votess/vulkan.hpp>
 
 struct Gpu {
@@ -17,10 +17,10 @@ struct Gpu {
     vk::UniqueDevice device;
     vk::Queue queue;  // draws and computes
     vk::UniqueCommandPool pool;
-    votess::vulkan::HostDevice handles;  // the same for votess
+    votess::vulkan::HostDevice handles;  // for votess
 };
 
-// Takes the first device that has what this program and votess need.
+// Chooses the first device that this program and votess can use.
 inline votess::vulkan::Requirements choose(Gpu& gpu) {
     constexpr vk::QueueFlags wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
     for (const vk::PhysicalDevice device : gpu.instance->enumeratePhysicalDevices()) {
@@ -38,13 +38,13 @@ inline votess::vulkan::Requirements choose(Gpu& gpu) {
 
 inline Gpu make_gpu(const std::vector<const char*>& instance_extensions, std::vector<const char*> device_extensions) {
     Gpu gpu;
-    const vk::ApplicationInfo application{.pApplicationName = "vulkan_window", .apiVersion = VK_API_VERSION_1_3};
+    const vk::ApplicationInfo application{.pApplicationName = "vulkan_frames", .apiVersion = VK_API_VERSION_1_3};
     gpu.instance = vk::createInstanceUnique(
         vk::InstanceCreateInfo{.pApplicationInfo = &application}.setPEnabledExtensionNames(instance_extensions));
     gpu.handles.host = {*gpu.instance, vkGetInstanceProcAddr, VK_API_VERSION_1_3};
     const votess::vulkan::Requirements needs = choose(gpu);
 
-    // What votess asks for, and what the program itself uses.
+    // Step 1: enable what votess requires, and what the program itself uses.
     for (const std::string& extension : needs.extensions) device_extensions.push_back(extension.c_str());
     const auto features = std::bit_cast<vk::PhysicalDeviceFeatures>(gpu.handles.features = needs.features);
     vk::PhysicalDeviceVulkan13Features newer{.dynamicRendering = true};
@@ -62,7 +62,7 @@ inline Gpu make_gpu(const std::vector<const char*>& instance_extensions, std::ve
     return gpu;
 }
 
-// Records, submits and waits, so that one frame at a time is in flight. For more, each needs a Scene of its own.
+// Records, submits and waits: one frame at a time is in flight. A program with more needs a Scene for each.
 template <class Record>
 void run(const Gpu& gpu, const Record& record) {
     const auto commands = gpu.device->allocateCommandBuffersUnique({.commandPool = *gpu.pool, .commandBufferCount = 1});
@@ -96,7 +96,7 @@ inline Buffer make_buffer(const Gpu& gpu, vk::DeviceSize bytes, vk::BufferUsageF
     return {std::move(memory), std::move(buffer)};
 }
 
-// What the stages `from` wrote becomes visible to the stages `to`; an image gets another layout on the way.
+// Makes the writes of stages `from` visible to stages `to`. Changes the layout of an image if one is given.
 inline void barrier(vk::CommandBuffer commands, vk::PipelineStageFlags from, vk::PipelineStageFlags to,
                     vk::Image image = {}, vk::ImageLayout before = {}, vk::ImageLayout after = {}) {
     constexpr vk::AccessFlags any = vk::AccessFlagBits::eMemoryRead | vk::AccessFlagBits::eMemoryWrite;
@@ -111,7 +111,7 @@ inline vk::UniqueShaderModule make_shader(const Gpu& gpu, std::span<const std::u
     return gpu.device->createShaderModuleUnique({.codeSize = words.size_bytes(), .pCode = words.data()});
 }
 
-// Draws triangles without vertices over all of an image.
+// Makes a pipeline that draws over all of an image, without vertex buffers.
 inline vk::UniquePipeline make_drawing(const Gpu& gpu, vk::PipelineLayout layout, vk::Format format,
                                        vk::Extent2D extent, vk::ShaderModule vertex, vk::ShaderModule fragment) {
     std::array<vk::PipelineShaderStageCreateInfo, 2> stages;
