@@ -212,12 +212,42 @@ TEST_SUITE("cases") {
         if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
     }
 
+    TEST_CASE("gpu frame: seeds and results in one buffer") {
+        Host host;
+        const PointSet set = test::uniform(test::by_size(1000, 200), 19);
+        const PlanOptions options = options_for(set);
+        const Plan plan(host.device(), options);
+        Target target(host, plan);
+        target.write<double>(set.points, 3);
+        const vk::Buffer* const parts[] = {&target.seeds, &target.header, &target.cells, &target.indices,
+                                           &target.geometry};
+        const VkDeviceSize alignment = host.gpu.adapter.limits.minStorageBufferOffsetAlignment;
+        std::array<VkDeviceSize, 6> at{};
+        for (std::size_t i = 0; i < 5; ++i)
+            at[i + 1] = (at[i] + parts[i]->mapped().size() + alignment - 1) / alignment * alignment;
+        const vk::Buffer all = host.memory.buffer(at[5], vk::MemoryKind::download);
+        std::ranges::copy(target.seeds.mapped(), all.mapped().begin());
+        all.flush();
+        target.frame = plan.frame({.seeds = {all.handle(), at[0]},
+                                   .workspace = {target.workspace.handle()},
+                                   .header = {all.handle(), at[1]},
+                                   .cells = {all.handle(), at[2]},
+                                   .indices = {all.handle(), at[3]},
+                                   .geometry = {all.handle(), at[4]}});
+        run(host, target, options.most_seeds);
+        all.invalidate();
+        for (std::size_t i = 1; i < 5; ++i)
+            std::ranges::copy(all.mapped().subspan(at[i], parts[i]->mapped().size()), parts[i]->mapped().begin());
+        check_header(target.head(), target.cell(set.size()));
+        CHECK(target.head().unresolved < set.size() / 10);
+        CHECK(compare(collect<double>(plan, target, set.size()), on_cpu(set, options)) == "");
+    }
+
     TEST_CASE("gpu frame: no float64, no probe, neighbors or geometry alone, no seeds") {
         const PointSet set = test::uniform(test::by_size(1000, 200), 11);
         for (const bool float64 : {false, true})
             for (const bool probe : {false, true}) {
-                Host host;
-                host.float64 = float64;
+                Host host(float64);
                 host.probe = probe;
                 CHECK(check(host, set, options_for(set)) == "");
             }

@@ -93,15 +93,14 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu frame: areas beside the rows") {
-        Host host;
         const PointSet set = test::uniform(300, 33);
         for (const unsigned mode : {0u, 1u, 2u, 3u}) {
             CAPTURE(mode);
+            Host host(mode != 0);
             std::optional<test::UseKernel> kernel;
             if (mode == 1) kernel.emplace(test::by_subgroup());
             std::optional<test::Environment> sums;
             if (mode == 3) sums.emplace("VOTESS_VULKAN_MEASURE", "float32");
-            host.float64 = mode != 0;
             PlanOptions options = options_for(set);
             options.areas = options.list_walls = true;
             options.geometry = mode != 0;
@@ -135,6 +134,7 @@ TEST_SUITE("cases") {
             }
             CHECK(r == more.cells.size());
         }
+        Host host;
         PlanOptions options = options_for(set);
         options.areas = true;
         options.neighbors = false;

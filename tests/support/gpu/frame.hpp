@@ -20,10 +20,13 @@ namespace vk = test::vk;
 
 // A host with a device of its own, lent to plans.
 struct Host {
+    bool float64, probe = true, subgroup_size_control = false;
     test::Gpu gpu;
     vk::Memory memory{*gpu.device};
     vk::Commands commands{*gpu.device};
-    bool float64 = true, probe = true, subgroup_size_control = false;
+
+    // The device has float64 enabled only if it is wanted.
+    explicit Host(bool want_float64 = true) : float64(want_float64), gpu({.float64 = want_float64}) {}
 
     [[nodiscard]] HostInstance instance() const {
         return {gpu.instance->handle(), loader.calls().vkGetInstanceProcAddr, gpu.instance->version()};
