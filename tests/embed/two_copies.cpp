@@ -1,9 +1,8 @@
-// Two copies of libvotess in one process, beside a host that carries volk itself, with its global function pointers
-// loaded for a device of its own. Both must give the same rows, in turns and from two threads at once, while the host
-// goes on. Usage: two_copies LIBRARY. Returns 0, 1 on a failure, 77 where there is no lavapipe.
+// Loads two copies of libvotess into one process, beside a Vulkan host that has volk's global function pointers loaded
+// for its own device. Both copies must give the same rows, in turns and from two threads at once, while the host goes
+// on. Usage: two_copies LIBRARY. Returns 0, 1 on a failure, 77 without lavapipe.
 #include <dlfcn.h>
 #include <unistd.h>
-#include <volk.h>
 #include <votess/votess.h>
 
 #include <array>
@@ -20,79 +19,18 @@
 #include <thread>
 #include <vector>
 
+#include "host.hpp"
+
 namespace {
 
 void require(bool condition, const std::string& what) {
     if (!condition) throw std::runtime_error(what);
 }
 
-// The host's Vulkan: an instance and a device, all calls through volk's globals.
-class Host {
-public:
-    Host() = default;
-    Host(const Host&) = delete;
-    Host& operator=(const Host&) = delete;
-    ~Host() {
-        if (device_) vkDestroyDevice(device_, nullptr);
-        if (instance_) vkDestroyInstance(instance_, nullptr);
-    }
-
-    // False where there is no Vulkan device in software.
-    bool open() {
-        if (volkInitialize() != VK_SUCCESS) return false;
-        const VkApplicationInfo application{.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                            .pNext = nullptr,
-                                            .pApplicationName = "two_copies",
-                                            .applicationVersion = 0,
-                                            .pEngineName = nullptr,
-                                            .engineVersion = 0,
-                                            .apiVersion = VK_API_VERSION_1_1};
-        VkInstanceCreateInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO;
-        info.pApplicationInfo = &application;
-        if (vkCreateInstance(&info, nullptr, &instance_) != VK_SUCCESS) return false;
-        volkLoadInstance(instance_);
-        std::uint32_t count = 0;
-        vkEnumeratePhysicalDevices(instance_, &count, nullptr);
-        std::vector<VkPhysicalDevice> all(count);
-        vkEnumeratePhysicalDevices(instance_, &count, all.data());
-        for (VkPhysicalDevice physical : all) {
-            VkPhysicalDeviceProperties properties;
-            vkGetPhysicalDeviceProperties(physical, &properties);
-            if (properties.deviceType != VK_PHYSICAL_DEVICE_TYPE_CPU) continue;
-            const float priority = 1;
-            VkDeviceQueueCreateInfo queue{};
-            queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
-            queue.queueCount = 1;
-            queue.pQueuePriorities = &priority;
-            VkDeviceCreateInfo device{};
-            device.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO;
-            device.queueCreateInfoCount = 1;
-            device.pQueueCreateInfos = &queue;
-            require(vkCreateDevice(physical, &device, nullptr, &device_) == VK_SUCCESS, "host: vkCreateDevice");
-            volkLoadDevice(device_);
-            vkGetDeviceQueue(device_, 0, 0, &queue_);
-            return true;
-        }
-        return false;
-    }
-
-    [[nodiscard]] bool works() const {
-        VkFenceCreateInfo info{};
-        info.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO;
-        VkFence fence = VK_NULL_HANDLE;
-        if (vkCreateFence(device_, &info, nullptr, &fence) != VK_SUCCESS) return false;
-        const bool done = vkQueueSubmit(queue_, 0, nullptr, fence) == VK_SUCCESS &&
-                          vkWaitForFences(device_, 1, &fence, VK_TRUE, 10'000'000'000) == VK_SUCCESS;
-        vkDestroyFence(device_, fence, nullptr);
-        return done;
-    }
-
-private:
-    VkInstance instance_ = VK_NULL_HANDLE;
-    VkDevice device_ = VK_NULL_HANDLE;
-    VkQueue queue_ = VK_NULL_HANDLE;
-};
+// Throws when the host's device no longer works.
+void use(const host::Device& host) {
+    host::run_once(host, [](VkCommandBuffer) {});
+}
 
 struct Rows {
     std::vector<std::int64_t> indptr;
@@ -101,7 +39,7 @@ struct Rows {
     bool operator==(const Rows& other) const { return indptr == other.indptr && indices == other.indices; }
 };
 
-// One copy of the library. It stays loaded: drivers that it opened leave threads behind.
+// One copy of the library. It stays loaded because drivers that it opened leave threads behind.
 class Copy {
 public:
     explicit Copy(const std::filesystem::path& file) : library_(dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL)) {
@@ -137,7 +75,7 @@ public:
     }
 
 private:
-    // The header's declaration gives the type; this program is not linked with the function.
+    // The header declares the type; this program does not link the function.
     template <class Function>
     Function* get(const char* name) const {
         void* symbol = dlsym(library_, name);
@@ -154,7 +92,7 @@ private:
     void* library_;
 };
 
-// A folder that is gone at the end.
+// A temporary folder.
 struct Folder {
     std::filesystem::path path =
         std::filesystem::temp_directory_path() / ("votess_two_copies_" + std::to_string(getpid()));
@@ -167,7 +105,7 @@ struct Folder {
     Folder& operator=(const Folder&) = delete;
 };
 
-void run(const char* library, const Host& host) {
+void run(const char* library, const host::Device& host) {
     const Folder folder;
     const std::filesystem::path first = folder.path / "libfirst.so", second = folder.path / "libsecond.so";
     std::filesystem::copy_file(library, first);
@@ -203,11 +141,15 @@ void run(const char* library, const Host& host) {
         };
         std::thread one(work, std::cref(swapped ? b : a), true, std::ref(failures[0]));
         std::thread two(work, std::cref(swapped ? a : b), swapped, std::ref(failures[1]));
-        bool host_works = true;
-        for (int turn = 0; turn < 100; ++turn) host_works = host_works && host.works();
+        std::string host_failure;
+        try {
+            for (int turn = 0; turn < 100; ++turn) use(host);
+        } catch (const std::exception& error) {
+            host_failure = error.what();
+        }
         one.join();
         two.join();
-        require(host_works, "the host's device stopped working");
+        require(host_failure.empty(), "the host: " + host_failure);
         for (const std::string& failure : failures) require(failure.empty(), "in a thread: " + failure);
     }
 }
@@ -220,14 +162,13 @@ int main(int argc, char** argv) {
         return 2;
     }
     try {
-        Host host;
-        if (!host.open()) {
-            std::printf("skipped: no Vulkan device in software (Mesa's lavapipe)\n");
-            return 77;
-        }
-        require(host.works(), "the host's device does not work");
+        const host::Device host("lavapipe", nullptr);
+        use(host);
         run(argv[1], host);
-        require(host.works(), "the host's device does not work any more");
+        use(host);
+    } catch (const host::NoDevice& error) {
+        std::printf("skipped: %s\n", error.what());
+        return 77;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "two_copies: %s\n", error.what());
         return 1;

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <sstream>
 
-#include "buffers.hpp"
+#include "host.hpp"
 #include "measure.hpp"
 #include "system/machine.hpp"
 
@@ -24,7 +24,7 @@ using votess::vulkan::Timestamps;
 struct Buffers {
     host::Buffer seeds, workspace, header, cells, indices, geometry, shifts, weights;
 
-    Buffers(const host::HostDevice& device, const votess::vulkan::BufferSizes& sizes) {
+    Buffers(const host::Device& device, const votess::vulkan::BufferSizes& sizes) {
         const auto make = [&](VkDeviceSize bytes) {
             return bytes == 0 ? host::Buffer()
                               : host::Buffer(device, bytes, votess::vulkan::buffer_usage, host::Place::device);
@@ -87,14 +87,14 @@ votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds,
 }
 
 template <class T>
-std::vector<T> read(const host::HostDevice& device, const host::Buffer& buffer) {
+std::vector<T> read(const host::Device& device, const host::Buffer& buffer) {
     const std::vector<std::byte> bytes = host::download(device, buffer.get(), buffer.bytes());
     std::vector<T> values(bytes.size() / sizeof(T));
     std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
     return values;
 }
 
-void compare(FrameRow& row, const host::HostDevice& device, const Buffers& buffers, const Input& input,
+void compare(FrameRow& row, const host::Device& device, const Buffers& buffers, const Input& input,
              const Seeds& seeds) {
     votess::Options options = input.options();
     const std::vector<double> weights(seeds.weights.begin(), seeds.weights.end());
@@ -123,25 +123,19 @@ void compare(FrameRow& row, const host::HostDevice& device, const Buffers& buffe
 
 }  // namespace
 
-struct Frames::Device {
-    host::Messages messages;
-    host::HostDevice device;
-
-    explicit Device(const std::string& name) : device({.name = name, .draws = false}, messages) {}
-};
-
-Frames::Frames(const std::string& device_name) : device_(std::make_unique<Device>(device_name)) {}
+Frames::Frames(const std::string& device_name)
+    : device_(std::make_unique<host::Device>(device_name, votess::vulkan::requirements)) {}
 Frames::~Frames() = default;
 
 FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_compare) const {
-    const host::HostDevice& device = device_->device;
+    const host::Device& device = *device_;
     FrameRow row;
     row.input = input.name;
     row.n = input.size();
     row.rows = rows;
     const Seeds seeds(input);
     const votess::vulkan::PlanOptions options = plan_options(input, seeds, rows);
-    const Plan plan(device.for_votess(true), options);
+    const Plan plan(device.for_votess(), options);
     const Buffers buffers(device, plan.sizes());
     row.device_bytes = buffers.bytes();
     host::upload(device, std::as_bytes(std::span(seeds.points)), buffers.seeds.get());

@@ -8,6 +8,10 @@
 
 #include "bench.hpp"
 
+namespace host {
+class Device;
+}
+
 namespace bench {
 
 struct FrameRow {
@@ -35,8 +39,7 @@ public:
     [[nodiscard]] FrameRow measure(const Input& input, bool rows, int repeats, bool compare) const;
 
 private:
-    struct Device;
-    std::unique_ptr<Device> device_;
+    std::unique_ptr<host::Device> device_;
 };
 
 void print_frames_head();
