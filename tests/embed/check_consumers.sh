@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds and runs programs that use votess from outside: installed, and as a subproject.
-# Usage: check_consumers.sh SOURCE_DIR BUILD_DIR   (BUILD_DIR: votess configured and built there, VOTESS_INSTALL on)
+# Builds and runs programs that use votess, installed and as a subproject.
+# Usage: check_consumers.sh SOURCE_DIR BUILD_DIR   (BUILD_DIR: a built votess with VOTESS_INSTALL on)
 set -eu
 
 if [ $# -ne 2 ]; then
@@ -14,7 +14,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 trap 'exit 1' HUP INT TERM
 
-# The consumers are built as votess was: sanitizer flags must agree.
+# Builds the consumers as votess was built, because sanitizer flags must agree.
 cached() {
     sed -n "s/^$1:[A-Z]*=//p" "$build_dir/CMakeCache.txt"
 }
@@ -28,7 +28,7 @@ jobs=${CMAKE_BUILD_PARALLEL_LEVEL:-2}
 
 echo "== installed: find_package(votess)"
 cmake --install "$build_dir" --prefix "$work/prefix"
-# The installed package must not need the trees that it came from.
+# The installed package must not refer to the source or build folder.
 if grep -rlF -e "$source_dir/" -e "$build_dir/" "$work/prefix" --include='*.cmake' --include='*.h' --include='*.hpp'; then
     echo "the files above name the source or build folder" >&2
     exit 1
@@ -37,13 +37,14 @@ fi
 configure -S "$source_dir/tests/embed/cpp_consumer" -B "$work/installed" -DCMAKE_PREFIX_PATH="$work/prefix"
 cmake --build "$work/installed" --parallel "$jobs"
 "$work/installed/cpp_consumer"
-"$work/installed/c_consumer"
+"$work/installed/c99_consumer"
+"$work/installed/c11_consumer"
 
-subproject() {  # folder of the build, target, options
+subproject() {  # build folder, target, options
     folder=$work/$1
     target=$2
     shift 2
-    # Without optimization, which takes half of the time.
+    # Not optimized: half of the build time.
     configure -S "$source_dir/tests/embed/subproject" -B "$folder" -DVOTESS_SOURCE="$source_dir" \
         -DCMAKE_BUILD_TYPE=Debug "$@"
     cmake --build "$folder" --parallel "$jobs" --target "$target"

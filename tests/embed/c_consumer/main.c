@@ -1,15 +1,42 @@
-// Uses the C interface as a C11 program would, error paths included. Returns 0 when all is well, else prints what is
-// not.
-#include <stdlib.h>
+// Uses the C interface as a C program does: lists and volumes, refusals, sizes of structs, callbacks, devices, a
+// diagram, a stream. Results in depth are checked through Python, which calls every function of votess.h. Prints each
+// check that fails; returns 0 when all pass.
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+#include <votess/stream.h>
+#include <votess/votess.h>
 
-#include "check.h"
+static int failures = 0;
 
-int failures = 0;
+#define CHECK(condition)                                                                                 \
+    do {                                                                                                 \
+        if (!(condition)) {                                                                              \
+            fprintf(stderr, "%s:%d: not true: %s; last error: \"%s\"\n", __FILE__, __LINE__, #condition, \
+                    votess_last_error());                                                                \
+            ++failures;                                                                                  \
+        }                                                                                                \
+    } while (0)
 
-const double cube[24] = {0.5, 0.5, 0.5, 0.5, 0.5, 1.5, 0.5, 1.5, 0.5, 0.5, 1.5, 1.5,
-                         1.5, 0.5, 0.5, 1.5, 0.5, 1.5, 1.5, 1.5, 0.5, 1.5, 1.5, 1.5};
+// The call must fail with this status and a message of one line that holds this text.
+#define CHECK_FAILS(call, expected, text)                                                                             \
+    do {                                                                                                              \
+        const votess_status status_ = (call);                                                                         \
+        const char* message_ = votess_last_error();                                                                   \
+        if (status_ != (expected) || strstr(message_, text) == NULL || strchr(message_, '\n') != NULL) {              \
+            fprintf(stderr, "%s:%d: %s: status %d, message \"%s\"; expected %d, \"%s\"\n", __FILE__, __LINE__, #call, \
+                    (int)status_, message_, (int)(expected), text);                                                   \
+            ++failures;                                                                                               \
+        }                                                                                                             \
+    } while (0)
+#define CHECK_REFUSES(call, text) CHECK_FAILS(call, VOTESS_ERROR_INVALID_ARGUMENT, text)
 
-votess_options options_with_box(double side) {
+// Corners of a cube of side 1 in the middle of a box of side 2. Bit 4 of a number is x, bit 2 is y, bit 1 is z.
+static const double cube[24] = {0.5, 0.5, 0.5, 0.5, 0.5, 1.5, 0.5, 1.5, 0.5, 0.5, 1.5, 1.5,
+                                1.5, 0.5, 0.5, 1.5, 0.5, 1.5, 1.5, 1.5, 0.5, 1.5, 1.5, 1.5};
+
+static votess_options options_with_box(double side) {
     votess_options options;
     CHECK(votess_options_init(&options, sizeof options) == VOTESS_OK);
     options.has_box = 1;
@@ -18,20 +45,6 @@ votess_options options_with_box(double side) {
         options.box_upper[axis] = side;
     }
     return options;
-}
-
-// Uniform numbers in [0, 1): a 64-bit linear congruential generator (Knuth's MMIX constants).
-double* random_points(size_t count, uint64_t seed) {
-    double* points = malloc(3 * count * sizeof *points);
-    if (points == NULL) {
-        fprintf(stderr, "c_consumer: no memory for %zu points\n", count);
-        exit(2);
-    }
-    for (size_t i = 0; i < 3 * count; ++i) {
-        seed = seed * 6364136223846793005u + 1442695040888963407u;
-        points[i] = (double)(seed >> 11) / 9007199254740992.0;
-    }
-    return points;
 }
 
 static void check_version(void) {
@@ -45,31 +58,329 @@ static void check_version(void) {
     CHECK(strcmp(votess_last_error(), "") == 0);
 }
 
-int main(void) {
-    check_version();
+// Eight unit cubes, each with three neighbors and three walls.
+static void check_cube(const votess_result* result) {
+    size_t length = 99;
+    CHECK(votess_result_size(result) == 8);
+    const int64_t* indptr = votess_result_indptr(result, &length);
+    CHECK(indptr != NULL && length == 9);
+    const int32_t* indices = votess_result_indices(result, &length);
+    CHECK(indices != NULL && length == 24 && indices == votess_result_indices(result, NULL));
+    const double* volumes = votess_result_volumes(result, &length);
+    CHECK(volumes != NULL && length == 8);
+    for (int i = 0; failures == 0 && i < 8; ++i) {
+        CHECK(indptr[i] == 3 * i && indptr[i + 1] == 3 * (i + 1) && fabs(volumes[i] - 1) < 1e-13);
+        for (int64_t k = indptr[i]; k < indptr[i + 1]; ++k) {
+            const int changed = indices[k] ^ i;
+            CHECK(changed == 1 || changed == 2 || changed == 4);
+            CHECK(k == indptr[i] || indices[k] > indices[k - 1]);
+        }
+    }
+    CHECK(votess_result_centroids(result, &length) == NULL && length == 0);  // not wanted
+
+    votess_stats stats;
+    memset(&stats, 0xff, sizeof stats);
+    stats.struct_size = sizeof stats;
+    CHECK(votess_result_stats(result, &stats) == VOTESS_OK);
+    CHECK(stats.points == 8 && stats.faces == 48 && stats.duplicates == 0 && fabs(stats.volume_sum - 8) < 1e-12);
+    CHECK(memchr(stats.device, 0, sizeof stats.device) != NULL && stats.device[0] != '\0');
+}
+
+static void check_tessellations(void) {
     votess_tessellator* tessellator = NULL;
     CHECK(votess_tessellator_new(&tessellator) == VOTESS_OK && tessellator != NULL);
-    check_cube(NULL);
-    check_cube(tessellator);
-    check_mesh(tessellator);
-    check_diagram();
-    check_domains(tessellator);
-    check_null_result();
-    check_walls_and_defaults();
-    check_empty_and_float(tessellator);
-    check_duplicates(tessellator);
-    check_bad_input(tessellator);
-    check_implied_want();
-    check_want_of();
-    check_tuning(tessellator);
-    check_struct_sizes(tessellator);
-    check_callbacks(tessellator);
-    check_moving(tessellator);
-    check_one_call_at_a_time(tessellator);
-    votess_tessellator_free(tessellator);
-    check_fork();
-    check_result_outlives_tessellator();
+    const votess_options options = options_with_box(2);
+    float narrow[24];
+    for (int i = 0; i < 24; ++i) narrow[i] = (float)cube[i];
+    votess_result *first = NULL, *second = NULL, *none = NULL;
+    CHECK(votess_tessellate(tessellator, cube, 8, &options, &first) == VOTESS_OK);
+    CHECK(votess_tessellate_f32(tessellator, narrow, 8, &options, &second) == VOTESS_OK);
+    CHECK(votess_tessellate(tessellator, NULL, 0, NULL, &none) == VOTESS_OK && votess_result_size(none) == 0);
+    votess_tessellator_free(tessellator);  // results outlive it
+    check_cube(first);
+    check_cube(second);
+    votess_result_free(second);
+    votess_result_free(none);
+
+    int passed = 0;
+    uint32_t skipped = 0;
+    size_t sampled = 0;
+    char failure[256] = "x", cut[6] = "xxxxx";
+    CHECK(votess_verify(first, cube, 8, 3, 1, &passed, &skipped, &sampled, failure, sizeof failure) == VOTESS_OK);
+    CHECK(passed == 1 && sampled == 3 && strcmp(failure, "") == 0);
+    double moved[24];
+    memcpy(moved, cube, sizeof moved);
+    moved[0] = 0.75;
+    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, failure, sizeof failure) == VOTESS_OK);
+    CHECK(passed == 0 && strlen(failure) > 5);
+    CHECK(votess_verify(first, moved, 8, 8, 1, &passed, NULL, NULL, cut, sizeof cut) == VOTESS_OK);
+    CHECK(strlen(cut) == 5 && strncmp(cut, failure, 5) == 0);
+    CHECK_REFUSES(votess_verify(first, cube, 7, 8, 1, &passed, NULL, NULL, NULL, 0), "8 cells");
+    CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, 4), "failure");
+    votess_result_free(first);
+
+    size_t length = 99;
+    CHECK(votess_result_size(NULL) == 0 && votess_result_indptr(NULL, &length) == NULL && length == 0);
+    CHECK(votess_result_volumes(NULL, NULL) == NULL);
+    votess_stats stats;
+    stats.struct_size = sizeof stats;
+    CHECK_REFUSES(votess_result_stats(NULL, &stats), "result");
+    votess_result_free(NULL);
+    votess_tessellator_free(NULL);
+}
+
+// Numbers that only C can pass: enums beyond their values, which a conversion to a byte would hide, and counts without
+// their array.
+static void check_refusals(void) {
+    const votess_options good = options_with_box(2);
+    votess_options options = good;
+    votess_result* result = (votess_result*)&options;  // a failure sets it to NULL
+    CHECK_REFUSES(votess_tessellate(NULL, NULL, 8, &good, &result), "points");
+    CHECK(result == NULL);
+    CHECK_REFUSES(votess_tessellate(NULL, cube, SIZE_MAX / 2, &good, &result), "count");
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &good, NULL), "out");
+    CHECK_REFUSES(votess_tessellator_new(NULL), "out");
+    options.want |= 1u << 20;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "1048576");
+    options = good;
+    options.duplicates = 2;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "duplicates = 2");
+    options = good;
+    options.outside = 256;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "outside = 256");
+    options = good;
+    options.precision = VOTESS_PRECISION_DOUBLE + 256;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "precision = 257");
+    options = good;
+    options.wall_count = 2;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "wall_count is 2");
+    options = good;
+    options.device = "abacus\n";
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "abacus");
+    CHECK(result == NULL);
+    // A success keeps the message of the last failure.
+    CHECK(votess_tessellate(NULL, cube, 8, &good, &result) == VOTESS_OK);
+    CHECK(strstr(votess_last_error(), "abacus") != NULL);
+    votess_result_free(result);
+}
+
+static void check_struct_sizes(void) {
+    votess_options options;
+    CHECK_REFUSES(votess_options_init(NULL, sizeof options), "options");
+    CHECK_REFUSES(votess_options_init(&options, 0), "size is 0");
+    CHECK_REFUSES(votess_options_init(&options, 16), "size is 16");
+    CHECK_REFUSES(votess_options_init(&options, (size_t)-1), "largest known is 4096");
+    votess_result* result = NULL;
+    options = options_with_box(2);
+    const uint32_t wrong[] = {0, offsetof(votess_options, log_user), VOTESS_LARGEST_STRUCT + 1, 0xffffffffu};
+    for (size_t i = 0; i < sizeof wrong / sizeof *wrong; ++i) {
+        options.struct_size = wrong[i];
+        CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result),
+                      i < 2 ? "smallest" : "largest known is 4096");
+    }
+    CHECK(result == NULL);
+
+    // A program built against a newer header: the library neither reads nor writes the fields that it lacks.
+    struct newer_options {
+        votess_options options;
+        unsigned char beyond[64];
+    } newer;
+    memset(&newer, 0xee, sizeof newer);
+    CHECK(votess_options_init(&newer.options, sizeof newer) == VOTESS_OK);
+    CHECK(newer.options.struct_size == sizeof(votess_options));
+    for (size_t i = 0; i < sizeof newer.beyond; ++i) CHECK(newer.beyond[i] == 0xee);
+    newer.options.struct_size = sizeof newer;
+    CHECK(votess_tessellate(NULL, cube, 8, &newer.options, &result) == VOTESS_OK);
+    struct newer_stats {
+        votess_stats stats;
+        unsigned char beyond[64];
+    } stats;
+    memset(&stats, 0xee, sizeof stats);
+    stats.stats.struct_size = sizeof stats;
+    CHECK(votess_result_stats(result, &stats.stats) == VOTESS_OK);
+    CHECK(stats.stats.struct_size == sizeof stats && stats.stats.points == 8);
+    for (size_t i = 0; i < sizeof stats.beyond; ++i) CHECK(stats.beyond[i] == 0xee);
+    const uint32_t wrong_stats[] = {0, 40, 0xffffffffu};
+    for (size_t i = 0; i < sizeof wrong_stats / sizeof *wrong_stats; ++i) {
+        stats.stats.struct_size = wrong_stats[i];
+        CHECK_REFUSES(votess_result_stats(result, &stats.stats), i < 2 ? "smallest" : "largest");
+    }
+    votess_result_free(result);
+}
+
+struct calls {
+    votess_tessellator* tessellator;  // the one that is running; freed by the first call of `free_it`
+    int count, lines;
+    int stop;  // the call that cancels; 0: none
+    double last_fraction;
+};
+
+static int on_progress(double fraction, void* user) {
+    struct calls* calls = user;
+    CHECK(fraction >= calls->last_fraction && fraction <= 1);
+    calls->last_fraction = fraction;
+    votess_result* result = NULL;
+    CHECK_FAILS(votess_tessellate(calls->tessellator, cube, 8, NULL, &result), VOTESS_ERROR_INVALID_USE,
+                "in use by another call");
+    return ++calls->count != calls->stop;
+}
+
+static int free_it(double fraction, void* user) {
+    struct calls* calls = user;
+    (void)fraction;
+    ++calls->count;
+    votess_tessellator_free(calls->tessellator);
+    calls->tessellator = NULL;
+    return 1;
+}
+
+static void on_log(const char* message, void* user) {
+    ++((struct calls*)user)->lines;
+    CHECK(strlen(message) > 0 && strchr(message, '\n') == NULL);
+}
+
+static void check_callbacks(void) {
+    votess_options options = options_with_box(2);
+    struct calls calls = {NULL, 0, 0, 0, 0};
+    CHECK(votess_tessellator_new(&calls.tessellator) == VOTESS_OK);
+    options.progress = on_progress;
+    options.log = on_log;
+    options.progress_user = options.log_user = &calls;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(calls.tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    CHECK(calls.count > 0 && calls.last_fraction == 1);
+    votess_result_free(result);
+    calls.stop = calls.count + 1;
+    calls.last_fraction = 0;
+    CHECK_FAILS(votess_tessellate(calls.tessellator, cube, 8, &options, &result), VOTESS_ERROR_CANCELLED, "progress");
+    CHECK(result == NULL && calls.count == calls.stop);
+    // The tessellator serves on, and its own callback may free it.
+    options.progress = free_it;
+    CHECK(votess_tessellate(calls.tessellator, cube, 8, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_size(result) == 8 && calls.tessellator == NULL);
+    votess_result_free(result);
+}
+
+static void check_devices(void) {
+    const size_t count = votess_device_count();
+    int have_cpu = 0;
+    for (size_t i = 0; i < count; ++i) {
+        char id[64], name[256], description[1024], cut[3];
+        CHECK(votess_device_info(i, id, sizeof id, name, sizeof name, description, sizeof description) == VOTESS_OK);
+        CHECK(strlen(id) > 0 && strlen(name) > 0);
+        if (strcmp(id, "cpu") == 0) have_cpu = 1;
+        CHECK(votess_device_info(i, cut, sizeof cut, NULL, 0, NULL, 0) == VOTESS_OK);
+        CHECK(strlen(cut) <= 2 && strncmp(cut, id, strlen(cut)) == 0);
+    }
+    CHECK(have_cpu == 1);
+    char id[8];
+    CHECK_REFUSES(votess_device_info(count, id, sizeof id, NULL, 0, NULL, 0), "index is");
+    CHECK_REFUSES(votess_device_info(0, id, sizeof id, NULL, 8, NULL, 0), "name");
+}
+
+static void check_diagram(void) {
+    const votess_options options = options_with_box(2);
+    votess_diagram* diagram = NULL;
+    CHECK(votess_diagram_new(cube, 8, &options, &diagram) == VOTESS_OK && votess_diagram_size(diagram) == 8);
+    // Inside of a cell, on a vertex of all eight, and outside.
+    const double queries[9] = {1.9, 0.1, 1.9, 1, 1, 1, 3, 0, 0};
+    int32_t seeds[3] = {9, 9, 9};
+    CHECK(votess_diagram_locate(diagram, queries, 3, seeds) == VOTESS_OK);
+    CHECK(seeds[0] == 5 && seeds[1] == 0 && seeds[2] == -1);
+    CHECK_FAILS(votess_diagram_locate(diagram, queries, (size_t)1 << 40, seeds), VOTESS_ERROR_UNSUPPORTED,
+                "at most 2147483647");
+    const size_t shape[3] = {1, 1, 1};
+    double grid[1];
+    CHECK_REFUSES(votess_diagram_to_grid(diagram, cube, 1, shape, 4, -1, grid, NULL), "method = 4");
+    CHECK_REFUSES(votess_diagram_to_grid(diagram, cube, 1, shape, 0, 3, grid, NULL), "project = 3");
+    votess_natural* natural = NULL;
+    CHECK_REFUSES(votess_natural_new(diagram, queries, 1, 9, 1, 0, NULL, &natural), "method is 9");
+    votess_diagram_free(diagram);
+    votess_diagram_free(NULL);
+}
+
+#define SEEDS 3000
+
+struct stream {
+    const double* points;
+    const votess_result* whole;
+    size_t next, rows;
+    int readings, stop;  // stop: the reading that cancels; 0: none
+};
+
+static int restart(void* user) {
+    struct stream* stream = user;
+    stream->next = 0;
+    return ++stream->readings == stream->stop ? VOTESS_STREAM_STOP : VOTESS_STREAM_GO_ON;
+}
+
+static int next(votess_stream_seeds* seeds, void* user) {
+    struct stream* stream = user;
+    if (stream->next == SEEDS) return VOTESS_STREAM_END;
+    seeds->count = SEEDS / 4;
+    seeds->points = stream->points + 3 * stream->next;
+    stream->next += seeds->count;
+    return VOTESS_STREAM_GO_ON;
+}
+
+static int begin(const votess_stream_head* head, void* user) {
+    (void)user;
+    CHECK(head->seeds == SEEDS && head->duplicates == 0 && head->periodic == 0 && head->box_upper[1] == 1);
+    return VOTESS_STREAM_GO_ON;
+}
+
+// The rows must be those of the whole result.
+static int rows(const votess_stream_rows* some, void* user) {
+    struct stream* stream = user;
+    const int64_t* indptr = votess_result_indptr(stream->whole, NULL);
+    const int32_t* indices = votess_result_indices(stream->whole, NULL);
+    CHECK(some->first == stream->rows && some->count > 0 && some->volumes != NULL && some->centroids == NULL);
+    for (size_t i = 0; i <= some->count; ++i) CHECK(some->indptr[i] == indptr[some->first + i]);
+    for (size_t e = 0; e < some->entries; ++e) CHECK(some->neighbors[e] == indices[(size_t)some->indptr[0] + e]);
+    stream->rows += some->count;
+    return VOTESS_STREAM_GO_ON;
+}
+
+static void check_stream(void) {
+    static double points[3 * SEEDS];
+    uint64_t state = 5;
+    for (size_t i = 0; i < 3 * SEEDS; ++i) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        points[i] = (double)(state >> 11) / 9007199254740992.0;
+    }
+    votess_options options = options_with_box(1);
+    options.device = "cpu";
+    votess_result* whole = NULL;
+    CHECK(votess_tessellate(NULL, points, SEEDS, &options, &whole) == VOTESS_OK);
+    struct stream user = {points, whole, 0, 0, 0, 0};
+    votess_stream stream = {sizeof stream, 1, 1000000, NULL, restart, next, begin, rows, &user};
+    votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0, 0, 0, 0, ""};
+    votess_stats stats;
+    stats.struct_size = sizeof stats;
+    CHECK(votess_tessellate_stream(&stream, &options, &counts, &stats) == VOTESS_OK);
+    CHECK(user.rows == SEEDS && counts.blocks > 1 && counts.passed == 1 && counts.failure[0] == '\0');
+    CHECK(stats.points == SEEDS && fabs(stats.volume_sum - 1) < 1e-6);
+    user.stop = user.readings + 1;
+    CHECK_FAILS(votess_tessellate_stream(&stream, &options, &counts, NULL), VOTESS_ERROR_CANCELLED, "callback restart");
+    CHECK_REFUSES(votess_tessellate_stream(&stream, &options, NULL, NULL), "needs counts");
+    stream.verify = 2;
+    CHECK_REFUSES(votess_tessellate_stream(&stream, &options, &counts, NULL), "verify is 2");
+    stream.rows = NULL;
+    CHECK_REFUSES(votess_tessellate_stream(&stream, &options, NULL, NULL), "stream.rows");
+    stream.struct_size = 4;
+    CHECK_REFUSES(votess_tessellate_stream(&stream, &options, NULL, NULL), "struct_size");
+    CHECK_REFUSES(votess_tessellate_stream(NULL, NULL, NULL, NULL), "stream is NULL");
+    votess_result_free(whole);
+}
+
+int main(void) {
+    check_version();
+    check_tessellations();
+    check_refusals();
+    check_struct_sizes();
+    check_callbacks();
     check_devices();
+    check_diagram();
     check_stream();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);
