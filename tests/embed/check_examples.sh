@@ -68,7 +68,7 @@ expect "$in_c" "$work/cmake/cells_c"
 
 echo "== MPI"
 if [[ -x $work/cmake/ranks ]]; then
-    expect "4000 cells, their volumes sum to 1.0000000000; the neighbors' volumes have come: yes" env \
+    expect "4000 cells, their volumes sum to 1.0000000000; volumes of remote neighbors received: yes" env \
         OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
         "$(cached MPIEXEC_EXECUTABLE)" -n 2 "$work/cmake/ranks"
 else

@@ -1,9 +1,9 @@
-"""The shared library shows its own interface and nothing else.
+"""Checks that the shared library exports its own interface and nothing else.
 
-Defined dynamic symbols must be exactly: the functions that votess.h and stream.h declare, and members of what the C++ headers mark
-with VOTESS_API (with type information and vtables of those), as ENGINE_HEADER does for libvotess_mpi. So no function of
-Vulkan or volk, whatever its prefix, and no instantiation of a template of std or boost, not even a weak one: a second
-copy in the process, or a host with another compiler, would share those. Undefined ones must not be of Vulkan: the loader is opened at run time.
+The defined dynamic symbols must be the functions that votess.h and stream.h declare, and members of classes marked
+VOTESS_API in the C++ headers and ENGINE_HEADER, with their type information. Nothing of Vulkan or volk may be exported,
+and no template instantiation of std or boost: a second copy of the library in the process would share them. No Vulkan
+function may be undefined, because the loader is opened at run time.
 
 Usage: check_symbols.py NM LIBRARY INCLUDE_FOLDER ENGINE_HEADER
 """
@@ -19,12 +19,12 @@ PREFIX = re.compile(r"^(?:typeinfo (?:name )?for|vtable for) ")
 
 
 def names(nm, library, *options):
-    """(type, name) of the dynamic symbols."""
+    """Yields (type, name) of each dynamic symbol."""
     listed = subprocess.run([nm, "-D", *options, library], check=True, capture_output=True, text=True).stdout
     for line in listed.splitlines():
         match = re.match(r"^[0-9a-f ]* ([A-Za-z]) (.+)$", line)
         if not match:
-            sys.exit(f"{nm}: not understood: {line}")
+            sys.exit(f"{nm} printed an unexpected line: {line}")
         yield match[1], match[2]
 
 
@@ -40,26 +40,26 @@ def main():
     cpp_text = "".join(without_comments(header) for header in headers)
     cpp_names = {*CLASS.findall(cpp_text), *FUNCTION.findall(cpp_text)}
     if "votess_tessellate" not in c_functions or not {"tessellate", "Tessellation", "Error"} <= cpp_names:
-        sys.exit(f"the headers in {include} were not understood")
+        sys.exit(f"no declarations found in the headers of {include}")
 
     wrong = []
-    shown = set()
+    exported = set()
     for _, name in names(nm, library, "--defined-only", "--demangle"):
         if name in c_functions:
-            shown.add(name)
+            exported.add(name)
             continue
         # votess::vulkan::Plan::frame(...) belongs to Plan, votess::devices() to devices.
         match = re.match(r"^votess::(?:(?:vulkan|c)::)?(\w+)", PREFIX.sub("", name))
         if match and match[1] in cpp_names:
-            shown.add(match[1])
+            exported.add(match[1])
         else:
-            wrong.append(f"shown, but not declared in include/: {name}")
-    # Classes of which everything is inline are declared without being shown, so functions are enough here.
-    wrong += [f"declared in votess.h, but not shown: {name}" for name in sorted(c_functions - shown)]
+            wrong.append(f"exported, but not declared in include/: {name}")
+    # Only functions: a class whose members are all inline exports nothing.
+    wrong += [f"declared in votess.h, but not exported: {name}" for name in sorted(c_functions - exported)]
     for _, name in names(nm, library, "--undefined-only"):
         if re.match(r"^(?:votess_)?(?:vk[A-Z]|volk)", name):
-            wrong.append(f"taken from outside: {name}")
-    print("\n".join(wrong) or f"{len(shown)} functions and classes, nothing else")
+            wrong.append(f"undefined: {name}")
+    print("\n".join(wrong) or f"{len(exported)} functions and classes are exported, nothing else")
     return 1 if wrong else 0
 
 

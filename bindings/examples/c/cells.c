@@ -1,9 +1,9 @@
-// Prints volumes and neighbors of the cells of a cubic lattice of points in a periodic box, by the C interface.
+// Prints volumes and neighbors of the cells of a cubic lattice of points in a periodic box, through the C interface.
 //
 //     cc -std=c11 cells.c $(pkg-config --cflags --libs votess) -o cells
 //     ./cells
 //
-// ../cmake builds it by CMake.
+// ../cmake builds it with CMake.
 #include <inttypes.h>
 #include <stdio.h>
 #include <votess/votess.h>
@@ -35,7 +35,7 @@ int main(void) {
     }
 
     votess_options options;
-    votess_options_init(&options, sizeof options);  // neighbors and volumes; options.want says what else is made
+    votess_options_init(&options, sizeof options);  // neighbors and volumes; options.want requests more
     options.has_box = 1;
     for (int axis = 0; axis < 3; ++axis) {
         options.box_lower[axis] = 0;
@@ -43,13 +43,13 @@ int main(void) {
         options.periodic[axis] = 1;
     }
 
-    // Where many sets follow each other, votess_tessellator_new() makes what is kept between calls.
+    // For many sets of points, votess_tessellator_new() makes a tessellator that keeps memory between calls.
     votess_result* result = NULL;
     if (votess_tessellate(NULL, points, COUNT, &options, &result) != VOTESS_OK) {
         fprintf(stderr, "cells: %s\n", votess_last_error());
         return 1;
     }
     print(result);
-    votess_result_free(result);  // its arrays end with it
+    votess_result_free(result);  // frees its arrays too
     return 0;
 }

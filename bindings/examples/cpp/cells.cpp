@@ -1,10 +1,10 @@
-// Prints volumes and neighbors of the cells of points: those of a file with a line `x y z` for each, or a thousand
+// Prints volumes and neighbors of cells. The points come from a file with lines `x y z`; without a file they are 1,000
 // random ones in the unit box.
 //
 //     c++ -std=c++20 cells.cpp $(pkg-config --cflags --libs votess) -o cells
 //     ./cells [POINTS.txt]
 //
-// ../cmake builds it by CMake.
+// ../cmake builds it with CMake.
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -17,7 +17,7 @@
 
 namespace {
 
-// x0 y0 z0 x1 ...: votess takes all coordinates in one array.
+// Returns x0 y0 z0 x1 ...: votess takes all coordinates in one array.
 std::vector<double> read_points(const std::string& path) {
     std::ifstream file(path);
     if (!file) throw std::runtime_error("cannot read " + path);
@@ -28,7 +28,7 @@ std::vector<double> read_points(const std::string& path) {
         std::istringstream row(line);
         double x = 0, y = 0, z = 0;
         if (!(row >> x >> y >> z)) {
-            throw std::runtime_error(path + ", line " + std::to_string(number) + ": not three numbers");
+            throw std::runtime_error(path + ", line " + std::to_string(number) + ": 3 numbers expected, got: " + line);
         }
         points.insert(points.end(), {x, y, z});
     }
@@ -52,7 +52,7 @@ void print(const votess::Tessellation& t) {
         for (const auto j : t.neighbors(i)) std::printf(" %d", j);
         std::printf("\n");
     }
-    std::printf("neighbors of a cell in the mean: %g\n",
+    std::printf("mean number of neighbors: %g\n",
                 t.size() == 0 ? 0 : static_cast<double>(t.indices().size()) / static_cast<double>(t.size()));
     std::printf("sum of the volumes: %.12g\n", t.stats().volume_sum);
 }
@@ -61,17 +61,17 @@ void print(const votess::Tessellation& t) {
 
 int main(int argc, char** argv) {
     try {
-        votess::Options options;  // neighbors and volumes; options.want says what else is made
+        votess::Options options;  // neighbors and volumes; options.want requests more
         std::vector<double> points;
         if (argc > 1) {
-            points = read_points(argv[1]);  // in a box around them, as none is given
+            points = read_points(argv[1]);  // votess makes a box around them
         } else {
             points = random_points(1000);
             options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
         }
         const votess::Tessellation t = votess::tessellate(points, options);
         print(t);
-    } catch (const std::exception& error) {  // votess::Error is one
+    } catch (const std::exception& error) {  // such as votess::Error
         std::fprintf(stderr, "cells: %s\n", error.what());
         return EXIT_FAILURE;
     }

@@ -1,4 +1,4 @@
-// Cells over the ranks of MPI, and a field brought to the neighbors. Built by ../cmake where MPI is found; run by
+// Tessellates over the ranks of MPI and exchanges a field between neighbors. ../cmake builds it if it finds MPI.
 //
 //     mpirun -np 4 build/ranks
 #include <algorithm>
@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &ranks);
 
-    // Any rank may have any seeds. These lie all over the box.
+    // Each rank may pass any seeds. Here they lie all over the box.
     std::mt19937_64 random(static_cast<unsigned>(rank));
     std::uniform_real_distribution<double> uniform;
     std::vector<double> points(3 * 2000);
@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
         options.periodic = {true, true, true};
         const votess::mpi::Result result = votess::mpi::tessellate(MPI_COMM_WORLD, points, {}, options);
 
-        // Sends the volumes that other ranks need, and takes those of their seeds that are neighbors of own ones.
+        // Sends the volumes that other ranks need and receives those of neighbors on other ranks.
         const auto place = [&](std::int64_t id) {
             return std::lower_bound(result.ids.begin(), result.ids.end(), id) - result.ids.begin();
         };
@@ -42,11 +42,11 @@ int main(int argc, char** argv) {
                       receive_counts.data(), receive_begins.data(), MPI_DOUBLE, MPI_COMM_WORLD);
         const double smallest = received.empty() ? 1 : *std::min_element(received.begin(), received.end());
         if (rank == 0)
-            std::printf("%llu cells, their volumes sum to %.10f; the neighbors' volumes have come: %s\n",
+            std::printf("%llu cells, their volumes sum to %.10f; volumes of remote neighbors received: %s\n",
                         static_cast<unsigned long long>(result.counts.seeds), result.counts.volume_sum,
                         smallest > 0 ? "yes" : "no");
     } catch (const votess::Error& error) {
-        if (rank == 0) std::fprintf(stderr, "%s\n", error.what());  // all ranks have the same one
+        if (rank == 0) std::fprintf(stderr, "%s\n", error.what());  // the same on all ranks
         MPI_Finalize();
         return 1;
     }

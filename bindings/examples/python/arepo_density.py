@@ -1,9 +1,9 @@
 """Densities of the cells of a snapshot of AREPO or Gadget: the mass of each cell divided by its volume.
 
-    python arepo_density.py [SNAPSHOT.hdf5] [PartType0]     default: makes a small snapshot and reads that
+    python arepo_density.py [SNAPSHOT.hdf5] [PartType0]     default: makes a small snapshot and reads it
 
-Needs h5py. The box is periodic, as it is in cosmological runs; its side is BoxSize of the header. Where the snapshot
-holds densities of its own, both are compared.
+Needs h5py. The box is periodic, as in cosmological runs; its side is BoxSize of the header. If the snapshot has
+densities, the example compares both.
 """
 
 import pathlib
@@ -16,24 +16,24 @@ import pyvotess as vt
 
 
 def read_snapshot(path, kind):
-    """Coordinates, masses, side of the box, densities of the file or None."""
+    """Returns coordinates, masses, the side of the box, and the densities or None."""
     with h5py.File(path) as file:
         header, group = file["Header"].attrs, file[kind]
         points = group["Coordinates"][:]
         if "Masses" in group:
             masses = group["Masses"][:].astype(float)
-        else:  # all particles of a kind have the same mass then
+        else:  # then all particles of a kind have the same mass
             masses = np.full(len(points), header["MassTable"][int(kind[len("PartType"):])])
         density = group["Density"][:] if "Density" in group else None
         return points, masses, float(header["BoxSize"]), density
 
 
 def write_small_snapshot(path):
-    """Gas of one mass in a box of 100, half of it in a clump around a corner, which periodicity makes whole."""
+    """Writes gas in a box of side 100. Half of it lies in a clump around a corner of the periodic box."""
     rng = np.random.default_rng(1)
     side = 100.0
     points = np.concatenate([rng.random((2000, 3)) * side, rng.normal(0, 8, (2000, 3)) % side])
-    points[points >= side] = 0.0  # the remainder of a tiny negative number is rounded to the side itself
+    points[points >= side] = 0.0  # % rounds a tiny negative number up to the side
     with h5py.File(path, "w") as file:
         header = file.create_group("Header").attrs
         header["BoxSize"] = side
@@ -48,7 +48,7 @@ def write_small_snapshot(path):
 def densities(path, kind="PartType0"):
     points, masses, side, stored = read_snapshot(path, kind)
     cells = vt.tessellate(points, box=(0, 0, 0, side, side, side), periodic=True, want="volumes", precision="double")
-    # The cell of a duplicate is empty, and its density without meaning.
+    # A duplicate has an empty cell and no density.
     density = np.divide(masses, cells.volumes, out=np.full(len(masses), np.nan), where=cells.volumes > 0)
 
     print(f"{len(points)} cells of {kind} in a periodic box of {side:g}; mean density {masses.sum() / side**3:.6g}")

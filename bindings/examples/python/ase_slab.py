@@ -1,8 +1,8 @@
 """Coordination of the atoms of a slab, from the Voronoi cells of its atoms.
 
-    python ase_slab.py [FILE]     any file of atoms that ASE reads; default: a slab of platinum, 5 layers of (111)
+    python ase_slab.py [FILE]     any file that ASE reads; default: 5 layers of Pt(111)
 
-Needs ASE. A slab repeats along the edges that ASE says, a and b; along c its cells end at the walls of the box.
+Needs ASE. ASE says along which edges a slab repeats: a and b. Along c its cells end at the walls of the box.
 """
 
 import sys
@@ -14,10 +14,10 @@ import pyvotess as vt
 
 
 def coordination(atoms):
-    """Number of neighbors of each atom.
+    """Returns the number of neighbors and the volume of each atom's cell.
 
-    Positions of a crystal are rounded, so cells that would touch in an edge or a corner share a tiny face: min_face
-    drops what is smaller than that share of the mean face.
+    Positions of a crystal are rounded, so cells that should touch in an edge or a corner share a tiny face. min_face
+    drops faces smaller than this share of the mean face.
     """
     cells = vt.from_ase(atoms, want="neighbors,volumes", min_face=1e-3)
     return np.diff(cells.neighbors.indptr), cells.volumes

@@ -1,4 +1,4 @@
-// Prints the neighbors of four seeds in a row; returns 1 when they are wrong.
+// Prints the neighbors of four seeds in a row. Returns 1 if they are wrong.
 #include <cmath>
 #include <cstdint>
 #include <iostream>
@@ -32,7 +32,7 @@ int main() {
     }
     if (!right) std::cerr << "cpp_consumer: wrong answer\n";
 
-    // A thrown Error must be caught by its type across the border of the library.
+    // The program can catch the library's exceptions by type.
     options.threads = 100000;
     try {
         t = votess::tessellate(points, options);
