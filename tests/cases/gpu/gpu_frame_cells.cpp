@@ -131,6 +131,7 @@ TEST_SUITE("cases") {
             }
             CHECK(r == more.cells.size());
         }
+        Host host;
         PlanOptions options = options_for(set);
         options.areas = true;
         options.neighbors = false;
