@@ -1,21 +1,24 @@
-"""Hooks of mkdocs: what pages show of the sources is taken from there when they are built.
+"""Hooks of mkdocs: pages show parts of the sources, and the output of their code.
 
 A line of its own in a page
 
-    [[section README.md: Benchmark]]     that section of a Markdown file, without its heading
-    [[header votess.hpp]]                that public header, in parts with headings
-    [[help]]                             what `clvotess --help-all` prints
+    [[section README.md: Speed]]     that section of a Markdown file, without its heading
+    [[header votess.hpp]]            that public header, in parts with headings
+    [[help]]                         the output of `clvotess --help-all`
 
-is replaced. Pictures lie in the folder that VOTESS_DOCS_MADE names, made/page/picture.png in links.
+is replaced. The folder that VOTESS_DOCS_MADE names holds pictures, made/page/picture.png in links, and the output of each
+block of code, which appears below the block.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import subprocess
+import sys
 from pathlib import Path
-from typing import Any, Iterator, List, Tuple
+from typing import Any, Dict, Iterator, List, Tuple
 
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File, Files
@@ -23,29 +26,40 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).resolve().parents[4]
 MADE = Path(os.environ.get("VOTESS_DOCS_MADE", ROOT / "build/docs/made"))
 PLACE = re.compile(r"^\[\[(\w+)(?: ([^\]:]+))?(?:: ([^\]]+))?\]\]$", re.MULTILINE)
+LONGEST_OUTPUT = 16  # lines
 
-_shown: List[Path] = []  # pictures that sections of other files show
+sys.path.insert(0, str(ROOT / "tests/readme"))
+from check_readme import FENCED, TESTED  # noqa: E402
+
+
+def _with_outputs(markdown: str, page: str) -> str:
+    """Shows the output of each tested block below it, in place of its lines `# prints: ...`."""
+    file = MADE / page / "outputs.json"
+    outputs: Dict[str, str] = json.loads(file.read_text("utf-8")) if file.exists() else {}
+
+    def block(found: re.Match[str]) -> str:
+        if not TESTED.fullmatch(found[1] or ""):
+            return found[0]
+        code = re.sub(r"^\s*(?:#|//) prints: .*\n", "", found[3], flags=re.M)
+        lines = outputs.get(str(markdown.count("\n", 0, found.start(3)) + 1), "").splitlines()
+        if len(lines) > LONGEST_OUTPUT:
+            lines[LONGEST_OUTPUT - 1 :] = ["..."]
+        shown = "\n```{ .text .output }\n" + "\n".join(lines) + "\n```\n" if lines else ""
+        return f"```{found[2]}\n{code.rstrip()}\n```\n{shown}"
+
+    return FENCED.sub(block, markdown)
 
 
 def _section(name: str, title: str) -> str:
-    """A section of a Markdown file. Its pictures become pictures of the site, its other links text."""
-    file = ROOT / name
-    found = re.search(rf"^(#+) {re.escape(title)}\n(.*?)(?=^#{{1,2}} |\Z)", file.read_text("utf-8"), re.M | re.S)
+    """A section of a Markdown file without its links."""
+    found = re.search(rf"^(#+) {re.escape(title)}\n(.*?)(?=^#{{1,2}} |\Z)", (ROOT / name).read_text("utf-8"), re.M | re.S)
     if not found:
         raise PluginError(f"{name} has no section {title!r}")
-
-    def picture(link: re.Match[str]) -> str:
-        path = (file.parent / link[2]).resolve()
-        if path not in _shown:
-            raise PluginError(f"{name} shows {link[2]}: name it in PICTURES of {__file__}")
-        return f"![{link[1]}](made/{path.name})"
-
-    text = re.sub(r"!\[([^\]]*)\]\(([^)]+)\)", picture, found[2])
-    return re.sub(r"(?<!!)\[([^\]]*)\]\((?!https?:)[^)]+\)", r"\1", text)
+    return re.sub(r" ?\[[^\]]*\]\((?!https?:)[^)]+\)", "", found[2])
 
 
-#: Pictures of the repository that sections show.
-PICTURES = ("tools/bench/results/speed.png",)
+#: Pictures of the repository that pages show, as made/NAME.
+PICTURES = ("tools/bench/results/speed.png", "tests/embed/frame.png")
 
 # At the left edge: what a part of a header declares.
 _TYPE = re.compile(r"^(?:enum class|struct|class|using|typedef (?:enum|struct))\s+(?:VOTESS_API\s+)?(\w+)(?!.*;$)", re.M)
@@ -97,9 +111,9 @@ def _help() -> str:
 def on_files(files: Files, config: Any) -> Files:
     """Pictures that were made, and those of the repository, become files of the site."""
     for path in sorted(MADE.rglob("*.*")):
-        files.append(File.generated(config, f"made/{path.relative_to(MADE).as_posix()}", abs_src_path=str(path)))
+        if path.suffix != ".json":
+            files.append(File.generated(config, f"made/{path.relative_to(MADE).as_posix()}", abs_src_path=str(path)))
     for name in PICTURES:
-        _shown.append(ROOT / name)
         files.append(File.generated(config, f"made/{Path(name).name}", abs_src_path=str(ROOT / name)))
     return files
 
@@ -116,7 +130,7 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
 
     if page.file.src_uri == "python.md":
         _all_documented(markdown)
-    return PLACE.sub(source, markdown)
+    return PLACE.sub(source, _with_outputs(markdown, Path(page.file.src_uri).stem))
 
 
 def _all_documented(markdown: str) -> None:
