@@ -20,7 +20,7 @@ def prose(path, text):
     """Yields (line, text, whether it begins a paragraph)."""
     kind, start = path.rsplit(".", 1)[-1], True
     if kind == "md":
-        text = re.sub(r"^```.*?^```|<!--.*?-->", lambda m: "\n" * m[0].count("\n"), text, flags=re.M | re.S)
+        text = re.sub(r"^```.*?^```|^    .*?$|<!--.*?-->", lambda m: "\n" * m[0].count("\n"), text, flags=re.M | re.S)
     for t in tokenize.generate_tokens(io.StringIO(text).readline) if kind == "py" else ():
         if t.type == tokenize.COMMENT or (t.type == tokenize.STRING and start):
             for k, line in enumerate(t.string.split("\n")):
