@@ -202,11 +202,12 @@ class Usage(CliTest):
         done = subprocess.run(["bash", "-euc", ask], cwd=self.folder, text=True, capture_output=True, check=True)
         self.assertEqual(done.stdout.splitlines(), ["--device", "lavapipe", "something.xyz"])
 
-    def test_readme_names_only_options_that_exist(self):
+    def test_documentation_names_only_options_that_exist(self):
         readme = ROOT / "README.md"
         if not readme.exists():
             self.skipTest("no README.md")
-        commands = re.findall(r"clvotess [^\n`]*", readme.read_text())
+        pages = (ROOT / "bindings/python/docs/pages").glob("*.md")
+        commands = [c for page in (readme, *pages) for c in re.findall(r"clvotess [^\n`]*", page.read_text("utf-8"))]
         self.assertTrue(commands)
         for command in commands:
             for option in re.findall(r"(?<=\s)--[a-z][a-z-]*(?:\+\+)?", command):
