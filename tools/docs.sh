@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Builds the documentation pages of bindings/python/docs into build/docs/site: runs every block of code on them, makes
-# their pictures, and then the site, which has no broken link.
+# Builds the documentation pages of bindings/python/docs into build/docs/site: runs the code of the pages, makes their
+# pictures, and then the site, in which no link is broken.
 #   ./tools/docs.sh
 #   --build DIR     a build of votess, with bin/clvotess and lib/libvotess; default: build/release, which is built if
 #                   there is none

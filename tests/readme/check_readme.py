@@ -1,15 +1,17 @@
-"""Runs the examples of README.md, or of other Markdown files, so that what they promise stays true.
+"""Runs the examples of README.md or of pages of the documentation.
 
-A fenced block counts when the line before it is <!-- tested -->. Blocks of a file run in order in one empty directory:
-sh with the build's bin directory on PATH, python with pyvotess importable, cpp and c compiled as whole programs against
-the build and run. A line "# prints: text" or "// prints: text" in a block demands that the output contains the text.
+A fenced block runs if the line before it is <!-- tested -->. Blocks of a file run in order in one empty directory:
+  sh        with the build's bin directory on PATH
+  python    with pyvotess importable
+  cpp, c    compiled as a whole program against the build
+A line "# prints: text" or "// prints: text" in a block demands that the output contains the text.
 
-Files that are named are pages of the documentation. There python blocks build on those before them, as they are one
-session. <!-- tested, needs ase --> skips a block where that package is missing, unless --all. Every block must be
-tested, or be a listing of the language text, or stand behind <!-- not run: reason -->. --keep DIR leaves the pictures
-that the blocks of page.md make in DIR/page, and what each block prints in DIR/page/outputs.json.
+Named files are pages. The python blocks of a page are one session. <!-- tested, needs ase --> skips a block if the
+package is missing, unless --all. Every block must be tested, or have the language text, or follow
+<!-- not run: reason -->. --keep DIR copies the pictures of page.md to DIR/page, and writes the output of its blocks, by
+line, to DIR/page/outputs.json.
 
-Relative links of README.md and of the other Markdown files outside the pages must name a file.
+Without pages, relative links in README.md and in other Markdown files outside the pages must name a file.
 """
 
 import argparse
@@ -33,7 +35,7 @@ LANGUAGES = {"sh", "python", "cpp", "c"}
 PICTURES = {".png", ".svg", ".jpg"}
 TIMEOUT = 120
 
-# Runs blocks in one namespace: a line of input names the code and the file for its output, a line of output tells 1 or 0.
+# Runs blocks in one namespace. A line of input has the code and the file for its output; the reply is 1 or 0.
 SESSION = """
 import json, os, sys, traceback
 replies = os.fdopen(os.dup(1), "w")
@@ -64,7 +66,7 @@ class Block(NamedTuple):
 
 
 class Session:
-    """A Python that remembers what the blocks before have made."""
+    """A Python process that runs the blocks of a page in one namespace."""
 
     def __init__(self, directory, environment):
         self.output = directory.parent / f"{directory.name}.output"
@@ -72,7 +74,7 @@ class Session:
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
     def run(self, code):
-        """Whether the code went to its end, and what it printed."""
+        """Returns whether the code raised no exception, and its output."""
         reply = ""
         try:
             print(json.dumps([code, str(self.output)]), file=self.process.stdin, flush=True)
@@ -100,7 +102,7 @@ def compile_command(language, source, program, args):
 
 
 def commands(language, code, directory, args):
-    """The commands that run one block, each an argument list."""
+    """Returns the commands that run one block, each an argument list."""
     if language == "sh":
         return [["bash", "-euo", "pipefail", "-c", code]]
     if language == "python":
@@ -112,7 +114,7 @@ def commands(language, code, directory, args):
 
 
 def run(block, directory, environment, args):
-    """Whether the commands of a block succeeded, and what they printed."""
+    """Returns whether the commands of a block succeeded, and their output."""
     output = ""
     for command in commands(block.language, block.code, directory, args):
         done = subprocess.run(command, cwd=directory, env=environment, text=True, stdout=subprocess.PIPE,
@@ -130,10 +132,10 @@ def read(path):
 
 
 def complaints(text, blocks, is_page):
-    """What is wrong with the marks of a file."""
+    """Yields the errors in the marks of a file."""
     tested = [block for block in blocks if TESTED.fullmatch(block.mark)]
     if len(tested) != len(re.findall("<!-- tested", text)):
-        yield "every <!-- tested --> must stand on the line before a fenced block"
+        yield "every <!-- tested --> must be on the line before a fenced block"
     for block in tested:
         if block.language not in LANGUAGES:
             yield f"line {block.line}: {block.language!r} cannot be run, only {', '.join(sorted(LANGUAGES))}"
@@ -142,12 +144,12 @@ def complaints(text, blocks, is_page):
             yield "each of cpp, python, sh must have a tested block"
         return
     if 2 * len(blocks) != len(re.findall(r"^\s*```", text, re.MULTILINE)):
-        yield "there are fences that begin no block, or blocks that are indented"
+        yield "a fence begins no block, or a block is indented"
     for paragraph in re.findall(r"(?:\A|\n\n)((?:    |\t).*)", FENCED.sub("", text)):
-        yield f"a block without fences, which is not tested: {paragraph.strip()}"
+        yield f"a block without fences is not tested; add fences: {paragraph.strip()}"
     for block in blocks:
         if block not in tested and block.language != "text" and not block.mark.startswith("not run: "):
-            yield f"line {block.line}: a block that is neither tested nor of the language text nor marked as not run"
+            yield f"line {block.line}: mark this block as tested or not run, or give it the language text"
 
 
 def check(path, is_page, args, environment):
@@ -172,7 +174,7 @@ def check(path, is_page, args, environment):
             needs = re.findall(r"\w+", tested[1] or "")
             missing = [package for package in needs if importlib.util.find_spec(package) is None]
             if missing and not args.all:
-                print(f"{name}:{block.line}: {block.language}: skipped, there is no {' '.join(missing)}")
+                print(f"{name}:{block.line}: {block.language}: skipped, {' '.join(missing)} is missing")
                 continue
             if session and block.language == "python":
                 passed, output = session.run(block.code)
@@ -199,7 +201,7 @@ def check(path, is_page, args, environment):
 
 
 def dead_links(source):
-    """Links to files that are not there, in Markdown files of the repository outside the pages."""
+    """Yields the links to missing files in Markdown files of the repository outside the pages."""
     listed = subprocess.run(["git", "-C", str(source), "ls-files", "*.md"], text=True, capture_output=True, check=False)
     for name in listed.stdout.split():
         if (source / name).exists() and "/docs/pages/" not in name:
@@ -214,8 +216,8 @@ def main():
     parser.add_argument("--build", type=Path, required=True, help="build tree")
     parser.add_argument("--bin", type=Path, required=True, help="directory of clvotess")
     parser.add_argument("--lib", type=Path, required=True, help="directory of libvotess")
-    parser.add_argument("--all", action="store_true", help="a package that a block needs must be there")
-    parser.add_argument("--keep", type=Path, metavar="DIR", help="where pictures go")
+    parser.add_argument("--all", action="store_true", help="run blocks even if their packages are missing")
+    parser.add_argument("--keep", type=Path, metavar="DIR", help="folder for pictures and outputs")
     parser.add_argument("pages", type=Path, nargs="*", help="Markdown files; default: README.md")
     args = parser.parse_args()
 

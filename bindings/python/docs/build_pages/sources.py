@@ -6,8 +6,8 @@ A line of its own in a page
     [[header votess.hpp]]            that public header, in parts with headings
     [[help]]                         the output of `clvotess --help-all`
 
-is replaced. The folder that VOTESS_DOCS_MADE names holds pictures, made/page/picture.png in links, and the output of each
-block of code, which appears below the block.
+is replaced. The folder VOTESS_DOCS_MADE holds pictures, made/page/picture.png in links, and the output of each block of
+code, which appears below the block.
 """
 
 from __future__ import annotations
@@ -61,13 +61,13 @@ def _section(name: str, title: str) -> str:
 #: Pictures of the repository that pages show, as made/NAME.
 PICTURES = ("tools/bench/results/speed.png", "tests/embed/frame.png")
 
-# At the left edge: what a part of a header declares.
+# Declarations in a header, at the left edge.
 _TYPE = re.compile(r"^(?:enum class|struct|class|using|typedef (?:enum|struct))\s+(?:VOTESS_API\s+)?(\w+)(?!.*;$)", re.M)
 _FUNCTION = re.compile(r"^(?:\[\[nodiscard\]\] )?VOTESS_API [^(;]*?\b(\w+)\(", re.M)
 
 
 def _parts(text: str) -> Iterator[Tuple[str, str]]:
-    """The paragraphs of a header, each with what it declares; several in one where braces are open between them."""
+    """Yields the declared name and the text of each part of a header: a paragraph, or several with open braces between."""
     part: List[str] = []
     depth = 0
     for paragraph in text.split("\n\n"):
@@ -86,7 +86,7 @@ def _parts(text: str) -> Iterator[Tuple[str, str]]:
 
 
 def _header(name: str) -> str:
-    """All of a header: parts that declare nothing go with those before them."""
+    """Returns a header in parts with headings. A part without a declaration joins the part before it."""
     text = (ROOT / "include/votess" / name).read_text("utf-8").strip("\n")
     language = "c" if name.endswith(".h") else "cpp"
     parts: List[Tuple[str, str]] = []
