@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Formats the sources that git tracks after .clang-format; --check only names those that would change (exit 1).
+# Formats the tracked sources by .clang-format; --check only names the files that would change (exit 1).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-# Versions differ in details, so one of them is the rule: another would reformat what nobody touched.
+# Versions differ in details: another one would reformat files that nobody touched.
 readonly version=14
 formatter=
 for candidate in "${CLANG_FORMAT:-}" "clang-format-$version" clang-format; do

@@ -1,15 +1,15 @@
 #!/usr/bin/env bash
-# Random sets of hard kinds, each answer proven cell by cell, on all cores until the time is over; or damaged files for
-# the readers of clvotess.
+# Tries random sets of hard kinds on all cores until the time is over, and proves each answer cell by cell. Or feeds
+# damaged files to the readers of clvotess.
 #   ./tools/fuzz.sh HOURS [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
 #   ./tools/fuzz.sh --replay FILE [--device cpu|lavapipe]
 #   ./tools/fuzz.sh --readers HOURS [READER...]
 # Kinds: wrapped thin skewed clusters weights walls wedges lattices spheres jobs many; default: all.
-# Readers: number text csv gz xyz poscar lammps_dump lammps_data ply npy npz hdf5; default: all, for equal times.
-# Prints how many sets of each kind it tried, and the seed, which is another for each run. What fails, hangs, crashes or
-# takes too much is kept in FOLDER (default build/fuzz), reduced, as a text that --replay runs again.
-# --readers needs clang with libFuzzer. It goes on with the inputs that earlier runs kept in build/fuzz/readers, and keeps
-# there as READER-crash-... what was found. Exits 1 when something was found.
+# Readers: number text csv gz xyz poscar lammps_dump lammps_data ply vtk npy npz hdf5; default: all, for equal times.
+# Prints the number of sets of each kind, and the seed, which differs from run to run. A set that fails, hangs, crashes
+# or takes too much is reduced and written to FOLDER (default build/fuzz), as a text that --replay runs again.
+# --readers needs clang with libFuzzer. It continues with the inputs of earlier runs in build/fuzz/readers, and writes
+# findings there as READER-crash-... Exits 1 when something was found.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -36,7 +36,7 @@ fuzz_readers() {  # hours, then readers
     shift
     clang=$(compgen -c clang++ | grep -E '^clang\+\+(-[0-9]+)?$' | sort -V | tail -n 1 || true)
     [[ -n $clang ]] || { echo "fuzz: --readers needs clang++ with libFuzzer (Debian: clang libclang-rt-14-dev)" >&2; exit 2; }
-    [[ $# -gt 0 ]] || set -- number text csv gz xyz poscar lammps_dump lammps_data ply npy npz hdf5
+    [[ $# -gt 0 ]] || set -- number text csv gz xyz poscar lammps_dump lammps_data ply vtk npy npz hdf5
     build build/fuzz/clang votess_reader_fuzzer -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
         "-DCMAKE_CXX_COMPILER=$clang" "-DCMAKE_C_COMPILER=${clang/++/}" -DVOTESS_BUILD_VULKAN=OFF -DVOTESS_FUZZ_READERS=ON
     local seconds seed kept=build/fuzz/readers
@@ -45,7 +45,7 @@ fuzz_readers() {  # hours, then readers
         seed=$((RANDOM * 32768 + RANDOM + 1))
         mkdir -p "$kept/$reader"
         echo "fuzz: reader $reader, $seconds seconds, seed $seed"
-        # HDF5 keeps memory of its own, reads behind the end of what is damaged, and asks for any amount of memory.
+        # HDF5 has its own memory pool, reads beyond the end of damaged data, and requests any amount of memory.
         malloc_limit=4096
         [[ $reader != hdf5 ]] || malloc_limit=1000000000
         if ! VOTESS_FUZZ_READER=$reader UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds votess and runs clvotess with the arguments given; without arguments, on 100,000 random seeds, checked.
+# Builds votess and runs clvotess with these arguments. Without arguments it tessellates and checks 100,000 random seeds.
 #   ./tools/run.sh
 #   ./tools/run.sh points.xyz -o cells.txt
 set -euo pipefail

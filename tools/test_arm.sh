@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the CPU engine and its tests for ARM (aarch64) and runs them under qemu's emulation, on Debian for x86_64. No
-# test of a GPU, of clvotess or of Python. Sizes are reduced; it takes some half an hour.
+# Builds the CPU engine and its tests for ARM (aarch64) and runs them under qemu's emulation, on Debian for x86_64. Does
+# not test a GPU, clvotess or Python. Sizes are reduced; it takes about half an hour.
 #   ./tools/test_arm.sh [arguments of votess_tests, for example -tc="star*"]
-# Needs: apt install g++-aarch64-linux-gnu qemu-user ninja-build. The libraries that tests compare with are downloaded as
-# packages and unpacked in build/arm; nothing is installed.
+# Needs: apt install g++-aarch64-linux-gnu qemu-user ninja-build. Libraries for the tests are downloaded as packages and
+# unpacked in build/arm; nothing is installed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the wheel and the source distribution of pyvotess into dist/, then tries the wheel in a fresh environment: the
+# Builds the wheel and the source distribution of pyvotess into dist/. Then tries the wheel in a fresh environment: the
 # package, clvotess, tests of Python, and a C++ program that finds the library in it.
 #   ./tools/wheel.sh
-# The wheel runs where Python is and nothing else: no Vulkan, HDF5, compiler. Debian's HDF5 would bring forty libraries
-# along, so .h5 files are left to h5py there.
+# The wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
+# h5py handles .h5 files there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 tools/setup.sh run wheel

@@ -1,4 +1,4 @@
-// votess_bench: votess and its peers on the same points in the same run, taking turns; medians over the repeats.
+// votess_bench: votess and its peers on the same points in the same run, in turns. Reports medians over the repeats.
 // --goals, --memory and --gpu-table measure other things.
 #include "bench.hpp"
 
@@ -41,7 +41,7 @@ enum class Mode { comparison, quick, sweep, goals, memory, gpu_table };
 
 struct Settings {
     Mode mode = Mode::comparison;
-    // Empty or 0: what the mode has by itself.
+    // Empty or 0: the default of the mode.
     std::vector<std::size_t> sizes;
     std::vector<std::string> inputs;
     std::vector<std::string> wants;
@@ -147,7 +147,7 @@ int run_comparison(const Settings& settings, const Peers& peers, const std::vect
                 std::fflush(stdout);
                 complaints += settings.check ? check(group) : 0;
                 measurements.insert(measurements.end(), group.begin(), group.end());
-                if (!settings.json.empty()) {  // a run that is cut short leaves what it has
+                if (!settings.json.empty()) {  // an interrupted run leaves the results so far
                     write_json(settings.json, versions, {section_of(measurements)});
                 }
             }

@@ -1,4 +1,4 @@
-// Benchmark of votess against its peers: what an input and a peer are.
+// Benchmark of votess against its peers: inputs and peers.
 #pragma once
 
 #include <array>
@@ -18,69 +18,69 @@ namespace bench {
 struct Input {
     std::string name;
     std::vector<double> points;  // x0 y0 z0 x1 ...
-    votess::Box box;             // of a triclinic domain the bounds
-    // As in votess::Options. A triclinic cell is periodic, begins at the origin, and has a along x and b in the plane
-    // of x and y, since Voro++ takes no other.
+    votess::Box box;             // the bounds of a triclinic domain
+    // As in votess::Options. A triclinic cell is periodic and begins at the origin, with a along x and b in the xy
+    // plane: Voro++ takes no other.
     std::array<bool, 3> periodic{};
     std::optional<votess::TriclinicBox> cell = std::nullopt;
     std::vector<double> weights{}, radii{};
-    std::vector<votess::Wall> walls{};  // that cut the box
-    // Sum of the lengths of the neighbor lists, where it is known: what ties must not change.
+    std::vector<votess::Wall> walls{};
+    // Sum of the lengths of the neighbor lists, where it is known; ties must not change it.
     std::optional<std::uint64_t> links = std::nullopt;
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
-    // The Voronoi diagram in a box with walls, which every peer can do.
+    // Whether the input is a Voronoi diagram in a box with walls, which every peer can do.
     [[nodiscard]] bool plain() const;
-    [[nodiscard]] std::array<double, 3> lengths() const;  // of the box along the axes, tilts left out
+    [[nodiscard]] std::array<double, 3> lengths() const;  // of the box along the axes, without tilts
     [[nodiscard]] double volume() const;                  // of the box
-    // The domain and the weights, which stay those of the input.
+    // Returns the domain and the weights, as views of the input.
     [[nodiscard]] votess::Options options() const;
 };
 
-// The inputs that make_input makes by itself.
+// Returns the inputs that make_input generates.
 const std::vector<std::string>& input_names();
-bool is_file(std::string_view name);  // file:PATH, which has as many points as it has
-// What reports call an input: the name, of a file without folders, which say nothing on another machine.
+bool is_file(std::string_view name);  // whether the name is file:PATH
+// Returns the name of an input in reports: that of a file is without folders.
 std::string label_of(std::string_view name);
-// About n points (a lattice takes the nearest number it can have); the same for the same arguments on every machine.
+// Returns about n points (a lattice has the nearest number possible), the same for the same arguments on every machine.
 // Throws std::invalid_argument for an unknown name, std::runtime_error for a file that cannot be used.
 Input make_input(std::string_view name, std::size_t n, std::uint64_t rng_seed);
-// Text, a point a line: x y z or id x y z, '#' begins a comment. The box is the one that votess takes by default.
+// Reads text, a point a line: x y z or id x y z, '#' begins a comment. The box is the default of votess.
 Input read_points(const std::string& path);
 
 enum class Want { neighbors, full };  // full: volumes, centroids and face areas too
 std::string_view name_of(Want want);
 
-// What a peer found, so that it cannot win by computing less.
+// Sums of a peer's result, so that it cannot win by computing less.
 struct Answer {
     double seconds = 0;
-    std::uint64_t links = 0;                            // sum of the lengths of the neighbor lists, walls left out
+    std::uint64_t links = 0;                            // sum of the lengths of the neighbor lists, without walls
     double volume = 0;                                  // sum of the volumes; 0 when not computed
     double area = 0;                                    // sum of the face areas of all lists; 0 when not computed
     std::optional<votess::Stats> stats = std::nullopt;  // of votess
 };
 
-// One program to compare. run() times the way from an array of points to neighbor lists in memory, and throws
-// std::exception when the peer fails on the input. Setting up what a user would reuse and freeing are not timed.
+// One program to compare. run() measures the time from an array of points to neighbor lists in memory, without the
+// setup that a user would reuse and without freeing. It throws std::exception when the peer fails on the input.
 class Peer {
 public:
     virtual ~Peer() = default;
     [[nodiscard]] virtual std::string name() const = 0;
     [[nodiscard]] virtual std::string version() const = 0;
     [[nodiscard]] virtual bool can(const Input& input, Want want) const = 0;
-    // Numbers of threads to measure with, of those asked for.
+    // Returns the numbers of threads to measure with, out of those requested.
     [[nodiscard]] virtual std::vector<unsigned> threads(const std::vector<unsigned>&) const { return {1}; }
     // Whether the diagram ends at the box. Others report the unbounded diagram, which has more neighbors at the rim.
     [[nodiscard]] virtual bool bounded() const { return true; }
     // Relative error of the sum of the volumes.
     [[nodiscard]] virtual double volume_error() const { return 1e-9; }
-    // Before the first run on an input, not timed: what a user would set up once.
+    // Makes the setup that a user would reuse, before the first run on an input. Not timed.
     virtual void prepare(const Input&, Want, unsigned) const {}
     [[nodiscard]] virtual Answer run(const Input& input, Want want, unsigned threads) const = 0;
 };
 
-// votess on the CPU. With instructions, named as in votess::Options, it is a peer of its own, such as votess/avx2.
+// Makes votess on the CPU. instructions: as in votess::Options; they make a peer of their own, such as votess/avx2.
 std::unique_ptr<Peer> make_votess(const std::string& instructions = "");
-// votess on a Vulkan device, named as in votess::Options. Throws votess::Error when the device cannot be had.
+// Makes votess on a Vulkan device, named as in votess::Options. Throws votess::Error when the device is missing.
 std::unique_ptr<Peer> make_votess_on(const std::string& device);
 std::unique_ptr<Peer> make_voropp();
 std::unique_ptr<Peer> make_qhull();
@@ -88,8 +88,8 @@ std::unique_ptr<Peer> make_cgal();
 
 using Peers = std::vector<std::unique_ptr<Peer>>;
 
-// Both directions of each pair as compressed rows, for peers that deliver pairs. A user who wants neighbor lists has
-// to do this, so it is timed.
+// Returns both directions of each pair as compressed rows, for peers that deliver pairs. A user who wants neighbor
+// lists needs this step, so it is timed.
 struct Rows {
     std::vector<std::int64_t> indptr;
     std::vector<std::int32_t> indices;
@@ -106,7 +106,7 @@ private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// The device of that name among votess::devices(), for Stats::device and what Options::device accepts.
+// Returns the device among votess::devices() with this id (as for Options::device) or this name (as in Stats::device).
 votess::DeviceInfo describe(const std::string& device, const std::string& name);
 
 }  // namespace bench

@@ -23,7 +23,7 @@ PANELS = [
     ("uniform", "full", ("Uniform points", "lists, volumes, centroids, areas")),
     ("clustered", "neighbors", ("50 normal clusters", "neighbor lists")),
 ]
-# Okabe and Ito's colors, which the color-blind can tell apart; markers say the same once more.
+# Colors of Okabe and Ito, which the color-blind can distinguish; each has a marker too.
 STYLES = {
     "votess": ("votess", "#0072B2", "o"),
     "voro++": ("Voro++", "#D55E00", "s"),

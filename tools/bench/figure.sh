@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Measures votess and its peers from 1e3 to 1e6 points and draws the figure: NAME.json and NAME.png.
+# Measures votess and its peers from 1e3 to 1e6 points and draws the figure.
 #   tools/bench/figure.sh                           speed.json and speed.png in the current folder
-#   --name NAME                                     others
-#   --bin DIR                                       votess_bench is there; default: build/release/bin
+#   --name NAME                                     NAME.json and NAME.png
+#   --bin DIR                                       folder of votess_bench; default: build/release/bin
 # Other arguments, such as --n 1e3,1e4 or --peers voro++, go to votess_bench --sweep (see its --help). Needs matplotlib.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)

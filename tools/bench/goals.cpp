@@ -88,7 +88,7 @@ std::string what_is_missing(const Goal& goal, const std::vector<Measurement>& gr
     return "";
 }
 
-// Measures the rounds one after the other and keeps what came of them.
+// Measures the rounds one after the other and keeps the results.
 class Scoreboard {
 public:
     explicit Scoreboard(bool checks) : checks_(checks) {

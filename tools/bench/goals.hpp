@@ -10,7 +10,7 @@
 namespace bench {
 
 struct Goals {
-    // Peers that the goals need besides those that every mode has.
+    // Additional peers of the goals.
     static std::vector<std::string> instructions() { return {"baseline", "avx2", "avx512"}; }
 
     std::size_t small = 100'000, large = 1'000'000;  // seeds; other numbers only try the program out

@@ -1,15 +1,16 @@
 #!/usr/bin/env bash
-# votess on this machine's GPU: checks its lists against the CPU, prints million cells per second of every stage for
-# 1e4 to 1e7 seeds of every kind of domain, and of recorded frames, with both kernels, work-groups of 32 and 128 and
-# volumes in float64 and float32, names the fastest, and writes gpu-DEVICE-DATE.json into the current folder. Needs no
-# network.
+# Measures votess on this machine's GPU, and checks its lists against the CPU. Prints million cells per second of every
+# stage for 1e4 to 1e7 seeds of every kind of domain, and of recorded frames. Tries both kernels, work-groups of 32 and
+# 128, and volumes in float64 and float32, and names the fastest. Writes gpu-DEVICE-DATE.json into the current folder.
+# Needs no network.
 #   tools/bench/gpu.sh                              the first GPU
 #   tools/bench/gpu.sh --device lavapipe --sizes 1e4,1e5
-#   tools/bench/gpu.sh --pack DIR                   puts all that a run needs into DIR; there, on any machine of this
-#                                                   architecture with a Vulkan driver and no older C library: DIR/gpu.sh
-#   --bin DIR                                       votess_bench is there; default: build/release/bin, else it is built
-#   --build                                         builds it in any case
-# Other arguments, such as --kernel, --local-size, --numbers, --json FILE, --input, --want, --repeats, go to votess_bench --gpu-table (see its --help).
+#   tools/bench/gpu.sh --pack DIR                   makes a folder for any machine of this architecture with a Vulkan
+#                                                   driver and no older C library: run DIR/gpu.sh there
+#   --bin DIR                                       folder of votess_bench; default: build/release/bin, else it is built
+#   --build                                         builds it always
+# Other arguments, such as --kernel, --local-size, --numbers, --json FILE, --input, --want, --repeats, go to
+# votess_bench --gpu-table (see its --help).
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 
@@ -18,7 +19,7 @@ die() {
     exit 1
 }
 
-build() {  # in $root, offline: what is missing is only named
+build() {  # in $root, offline; names missing packages and installs nothing
     [[ -f $root/CMakePresets.json ]] || die "no votess_bench in $here/bin, and no sources to build it from"
     local command missing=() configure=(-DVOTESS_BUILD_BENCH=ON) log
     for command in cmake ninja "${CXX:-c++}"; do
@@ -71,12 +72,12 @@ pack() {  # folder
     echo "gpu: packed $(du -sh "$folder" | cut -f 1) into $1; copy it and run gpu.sh there" >&2
 }
 
-use() {  # folder of libraries, after those the machine has been told of
+use() {  # adds a folder of libraries, after those in LD_LIBRARY_PATH
     LD_LIBRARY_PATH=${LD_LIBRARY_PATH:+$LD_LIBRARY_PATH:}$1
     export LD_LIBRARY_PATH
 }
 
-# What the machine lacks and the packed folder brings.
+# Uses the libraries of the packed folder that the machine lacks.
 complete_machine() {
     local lacking file
     lacking=$(ldd "$bench" 2>&1 | grep 'not found' || true)

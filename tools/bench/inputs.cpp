@@ -71,8 +71,8 @@ Input radii(std::size_t n, Random& random) {
     return input;
 }
 
-// A power diagram whose weights exceed the square of the spacing by far: most seeds have no cell, and those that have
-// one may lie outside of it.
+// A power diagram whose weights exceed the square of the spacing by far. Most seeds have no cell, and others may lie
+// outside their cells.
 Input heavy(std::size_t n, Random& random) {
     Input input = uniform(n, random);
     input.name = "heavy";
@@ -83,7 +83,7 @@ Input heavy(std::size_t n, Random& random) {
     return input;
 }
 
-// 50 normal clusters in the unit box, sigma from 0.01 to 0.05; what falls outside comes back in on the other side.
+// 50 normal clusters in the unit box, sigma from 0.01 to 0.05; seeds outside come back in on the other side.
 Input clustered(std::size_t n, Random& random) {
     struct Cluster {
         double center[3], sigma;
@@ -107,8 +107,8 @@ Input clustered(std::size_t n, Random& random) {
     return input;
 }
 
-// Seeds of a unit cell, repeated. Their coordinates are multiples of a quarter, so that ties are ties: many cells meet
-// in a vertex, and some touch in no more than a point or an edge.
+// Seeds of a unit cell, repeated. Their coordinates are multiples of a quarter, so ties are exact: many cells meet in a
+// vertex, and some touch only in a point or an edge.
 Input lattice(std::string name, std::size_t n, const std::vector<std::array<double, 3>>& basis) {
     const double cells = static_cast<double>(n) / static_cast<double>(basis.size());
     const auto side = static_cast<std::uint64_t>(std::max(1.0, std::round(std::cbrt(cells))));
@@ -212,7 +212,7 @@ constexpr Maker makers[] = {{"uniform", uniform},
                             {"heavy", heavy}};
 constexpr std::string_view file_prefix = "file:";
 
-// The numbers of a line, without its comment; what is no number throws.
+// Returns the numbers of a line, without its comment. Throws for any other text.
 std::vector<double> numbers_of(std::string line, const std::string& where) {
     line.resize(std::min(line.find('#'), line.size()));
     std::vector<double> numbers;

@@ -3,8 +3,8 @@
 
     instructions.py [--clvotess build/release/bin/clvotess] [--galaxies FILE.xyz] [--only NAME,..] [--json FILE]
 
-A count does not depend on how busy or fast a machine is. One thread runs; what 1,000 seeds of the same kind cost is
-taken off, and with it the start of the program. Valgrind knows no AVX-512, so it is the AVX2 path that is counted.
+A count does not depend on how busy or fast a machine is. One thread runs. The count of 1,000 seeds of the same kind is
+subtracted, and so is the start of the program. Valgrind has no AVX-512, so the AVX2 path is counted.
 Inputs are .npy and .npz files, the same on every machine. Needs valgrind and nothing else beside Python.
 Exit codes: 0 every row is at most its goal, 1 some row is not, 2 usage, or something could not be run.
 """
@@ -31,7 +31,7 @@ def uniform(count, generator):
 
 
 def clusters(count, generator):
-    """50 normal clusters in the unit box, sigma from 0.01 to 0.05; what falls outside comes in on the other side."""
+    """50 normal clusters in the unit box, sigma from 0.01 to 0.05; seeds outside come back in on the other side."""
     homes = [([generator.random() for _ in range(3)], 0.01 + 0.04 * generator.random()) for _ in range(50)]
     points = []
     for _ in range(count):

@@ -76,7 +76,7 @@ void run_once(Entry& entry, const Repeats& repeats, double& pace) {
         }
         pace = std::max(pace, m.answer.seconds / static_cast<double>(std::max<std::size_t>(1, m.n)));
     } catch (const votess::Error& error) {
-        // What a processor or a device lacks is no failure.
+        // A feature that the processor or device lacks is not a failure.
         give_up((error.code() == votess::ErrorCode::unsupported ? "left out: " : failed) + std::string(error.what()));
     } catch (const std::exception& error) {
         give_up(failed + std::string(error.what()));
@@ -114,7 +114,7 @@ std::vector<Measurement> Timekeeper::measure(const std::vector<Contestant>& cont
     };
     for (std::size_t round = 0; !std::all_of(entries.begin(), entries.end(), done); ++round) {
         for (std::size_t k = 0; k < entries.size(); ++k) {
-            // Each round begins with another one: what one leaves in caches and clocks falls on all alike.
+            // Each round begins with another one, so that caches and clocks affect all of them equally.
             Entry& entry = entries[(k + round) % entries.size()];
             if (!done(entry)) {
                 run_once(entry, repeats, paces_[entry.key]);

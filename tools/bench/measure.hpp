@@ -1,4 +1,4 @@
-// Contestants that take turns, what came of it, and how it is reported.
+// Contestants that take turns, their measurements, and the reports.
 #pragma once
 
 #include <map>
@@ -19,9 +19,9 @@ struct Contestant {
 // How often a contestant runs, in seconds of its own.
 struct Repeats {
     int count = 5;
-    double at_least = 0;   // more repeats until the runs took so long together: what is quick is measured often
-    double patience = 30;  // no further repeat once they took so long together: what is slow is measured less often
-    double limit = 120;    // a contestant that would need longer for one run is left out
+    double at_least = 0;   // seconds in all before which repeats go on: quick runs are measured often
+    double patience = 30;  // seconds in all after which repeats end: slow runs are measured less often
+    double limit = 120;    // seconds of one run above which a contestant is skipped
 };
 
 // One line of the report: a contestant after its runs.
@@ -55,8 +55,8 @@ private:
     std::map<std::string, double> paces_;  // the slowest so far, seconds per point
 };
 
-// What must agree whatever the speed, each with the first votess of the group on the same input. Complains on stderr;
-// returns how often.
+// Compares each result with the first votess of the group on the same input. Prints differences to stderr and returns
+// their number.
 int check(const std::vector<Measurement>& group);
 
 // The fields of StageSeconds but the total, in their order.

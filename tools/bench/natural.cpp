@@ -1,8 +1,7 @@
-// Natural-neighbor coordinates beside CGAL's: the same uniform seeds and queries, one thread, in one run.
+// Natural-neighbor coordinates of votess and CGAL: the same uniform seeds and queries, one thread, in one run.
 //   votess_bench_natural [SEEDS] [QUERIES]
-// Prints the time for a query, the median of three runs that take turns, and the largest difference of a weight. Exits
-// with 1 when that is above 1e-9 or the neighbors differ. Queries keep off the hull, which CGAL's coordinates end at
-// and votess' do not.
+// Prints the time for a query, the median of three runs in turns, and the largest difference of a weight. Exits with 1
+// when that is above 1e-9 or the neighbors differ. Queries are away from the hull, where only CGAL's coordinates end.
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>

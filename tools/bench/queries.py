@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Times questions to seeds that stay, beside other packages: the same points, one thread each, taking turns.
+"""Measures queries of votess and other packages: the same points, one thread each, in turns.
 
     queries.py [--seeds 1e6] [--queries 1e6] [--probed 1e5] [--probes 1e5] [--ghosts 1e5] [--repeats 3]
 
-Uniform points in the unit box. `seeds` are asked in whose cell `queries` lie, by Diagram.locate() and by cKDTree of
-SciPy; `probed` are asked what cells `probes` would have, by Diagram.probe() with neighbors and volumes, and by
-ghost_cells() of pyvoro2, which makes a dict for each cell, its neighbors inside of its faces. It gets `ghosts` of the
-queries; as it takes the seeds anew in each call, a call with one query is taken off. Prints the median of the repeats
-and whether the answers are the same. A package that is missing is left out; pyvotess must be importable.
+Points are uniform in the unit box. Diagram.locate() and SciPy's cKDTree find the cells of `queries` among `seeds`.
+Diagram.probe(), with neighbors and volumes, and ghost_cells() of pyvoro2 find the cells of `probes` among `probed`.
+ghost_cells() makes a dict for each cell and gets `ghosts` of the queries. It reads the seeds again in each call, so the
+time of a call with one query is subtracted. Prints the median of the repeats and whether the answers agree. Missing
+packages are skipped; pyvotess must be importable.
 """
 
 import argparse

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What a run over ranks costs: cells a CPU second, bytes sent a cell, seeds given for each that was needed.
+"""Measures a run over ranks: cells a CPU second, bytes sent a cell, seeds given and needed.
 
 mpirun -np P python3 ranks.py KIND N [N ...]    KIND: uniform or clusters (50 of them)
 
-One thread a rank; neighbors and volumes in the unit box; each rank hands in seeds of all over it. The CPU seconds are
-those of all ranks; a rank that waits for others asks for messages all the time, which counts too.
+One thread a rank; neighbors and volumes in the unit box; each rank hands in seeds from all over it. The CPU seconds are
+those of all ranks; a rank that waits polls for messages, which counts too.
 """
 
 import argparse

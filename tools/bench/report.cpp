@@ -52,7 +52,7 @@ std::string measurement_json(const Measurement& m, const std::vector<Measurement
     return out.str();
 }
 
-// What a run on a device is made of, and how it compares. The seconds are the medians of the stages.
+// Prints the stages of a run on a device, medians in seconds, and its ratios to the other runs.
 void print_device(const Measurement& m, const std::vector<Measurement>& group) {
     std::printf("%s, %s, after a warm-up run that compiles its pipelines:\n ", m.peer.c_str(),
                 m.answer.stats->device.c_str());

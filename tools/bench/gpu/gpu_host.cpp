@@ -1,5 +1,5 @@
-// votess_bench_host: what the host does with the cells that a device has made, in nanoseconds of its threads' time for
-// a cell. The cells are made up, so no device is needed; the code that takes them is that of the GPU engine.
+// votess_bench_host: the host's work on the cells of a device, in nanoseconds of its threads' time for a cell. The
+// cells are made up, so no device is needed; the code that processes them is that of the GPU engine.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -27,7 +27,7 @@ Moment now() {
             static_cast<double>(spent.tv_sec) + 1e-9 * static_cast<double>(spent.tv_nsec)};
 }
 
-// What a device would hand over; 15.5 neighbors a cell.
+// The output of a device; 15.5 neighbors a cell.
 struct MadeUp {
     std::size_t count;
     std::vector<std::uint32_t> order, sorted_info, info, lengths;

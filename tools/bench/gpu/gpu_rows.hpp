@@ -1,4 +1,4 @@
-// A row of the GPU table: what was measured, as text and as JSON.
+// A row of the GPU table as text and as JSON.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ struct GpuRow {
     Want want = Want::neighbors;
     std::string kernel;
     unsigned local_size = 0;
-    std::string numbers;          // that measure cells: float64, or float32 for sums of two; automatic
+    std::string numbers;          // arithmetic of volumes: float64, or float32 for sums of two; automatic
     double first_seconds = 0;     // of the warm-up, which opens the device and compiles the pipelines
     std::vector<double> seconds;  // each repeat
     std::vector<votess::StageSeconds> stages;
     votess::Stats stats;  // of the last repeat
     std::uint64_t peak_memory = 0;
-    std::string check;  // "= CPU", "not compared" or what is wrong
+    std::string check;  // "= CPU", "not compared" or the fault
     double volume_error = 0;
     bool wrong = false;
     std::string note;  // why there is no time

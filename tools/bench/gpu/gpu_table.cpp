@@ -25,7 +25,7 @@ namespace {
 
 constexpr double promised_volume_error = 1e-5;  // of Precision::single
 
-// Linux then counts the peak of resident memory anew; elsewhere it stays that of the whole process.
+// Resets the peak of resident memory on Linux; elsewhere it stays that of the whole process.
 void forget_peak_memory() {
     std::ofstream("/proc/self/clear_refs") << "5";
 }
@@ -45,7 +45,7 @@ votess::Options options_for(const GpuTable& table, const Input& input, Want want
     return options;
 }
 
-// What a row says about its result.
+// Writes the check of a result into its row.
 void compare(GpuRow& row, const votess::Tessellation& mine, const votess::Tessellation& cpu) {
     const auto fail = [&row](const std::string& what) {
         row.check = "WRONG: " + what;
@@ -138,7 +138,7 @@ std::vector<GpuRow> variants_of(const GpuTable& table, const Input& input) {
     return rows;
 }
 
-// Opens the device, or throws with what is there instead.
+// Opens the device. Throws votess::Error, which names the devices of the machine.
 votess::DeviceInfo open(const std::string& device) {
     votess::Options options;
     options.device = device;
@@ -159,7 +159,7 @@ void attempt(AnyRow& row, std::size_t n, double& pace, double limit, Measure mea
         measure(row);
         pace = std::max(pace, median(row.seconds) / static_cast<double>(n));
     } catch (const votess::Error& error) {
-        // A device that cannot run a kernel is no failure.
+        // A device that cannot run a kernel is not a failure.
         row.wrong = error.code() != votess::ErrorCode::unsupported;
         row.note = (row.wrong ? "failed: " : "left out: ") + std::string(error.what());
     } catch (const std::exception& error) {
@@ -168,7 +168,7 @@ void attempt(AnyRow& row, std::size_t n, double& pace, double limit, Measure mea
     }
 }
 
-// Ends the process when a row takes far too long, as a device that hangs would; what was measured is on disk.
+// Ends the process when a row takes far too long, for example when a device hangs. Earlier rows are on disk.
 class Watch {
 public:
     explicit Watch(const GpuTable& table) {
@@ -185,7 +185,7 @@ public:
     Watch& operator=(const Watch&) = delete;
 };
 
-// What has been measured, on disk after every row, and before it too: a row that ends the process is named.
+// Writes the rows to disk after every row, and before it, so that a row that ends the process is named.
 class Report {
 public:
     Report(const GpuTable& table, votess::DeviceInfo device)
@@ -237,7 +237,7 @@ private:
     bool good_ = true;
 };
 
-using Paces = std::map<std::string, double>;  // seconds per seed, by what is measured
+using Paces = std::map<std::string, double>;  // seconds per seed, by kind of row
 
 void measure_engine(Report& report, const GpuTable& table, const Input& input, Paces& paces) {
     for (const GpuRow& row : variants_of(table, input)) {

@@ -26,8 +26,8 @@ struct GpuTable {
     std::string json;  // empty: gpu-<device>-<date>.json
 };
 
-// Prints the table; the JSON file is written anew after every row, so that a run cut short leaves what it has.
-// Returns 0, or 1 when a result was wrong or a run failed. Throws votess::Error when the device cannot be had.
+// Prints the table and rewrites the JSON file after every row, so that an interrupted run leaves the rows so far.
+// Returns 0, or 1 when a result was wrong or a run failed. Throws votess::Error when the device is missing.
 int run_gpu_table(const GpuTable& table);
 
 }  // namespace bench

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int room_of_block = 8;  // particles that a block holds before it grows
 
-// Its documentation asks for 4 to 8 particles a block; optimal_particles (5.6) is what its own tool aims for.
+// Its documentation recommends 4 to 8 particles a block; its own tool uses optimal_particles (5.6).
 std::array<int, 3> blocks_for(const Input& input) {
     const double side = std::cbrt(input.volume() * voro::optimal_particles / static_cast<double>(input.size()));
     std::array<int, 3> blocks{};
@@ -130,7 +130,7 @@ Answer measure_in_cell(const Input& input, Want want) {
 class Voropp final : public Peer {
 public:
     [[nodiscard]] std::string name() const override { return "voro++"; }
-    [[nodiscard]] std::string version() const override { return "0.4"; }  // its headers do not tell more
+    [[nodiscard]] std::string version() const override { return "0.4"; }  // its headers have no more digits
     // It takes radii, whose squares are the weights, and no weights.
     [[nodiscard]] bool can(const Input& input, Want) const override {
         return input.weights.empty() && input.walls.empty();

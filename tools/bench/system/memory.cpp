@@ -18,9 +18,9 @@
 namespace bench {
 namespace {
 
-// What the child tells.
+// The child's report.
 struct Peak {
-    bool able = true;                     // whether the peer can do what is asked for
+    bool able = true;                     // whether the peer can serve the request
     std::uint64_t points = 0, bytes = 0;  // bytes beyond the input
     char failure[200] = "no answer";      // empty: none
 };
@@ -46,9 +46,9 @@ Peak measure(const Peer& peer, const std::string& input_name, std::size_t n, std
             return peak;
         }
 #if defined(__GLIBC__)
-        malloc_trim(0);  // what making the input left behind must not serve the peer unseen
+        malloc_trim(0);  // else the peer would reuse memory that making the input left behind
 #endif
-        std::ofstream("/proc/self/clear_refs") << "5";  // counts the peak anew
+        std::ofstream("/proc/self/clear_refs") << "5";  // resets the peak
         const std::uint64_t before = resident("VmRSS");
         static_cast<void>(peer.run(input, want, threads));
         peak.points = input.size();

@@ -17,9 +17,9 @@ struct MemoryTable {
     std::string json;  // empty: none
 };
 
-// Prints peak resident memory in bytes a point, beyond what the process held with the input made. Returns the exit
-// code: 1 when a peer failed. Linux only: throws std::runtime_error elsewhere. To be called before the process starts
-// threads or a peer runs.
+// Prints peak resident memory in bytes a point, above that of the process with its input. Returns the exit code: 1 when
+// a peer failed. Linux only: throws std::runtime_error elsewhere. Call it before the process starts threads or a peer
+// runs.
 int run_memory_table(const MemoryTable& table, const Peers& peers, const std::vector<PeerVersion>& versions);
 
 }  // namespace bench

@@ -1,9 +1,9 @@
-"""votess for Conan 2, from the source tree that this file lies in:
+"""votess for Conan 2, from the source tree around this file:
 
     conan create tools/recipes/conan -s compiler.cppstd=20
 
-No package of Conan is needed: with the option with_vulkan, Vulkan's headers, volk, GLM and glslang are those of the
-system, as third_party/README.md lists them; -o "votess/*:with_vulkan=False" needs none, and runs on the CPU alone.
+It needs no package of Conan. With the option with_vulkan, Vulkan's headers, volk, GLM and glslang are those of the
+system, see third_party/README.md. -o "votess/*:with_vulkan=False" builds the CPU engine alone, without them.
 """
 
 import re
@@ -46,7 +46,7 @@ class VotessRecipe(ConanFile):
         cmake_layout(self)
 
     def system_requirements(self):
-        # Where apt is the package manager, Conan names what is missing; it installs nothing unless it is told to.
+        # With apt, Conan names missing packages; it installs them only if its configuration allows that.
         if self.options.with_vulkan:
             Apt(self).install(["libvulkan-dev", "libvulkan-volk-dev", "libglm-dev", "glslang-tools"])
 

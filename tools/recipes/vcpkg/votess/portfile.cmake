@@ -1,9 +1,9 @@
-# votess for vcpkg, as an overlay port that builds the source tree it lies in:
+# votess for vcpkg, as an overlay port that builds the source tree around it:
 #
 #     vcpkg install votess --overlay-ports=WHERE_VOTESS_IS/tools/recipes/vcpkg
 #
-# vcpkg does not see when the tree changes: --no-binarycaching after `vcpkg remove votess` builds anew. This is written
-# after vcpkg's documentation and not run by the tests, which have no vcpkg.
+# vcpkg does not see changes of the tree: --no-binarycaching after `vcpkg remove votess` builds again. The port follows
+# vcpkg's documentation; the tests have no vcpkg and do not run it.
 get_filename_component(SOURCE_PATH "${CURRENT_PORT_DIR}/../../../.." ABSOLUTE)
 
 vcpkg_check_features(OUT_FEATURE_OPTIONS feature_options FEATURES vulkan VOTESS_BUILD_VULKAN)
