@@ -11,7 +11,7 @@ namespace clvotess {
 
 Inflater::Inflater(std::string_view packed, Frame frame) : rest_(packed) {
     constexpr int gzip_alone = 16;
-    const int window = frame == Frame::none ? -MAX_WBITS : frame == Frame::zlib ? MAX_WBITS : MAX_WBITS + gzip_alone;
+    const int window = frame == Frame::none ? -MAX_WBITS : MAX_WBITS + gzip_alone;
     if (inflateInit2(&stream_, window) != Z_OK) throw std::bad_alloc();
 }
 

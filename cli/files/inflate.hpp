@@ -1,4 +1,4 @@
-// Unpacks what deflate has packed: gzip, zlib and the members of zip archives.
+// Unpacks what deflate has packed: gzip and the members of zip archives.
 #pragma once
 
 #include <zlib.h>
@@ -12,7 +12,7 @@ namespace clvotess {
 
 class Inflater {
 public:
-    enum class Frame { none, zlib, gzip };  // what surrounds the packed data
+    enum class Frame { none, gzip };  // what surrounds the packed data
 
     // packed: must outlive this.
     Inflater(std::string_view packed, Frame frame);

@@ -9,7 +9,7 @@ namespace clvotess {
 
 inline constexpr std::size_t longest_line = std::size_t{1} << 20;  // bytes of text
 inline constexpr std::size_t max_columns = 4096;                   // of a row, a property or an array
-inline constexpr std::size_t max_arrays = 4096;                    // members of an archive, arrays of a file of VTK
+inline constexpr std::size_t max_arrays = 4096;                    // members of an archive, elements of .ply
 inline constexpr int deepest_group = 64;                           // of HDF5
 
 // Returns the most bytes that a file of `size` bytes may unpack to. Scientific files rarely pack better than 20 to 1.

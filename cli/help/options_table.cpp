@@ -7,7 +7,7 @@ const std::vector<HelpSection>& help_sections() {
     static const std::vector<HelpSection> sections{
         {"input",
          {
-             {"INPUT", "points: text, .xyz, .npy, .npz, .h5, .ply, .vtu, LAMMPS, POSCAR; - is stdin",
+             {"INPUT", "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR; - is stdin",
               R"(.xyz .txt .dat .csv  text rows `x y z` or `id x y z`, separated by blanks,
                 tabs, commas or semicolons; # begins a comment; ids are
                 whole numbers. A .csv may begin with a line of names that
@@ -26,7 +26,6 @@ const std::vector<HelpSection>& help_sections() {
                 words behind the # are a comment
 POSCAR CONTCAR .vasp  of VASP
 .ply            element vertex: x y z, id
-.vtp .vtu       VTK in XML: Points, id out of PointData
 NAME, -         text without an extension; on stdin
 Any text also packed: .xyz.gz, .dump.gz, ...)"},
              {"--dataset NAME", "", R"(which dataset of .h5 or array of .npz; default the only one that fits)"},

@@ -15,8 +15,7 @@ namespace clvotess {
 namespace {
 
 constexpr const char* known =
-    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply .vtp .vtu, "
-    "POSCAR, "
+    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply, POSCAR, "
     "text without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
@@ -40,9 +39,9 @@ std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
     if (extension == ".extxyz") return ".xyz";
-    constexpr std::array<std::string_view, 16> extensions{".xyz", ".txt",  ".dat",  ".csv",       ".npy",  ".npz",
-                                                          ".h5",  ".hdf5", ".dump", ".lammpstrj", ".data", ".lmp",
-                                                          ".ply", ".vtp",  ".vtu",  ".vasp"};
+    constexpr std::array<std::string_view, 14> extensions{".xyz",  ".txt", ".dat",  ".csv",  ".npy",
+                                                          ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
+                                                          ".data", ".lmp", ".ply",  ".vasp"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = std::filesystem::path(path).filename().string();
     if (name.starts_with("data.")) return ".data";
@@ -74,10 +73,13 @@ std::string conversion(std::string_view extension) {
     struct Family {
         std::string_view extensions, to;
     };
-    constexpr std::array<Family, 4> families{{
+    constexpr std::array<Family, 5> families{{
         {" .cif .pdb .pqr .gro .xsf .cube .traj ", "extended XYZ, for example with ASE: ase convert FILE out.extxyz"},
         {" .xtc .trr .dcd .gsd .mol2 .nc ", "a LAMMPS dump or XYZ, for example with MDAnalysis or OVITO"},
         {" .vtk .stl .obj .off .pcd .las .laz ", ".ply, for example with PyVista, Open3D or PDAL"},
+        {" .vtp .vtu ",
+         ".npz in Python: m = meshio.read('FILE'), or pyvista.read('FILE') for .vtp; "
+         "numpy.savez('out.npz', points=m.points, **m.point_data)"},
         {" .fits .parquet .xlsx .mat .json .pkl ", ".npy, .csv or .h5, for example with NumPy or pandas"},
     }};
     for (const Family& family : families) {
@@ -116,7 +118,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     const bool hdf5 = is_hdf5(path, request);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
-    constexpr std::array<std::string_view, 7> binary{".h5", ".hdf5", ".npy", ".npz", ".ply", ".vtp", ".vtu"};
+    constexpr std::array<std::string_view, 5> binary{".h5", ".hdf5", ".npy", ".npz", ".ply"};
     if (packed && std::ranges::find(binary, extension) != binary.end()) {
         throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
     }
@@ -143,7 +145,6 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
     if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
     if (extension == ".ply") return parse(parse_ply);
-    if (extension == ".vtp" || extension == ".vtu") return parse(parse_vtk);
     const std::string remedy = conversion(extension);
     throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
 }

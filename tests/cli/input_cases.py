@@ -190,7 +190,9 @@ class Source(CliTest):
         self.refuse("absent.npy", says=["absent.npy", "No such file"])
         self.put("a.log", CUBE)
         self.refuse("a.log", says=["a.log", ".npy"])
-        for name in ["folder.txt", "folder.npy", "folder.npz", "folder.ply", "folder.vtu", "folder.dump"]:
+        for name in ["a.vtu", "a.vtp"]:
+            self.refuse(self.put(name, "<VTKFile/>"), says=[name, "this format is not read", "meshio", "numpy.savez"])
+        for name in ["folder.txt", "folder.npy", "folder.npz", "folder.ply", "folder.dump"]:
             (self.folder / name).mkdir()
             self.refuse(name, says=name)
         self.refuse("", says="INPUT")

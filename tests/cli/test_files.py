@@ -11,11 +11,11 @@ from cli_test import CLI
 from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module, Streamed
 from lammps_cases import LammpsFiles
+from mesh_cases import GltfFiles, MeshFiles
 from picture_cases import Pictures
 from reader_cases import ArrayFiles, Columns, HostileFiles, PlyFiles
-from vtk_cases import GltfFiles, VtkFiles
 
-__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "Pictures", "PlyFiles", "Regressions", "Streamed", "VtkFiles"]
+__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "MeshFiles", "Pictures", "PlyFiles", "Regressions", "Streamed"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -168,7 +168,7 @@ class Usage(CliTest):
         for code in "ixyzqrwpPomgEesFAaftlnvcC%":
             self.assertIn("%" + code, text)
         for word in ["units", "exit codes", ".xyz", ".txt", ".dat ", ".csv", ".npy", ".npz", ".h5", ".hdf5", ".dump",
-                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtp", ".vtu", ".obj", ".glb", "stdin", "stdout", "default"]:
+                     ".lammpstrj", ".data", ".lmp", ".ply", ".vtu", ".obj", ".glb", "stdin", "stdout", "default"]:
             self.assertIn(word, text)
         for page in [usual, text]:
             self.assertLessEqual(max(map(len, page.splitlines())), 100)

@@ -3,7 +3,7 @@
 
     make_corpus.py [FOLDER]      default: corpus/ beside this file
 
-Needs NumPy, h5py and VTK. The files are kept in the repository, so that tests need neither.
+Needs NumPy and h5py. The files are kept in the repository, so that tests need neither.
 """
 import gzip
 import io
@@ -12,14 +12,9 @@ import struct
 import sys
 import tempfile
 import zipfile
-import zlib
 
 import h5py
 import numpy as np
-from vtkmodules.util.numpy_support import numpy_to_vtk
-from vtkmodules.vtkCommonCore import vtkPoints
-from vtkmodules.vtkCommonDataModel import vtkPolyData
-from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 POINTS = np.random.default_rng(1).random((6, 3)).round(3)
 ROWS = [" ".join(map(str, row)) for row in POINTS]
@@ -93,35 +88,6 @@ def ply():
         put("ply", name, head.format(name).encode() + content)
 
 
-def vtk():
-    for mode in ["Ascii", "Binary", "Appended"]:
-        for packed in [True, False]:
-            data, points = vtkPolyData(), vtkPoints()
-            points.SetData(numpy_to_vtk(POINTS))
-            data.SetPoints(points)
-            arrays = {"id": np.arange(6), "r": POINTS[:, 0].copy(), "v": POINTS.astype("f4")}
-            for name, values in arrays.items():
-                array = numpy_to_vtk(values)
-                array.SetName(name)
-                data.GetPointData().AddArray(array)
-            writer = vtkXMLPolyDataWriter()
-            with tempfile.NamedTemporaryFile(suffix=".vtp") as file:
-                writer.SetFileName(file.name)
-                writer.SetInputData(data)
-                getattr(writer, "SetDataModeTo" + mode)()
-                writer.SetEncodeAppendedData(packed)
-                (writer.SetCompressorTypeToZLib if packed else writer.SetCompressorTypeToNone)()
-                (writer.SetByteOrderToBigEndian if mode == "Binary" else writer.SetByteOrderToLittleEndian)()
-                writer.Write()
-                put("vtk", mode.lower() + ("_packed" if packed else ""), pathlib.Path(file.name).read_bytes())
-    # Many pieces that all unpack the same block.
-    block = zlib.compress(bytes(24 * 2000))
-    piece = '<Piece NumberOfPoints="2000"><Points><DataArray type="Float64" NumberOfComponents="3" format="appended" offset="0"/></Points></Piece>'
-    put("vtk", "one_block_many_times",
-        ('<VTKFile type="PolyData" byte_order="LittleEndian" header_type="UInt32" compressor="vtkZLibDataCompressor"><PolyData>' +
-         piece * 20 + '</PolyData><AppendedData encoding="raw">_').encode() + struct.pack("<4I", 1, 48000, 0, len(block)) + block)
-
-
 def npy_of(array):
     file = io.BytesIO()
     np.save(file, array)
@@ -190,5 +156,5 @@ def hdf5():
     save("ring", ring)
 
 
-for make in [number, text, atoms, ply, vtk, arrays, hdf5]:
+for make in [number, text, atoms, ply, arrays, hdf5]:
     make()

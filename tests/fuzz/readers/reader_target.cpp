@@ -178,7 +178,7 @@ const std::map<std::string, Target>& targets() {
         {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
             {"gz", parse_gz}, {"xyz", parse<parse_xyz, true>}, {"poscar", parse<parse_poscar>},
             {"lammps_dump", parse<parse_lammps_dump, true>}, {"lammps_data", parse<parse_lammps_data>},
-            {"ply", parse<parse_ply>}, {"vtk", parse<parse_vtk>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
+            {"ply", parse<parse_ply>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif
