@@ -1,4 +1,4 @@
-"""Cells as dicts in the shape of Voro++'s Python packages, filled in when they are first looked into."""
+"""Cells as dicts in the shape of pyvoro's, filled in when they are first looked into."""
 
 from __future__ import annotations
 
@@ -67,25 +67,18 @@ for _name in (
 class CellBlocks:
     """Makes the cells of a tessellation with faces, and fills them block by block.
 
-    ``keep`` names what a cell gets out of "vertices", "adjacency" and "faces". Vertices are moved by ``offsets``
-    (N, 3), and made by ``vector`` from lists of three floats; faces get the rows of ``shifts`` (indptr[N], 3) where
-    they are given. ``ids`` (N,) rename the neighbors.
+    A filled cell has "vertices", "adjacency" and "faces". Vertices are moved by ``offsets`` (N, 3), and made by
+    ``vector`` from lists of three floats.
     """
 
     def __init__(
         self,
         t: Tessellation,
-        keep: Tuple[str, ...] = ("vertices", "adjacency", "faces"),
-        offsets: Optional[Float64Array] = None,
-        shifts: Optional[npt.NDArray[Any]] = None,
-        ids: Optional[Int64Array] = None,
-        vector: Optional[Callable[[List[float]], Any]] = None,
+        offsets: Optional[Float64Array],
+        vector: Optional[Callable[[List[float]], Any]],
     ) -> None:
         self._t = t
-        self._keep = keep
         self._offsets = offsets
-        self._shifts = shifts
-        self._ids = ids
         self._vector = vector
         self._cells: List[Optional[LazyCell]] = []
         self._lock = threading.Lock()
@@ -97,10 +90,6 @@ class CellBlocks:
         cell._row = len(self._cells)
         self._cells.append(cell)
         return cell
-
-    def skip(self) -> None:
-        """The next seed gets no cell of this object."""
-        self._cells.append(None)
 
     def fill(self, row: int) -> None:
         """Fills this row and some around it."""
@@ -120,7 +109,7 @@ class CellBlocks:
                 self._cells[index] = None
 
     def _parts(self, first: int, last: int) -> List[Tuple[str, List[Any]]]:
-        """Name and one value for each cell, in the order of ``keep``."""
+        """Name and one value for each cell."""
         rows, faces, cell_vertices = self._t.neighbors, self._t.faces, self._t.cell_vertices
         entries = rows.indptr[first : last + 1]
         polygons = faces.indptr[entries[0] : entries[-1] + 1]
@@ -135,41 +124,29 @@ class CellBlocks:
         place = np.searchsorted(cell_of_vertex * count + ids, cell_of_corner * count + corners)
         number = place - (bounds[cell_of_corner] - bounds[0])
 
-        parts: List[Tuple[str, List[Any]]] = []
-        slices = [slice(a, b) for a, b in _pairs((bounds - bounds[0]).tolist())]
-        if "vertices" in self._keep:
-            places = self._t.vertices[ids]
-            if self._offsets is not None:
-                places += self._offsets[first:last][cell_of_vertex]
-            flat: List[Any] = places.tolist()
-            if self._vector is not None:
-                flat = [self._vector(xyz) for xyz in flat]
-            parts.append(("vertices", [flat[part] for part in slices]))
+        places = self._t.vertices[ids]
+        if self._offsets is not None:
+            places += self._offsets[first:last][cell_of_vertex]
+        vertices: List[Any] = places.tolist()
+        if self._vector is not None:
+            vertices = [self._vector(xyz) for xyz in vertices]
         begins = polygons - polygons[0]
-        if "adjacency" in self._keep:
-            around = _adjacency(place, number, begins, len(ids))
-            parts.append(("adjacency", [around[part] for part in slices]))
-        if "faces" in self._keep:
-            flat_faces = self._faces(entries, begins, number)
-            parts.append(("faces", [flat_faces[a:b] for a, b in _pairs((entries - entries[0]).tolist())]))
-        return parts
+        around = _adjacency(place, number, begins, len(ids))
+        faces_of_block = self._faces(entries, begins, number)
+        by_cell = _pairs((bounds - bounds[0]).tolist())
+        return [
+            ("vertices", [vertices[a:b] for a, b in by_cell]),
+            ("adjacency", [around[a:b] for a, b in by_cell]),
+            ("faces", [faces_of_block[a:b] for a, b in _pairs((entries - entries[0]).tolist())]),
+        ]
 
     def _faces(self, entries: Int64Array, begins: Int64Array, number: Int64Array) -> List[Face]:
         # Voro++ goes clockwise around a face seen from outside, votess counterclockwise.
         mirrored = np.repeat(begins[:-1] + begins[1:] - 1, np.diff(begins)) - np.arange(len(number))
         corners = number[mirrored].tolist()
-        adjacent = self._t.neighbors.indices[entries[0] : entries[-1]]
-        if self._ids is not None:
-            is_seed = adjacent >= 0  # the id of a wall is not an index
-            adjacent = adjacent.astype(np.int64)
-            adjacent[is_seed] = self._ids[adjacent[is_seed]]
-        ends = _pairs(begins.tolist())
-        if self._shifts is None:
-            return [{"adjacent_cell": j, "vertices": corners[a:b]} for j, (a, b) in zip(adjacent.tolist(), ends)]
-        shifts = self._shifts[entries[0] : entries[-1]].tolist()
+        adjacent = self._t.neighbors.indices[entries[0] : entries[-1]].tolist()
         return [
-            {"adjacent_cell": j, "vertices": corners[a:b], "adjacent_shift": tuple(shift)}
-            for j, (a, b), shift in zip(adjacent.tolist(), ends, shifts)
+            {"adjacent_cell": j, "vertices": corners[a:b]} for j, (a, b) in zip(adjacent, _pairs(begins.tolist()))
         ]
 
 

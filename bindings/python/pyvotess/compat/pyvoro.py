@@ -92,7 +92,7 @@ def compute_voronoi(
             "of the limits, or points with larger radii cover them"
         )
     offsets = np.asarray(array, dtype=np.float64) - t.wrapped_points if any(t.periodic) else None
-    blocks = CellBlocks(t, offsets=offsets, vector=_constructor(points[0]))
+    blocks = CellBlocks(t, offsets, _constructor(points[0]))
     with garbage_collector_paused():
         return [
             blocks.add(LazyCell(original=point, volume=volume)) for point, volume in zip(points, t.volumes.tolist())
