@@ -29,6 +29,14 @@ void write_npy(OutputFile& file, const GridOutput& grid) {
     file.write({reinterpret_cast<const char*>(grid.numbers.data()), grid.numbers.size() * sizeof(double)});
 }
 
+std::string xml_escaped(const std::string& text) {
+    std::string result;
+    for (const char c : text) {
+        result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+    }
+    return result;
+}
+
 // VTK's image data: numbers of grid cells, x first. Along an axis that is projected there is one cell, as long as the
 // box.
 void write_vti(OutputFile& file, const GridOutput& grid) {

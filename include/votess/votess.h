@@ -297,6 +297,52 @@ VOTESS_API votess_status votess_wrapped_points(const votess_result* result, cons
 // tide, 1 ember, 2 gray.
 VOTESS_API votess_status votess_value_colors(const double* values, size_t count, int32_t colormap, uint8_t* rgb);
 
+// Values of the cells, a column of .vtu files.
+typedef struct votess_column {
+    const char* name;    // UTF-8, zero-terminated
+    const void* values;  // cells * width numbers, a row for each cell
+    uint64_t width;      // numbers in a row, 1 to 4096
+    char kind;           // 'f' floating point, 'i' signed, 'u' unsigned
+    uint8_t bytes;       // of a number: 4 or 8 for 'f', else 1, 2, 4 or 8
+} votess_column;
+
+// The mesh of N cells. Arrays are laid out as those of a result with VOTESS_WANT_FACES, and stay the caller's.
+typedef struct votess_mesh {
+    uint32_t struct_size;                // sizeof(votess_mesh)
+    uint32_t column_count;               // for .vtu
+    uint64_t cells;                      // N
+    uint64_t vertex_count;               // V
+    const int64_t* indptr;               // N + 1
+    const int32_t* indices;              // indptr[N]
+    const int8_t* shifts;                // 3 * indptr[N]; NULL unless the domain is periodic
+    const int64_t* face_offsets;         // indptr[N] + 1
+    const int32_t* face_vertices;        // face_offsets[indptr[N]]
+    const double* vertices;              // 3 * V
+    const int64_t* cell_vertex_indptr;   // N + 1
+    const int32_t* cell_vertex_indices;  // cell_vertex_indptr[N], ascending in each row
+    const uint8_t* colors;               // 3 * N, red, green and blue of sRGB; .glb needs them; NULL for none in .ply
+    const votess_column* columns;        // column_count
+    double box_lower[3];                 // of the domain; the middle is the origin of positions in .glb
+    double box_upper[3];
+} votess_mesh;
+
+// A piece of a file.
+typedef struct votess_bytes {
+    const void* data;
+    size_t count;    // bytes
+    uint64_t total;  // bytes of the whole file; 0 when not known before its end
+} votess_bytes;
+
+// Takes the next piece of a file, valid during the call. Returns nonzero to go on, 0 to stop.
+typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
+
+// Writes a mesh as a file, piece by piece. format: ".vtu" polyhedra with columns, without empty cells, ascending by
+// their number of vertices; ".ply" and ".obj" faces, each once, .ply with its two cells, and in triangles when there
+// are colors; ".glb" solids in colors. Fails with VOTESS_ERROR_INVALID_ARGUMENT for a NULL array, for an index outside
+// of its array, and for a .glb above 4 GiB; with VOTESS_ERROR_CANCELLED when write stops.
+VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
+                                           void* user);
+
 // Walls around round bodies, see sphere_walls() in votess.hpp; they write 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);
 VOTESS_API votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,

@@ -15,6 +15,7 @@ from ctypes import (
     c_size_t,
     c_uint32,
     c_uint64,
+    c_uint8,
     c_void_p,
 )
 from enum import IntEnum
@@ -164,6 +165,44 @@ class Stats(ctypes.Structure):
     ]
 
 
+class Column(ctypes.Structure):
+    """``votess_column``."""
+
+    _fields_ = [
+        ("name", c_char_p),
+        ("values", c_void_p),
+        ("width", c_uint64),
+        ("kind", c_char),
+        ("bytes", c_uint8),
+    ]
+
+
+class Mesh(ctypes.Structure):
+    """``votess_mesh``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("column_count", c_uint32),
+        ("cells", c_uint64),
+        ("vertex_count", c_uint64),
+        *((name, c_void_p) for name in (
+            "indptr", "indices", "shifts", "face_offsets", "face_vertices", "vertices", "cell_vertex_indptr",
+            "cell_vertex_indices", "colors",
+        )),
+        ("columns", POINTER(Column)),
+        ("box_lower", c_double * 3),
+        ("box_upper", c_double * 3),
+    ]  # fmt: skip
+
+
+class Bytes(ctypes.Structure):
+    """``votess_bytes``."""
+
+    _fields_ = [("data", c_void_p), ("count", c_size_t), ("total", c_uint64)]
+
+
+WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
+
 # Handles travel as void pointers. Arrays are returned as addresses (c_void_p), which NumPy wraps.
 _HANDLE = c_void_p
 _ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
@@ -264,6 +303,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_count_tiny_faces": (c_int32, (_HANDLE, c_void_p, c_size_t, POINTER(c_uint64))),
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
+    "votess_write_mesh": (c_int, (POINTER(Mesh), c_char_p, WriteCallback, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),

@@ -12,7 +12,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, Folder, cells, have, once, uniform
+from helpers import CELL, UNIT_BOX, Folder, cells, have, uniform
 
 import pyvotess as vt
 from pyvotess.export import colors, geometry
@@ -23,15 +23,6 @@ class Geometry(unittest.TestCase):
         numbers = geometry.ranges(np.array([5, 9, 2, 7]), np.array([2, 0, 3, 1]))
         np.testing.assert_array_equal(numbers, [5, 6, 2, 3, 4, 7])
         self.assertEqual(len(geometry.ranges(np.array([], int), np.array([], int))), 0)
-
-    def test_faces_once(self):
-        for options in ({}, {"box": UNIT_BOX, "periodic": True}, {"box": UNIT_BOX, "periodic": "xz"}):
-            for count in (1, 2, 40):
-                t = cells(count, **options)
-                mesh = geometry.mesh_of(t, "this")
-                kept = geometry.faces_once(t, mesh)
-                self.assertEqual([mesh.loops[mesh.offsets[k] : mesh.offsets[k + 1]].tolist() for k in kept],
-                                 [face for face, _, _ in once(t)])
 
     def test_polyhedra_and_triangles(self):
         t = cells()

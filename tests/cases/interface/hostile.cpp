@@ -171,6 +171,30 @@ TEST_SUITE("api") {
             std::uint8_t rgb[3 * n];
             note("value_colors", votess_value_colors(hostile.pointer<const double>(numbers.data()), hostile.count(n),
                                                      hostile.number(0), hostile.pointer(rgb)));
+            const std::int64_t rows[] = {0, hostile.any(1, {0, -1})}, corners_of[] = {0, hostile.any(3, {0, 2, -1})};
+            const std::int32_t corners[] = {0, hostile.number(1), 2}, wall = -1;
+            const votess_column column{hostile.pointer("m"), hostile.pointer<const double>(numbers.data()),
+                                       hostile.count(1), hostile.any('f', {'i', 'x', '\0'}),
+                                       hostile.any<std::uint8_t>(8, {0, 1, 3, 4})};
+            votess_mesh mesh{};
+            mesh.struct_size = hostile.size(sizeof mesh);
+            mesh.column_count = 1;
+            mesh.cells = hostile.any<std::uint64_t>(1, {0, 1ull << 31, ~0ull});
+            mesh.vertex_count = hostile.any<std::uint64_t>(3, {0, 2, 1ull << 31, ~0ull});
+            mesh.indptr = mesh.cell_vertex_indptr = hostile.pointer(rows);
+            mesh.indices = hostile.pointer(&wall);
+            mesh.face_offsets = hostile.pointer(corners_of);
+            mesh.face_vertices = mesh.cell_vertex_indices = hostile.pointer(corners);
+            mesh.vertices = points.data();
+            mesh.colors = hostile.pointer(rgb);
+            mesh.columns = hostile.pointer(&column);
+            for (double& x : mesh.box_upper) x = hostile.real(1);
+            const auto takes = [](const votess_bytes*, void*) { return 1; };
+            const auto stops = [](const votess_bytes*, void*) { return 0; };
+            note("write_mesh",
+                 votess_write_mesh(hostile.pointer<const votess_mesh>(&mesh),
+                                   hostile.any<const char*>(".vtu", {".ply", ".obj", ".glb", ".txt", "", nullptr}),
+                                   hostile.any<votess_write_callback>(takes, {nullptr, stops}), nullptr));
             const double direction[3] = {hostile.real(1), hostile.real(0), hostile.real(0)};
             note("sphere_walls",
                  votess_sphere_walls(direction, hostile.real(1), hostile.count(8), hostile.pointer(room.data())));

@@ -47,6 +47,22 @@ def cell_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
     return columns
 
 
+#: Names of the cell data of .vtu, that no column of the caller may have.
+VTU_NAMES = frozenset(("id", "volume", "neighbors", "centroid", "status"))
+
+
+def vtu_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
+    """(N, ...) the cell data of .vtu; volume and centroid where they were wanted."""
+    data: Dict[str, npt.NDArray[Any]] = {"id": np.arange(len(t), dtype=np.int64)}
+    if "volumes" in t.wanted:
+        data["volume"] = t.volumes
+    data["neighbors"] = neighbor_counts(t)
+    if "centroids" in t.wanted:
+        data["centroid"] = t.centroids
+    data["status"] = t.status
+    return data
+
+
 def added_columns(t: Tessellation, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
     """The caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes. ValueError names a bad one."""
     result: Dict[str, npt.NDArray[Any]] = {}

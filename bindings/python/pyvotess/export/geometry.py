@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     Int64Array = npt.NDArray[np.int64]
 
 
+POLYHEDRON = 42  #: cell type of VTK
+
+
 class Mesh(NamedTuple):
     """The polygons of all cells. Face k has the corners ``loops[offsets[k]:offsets[k+1]]``, rows of vertices."""
 
@@ -80,20 +83,6 @@ def with_lengths(words: Int64Array, lengths: Int64Array) -> Int64Array:
     stream[place[:-1]] = lengths
     stream[ranges(place[:-1] + 1, lengths)] = words
     return stream
-
-
-def faces_once(t: Tessellation, mesh: Mesh) -> Int64Array:
-    """The faces, ascending, without one of the two that each pair of cells has.
-
-    Kept is that of the cell of lower index, or, where a cell is its own neighbor across the domain, that of the greater
-    shift.
-    """
-    cell, neighbor = mesh.cell_of_face, t.neighbors.indices
-    kept = (neighbor < 0) | (cell < neighbor)
-    if t.shifts is not None:
-        x, y, z = t.shifts.T
-        kept |= (neighbor == cell) & ((x > 0) | ((x == 0) & ((y > 0) | ((y == 0) & (z > 0)))))
-    return np.flatnonzero(kept)
 
 
 def triangles(mesh: Mesh, faces: Int64Array) -> Tuple[Int64Array, Int64Array]:

@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .columns import added_columns, cell_columns
-from .geometry import mesh_of, polyhedra, with_lengths
+from .columns import VTU_NAMES, added_columns, cell_columns, vtu_columns
+from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
 from .optional import imported
-from .vtu import NAMES, POLYHEDRON, cell_data
 
 if TYPE_CHECKING:
     from ..tessellation import Tessellation
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 def to_pyvista(t: Tessellation, columns: Columns) -> Any:
     """See :meth:`Tessellation.to_pyvista`."""
     mesh = mesh_of(t, "to_pyvista()")
-    data = {**cell_data(t), **added_columns(t, columns, NAMES)}
+    data = {**vtu_columns(t), **added_columns(t, columns, VTU_NAMES)}
     pyvista = imported("pyvista", "to_pyvista()")
     full = np.diff(mesh.indptr) > 0
     words, begin = polyhedra(mesh, np.flatnonzero(full))

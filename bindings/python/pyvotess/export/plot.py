@@ -9,7 +9,7 @@ import numpy as np
 
 from .colors import limits
 from .columns import color_values
-from .geometry import mesh_of, polyhedra, with_lengths
+from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -158,8 +158,7 @@ def _polyhedra(t: Tessellation) -> Tuple[Int64Array, Int64Array, Float64Array]:
 def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
     values, label = color_values(t, color)
     cells, words, vertices = _polyhedra(t)
-    vtk_polyhedron = 42
-    grid = pyvista.UnstructuredGrid(words, np.full(len(cells), vtk_polyhedron, np.uint8), vertices)
+    grid = pyvista.UnstructuredGrid(words, np.full(len(cells), POLYHEDRON, np.uint8), vertices)
     grid.cell_data[label or "value"] = values[cells]
     # Cut open: without the cells of one octant.
     points = np.asarray(t.points, np.float64)[cells]

@@ -5,12 +5,11 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Union
 
-from . import arrays, vtu
+from . import arrays
 from .colors import cell_colors
-from .columns import added_columns
-from .faces import write_obj, write_ply
+from .columns import VTU_NAMES, added_columns, vtu_columns
 from .geometry import mesh_of
-from .glb import write_glb
+from .mesh_file import write_mesh
 from .optional import imported
 from .whole_file import whole_file
 
@@ -64,7 +63,7 @@ def save(
     name = os.fspath(path)
     extension = os.path.splitext(name)[1].lower()
     kind = _checked_kind(t, name, extension, columns, color)
-    taken = vtu.NAMES if extension == ".vtu" else arrays.NAMES
+    taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES
     added = added_columns(t, columns, taken)
     if extension == ".glb" and color is None:
         color = "volumes" if "volumes" in t.wanted else "neighbors"
@@ -74,11 +73,6 @@ def save(
             arrays.write_npz(temporary, t, added)
         elif extension in (".h5", ".hdf5"):
             arrays.write_h5(temporary, t, added)
-        elif extension == ".vtu":
-            vtu.write_vtu(temporary, t, added)
-        elif extension == ".ply":
-            write_ply(temporary, t, colors)
-        elif extension == ".obj":
-            write_obj(temporary, t)
-        elif colors is not None:
-            write_glb(temporary, t, colors)
+        else:
+            data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
+            write_mesh(temporary, extension, t, data, colors)

@@ -1,29 +1,23 @@
 // .glb: the cells as triangles with flat colors, in the binary form of glTF 2.0 (ISO/IEC 12113).
 //
-// Each cell is a closed solid: it has its vertices once, with its color, and no normals. Readers shade a mesh without
-// normals flat, as the format demands. Cells stand in chunks of at most 65535 vertices, so that an index takes two
-// bytes; a chunk is a primitive of the one mesh. bindings/python/pyvotess/export/glb.py writes the same.
+// Each cell is a closed solid with vertices of its own, which carry its color and no normals: the format demands that
+// a mesh without normals is shaded flat. Cells lie in chunks of at most 65535 vertices, so that an index takes two
+// bytes. A chunk is a primitive of the one mesh.
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <limits>
-#include <numeric>
-#include <string>
-#include <vector>
+#include <votess/votess.hpp>
 
-#include "failure.hpp"
-#include "files/output_buffer.hpp"
-#include "write/output.hpp"
+#include "files/mesh.hpp"
 
-namespace clvotess {
+namespace votess::files {
 namespace {
 
 constexpr std::uint64_t largest_file = std::numeric_limits<std::uint32_t>::max();  // the format counts in 32 bits
 constexpr std::uint64_t short_vertices = 65535;                                    // 65535 itself is not an index
 
-// Colors of vertices are linear in glTF.
+// glTF takes the colors of vertices as linear.
 std::array<std::uint8_t, 256> linear_of_srgb() {
     std::array<std::uint8_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i) {
@@ -35,14 +29,14 @@ std::array<std::uint8_t, 256> linear_of_srgb() {
 }
 
 template <class Number>
-std::string text_of(const Number* numbers, std::size_t count) {
+std::string text_of(const std::array<Number, 3>& numbers) {
     std::string text;
-    for (std::size_t k = 0; k < count; ++k) {
+    for (const Number number : numbers) {
         std::array<char, 32> digits{};
-        const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), numbers[k]).ptr;
-        text.append(k > 0 ? "," : "").append(std::string_view(digits.data(), end));
+        const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
+        text.append(text.empty() ? "[" : ",").append(std::string_view(digits.data(), end));
     }
-    return "[" + text + "]";
+    return text + "]";
 }
 
 void add_to_list(std::string& list, const std::string& item) {
@@ -55,11 +49,8 @@ std::uint64_t in_words(std::uint64_t bytes) {
 
 class GlbWriter {
 public:
-    GlbWriter(const votess::Tessellation& cells, const std::vector<std::uint8_t>& colors)
-        : cells_(cells), colors_(colors) {
-        const votess::Box& box = cells.box();
-        for (std::size_t axis = 0; axis < 3; ++axis) middle_[axis] = std::midpoint(box.lower[axis], box.upper[axis]);
-        for (std::size_t i = 0; i < cells.size(); ++i) add_cell(i);
+    explicit GlbWriter(const Mesh& mesh) : mesh_(mesh) {
+        for (std::size_t i = 0; i < mesh.cells(); ++i) add_cell(i);
         for (const Chunk& chunk : chunks_) binary_bytes_ += chunk.bytes();
         head_ = head();
         head_.resize(in_words(head_.size()), ' ');
@@ -67,8 +58,7 @@ public:
 
     [[nodiscard]] std::uint64_t bytes() const { return 20 + head_.size() + (chunks_.empty() ? 0 : 8 + binary_bytes_); }
 
-    void write(OutputFile& file) const {
-        OutputBuffer out(file);
+    void write(ByteSink& out) const {
         out.put("glTF");
         for (const std::uint64_t number : {std::uint64_t{2}, bytes(), std::uint64_t{head_.size()}})
             out.put_binary(static_cast<std::uint32_t>(number));
@@ -79,13 +69,12 @@ public:
             out.put(std::string_view("BIN\0", 4));
         }
         for (const Chunk& chunk : chunks_) put_chunk(out, chunk);
-        out.flush();
     }
 
 private:
     using Position = std::array<float, 3>;
 
-    // Consecutive cells and, in the file: positions, colors, rows, indices.
+    // Consecutive cells. The file has their positions, colors, rows, indices.
     struct Chunk {
         std::size_t first_cell = 0, end_cell = 0;
         std::uint64_t vertices = 0, indices = 0;
@@ -96,33 +85,24 @@ private:
         [[nodiscard]] std::uint64_t bytes() const { return 20 * vertices + in_words(index_bytes()); }
     };
 
-    // The numbers of the vertices of a cell, ascending.
-    [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t i) const {
-        const auto begin = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i]);
-        const auto end = static_cast<std::size_t>(cells_.cell_vertex_indptr()[i + 1]);
-        return cells_.cell_vertex_indices().subspan(begin, end - begin);
-    }
-
     template <class Use>
     void each_face(std::size_t i, const Use& use) const {
-        const auto offsets = cells_.face_offsets();
-        for (auto entry = cells_.indptr()[i]; entry < cells_.indptr()[i + 1]; ++entry) {
-            const auto begin = static_cast<std::size_t>(offsets[static_cast<std::size_t>(entry)]);
-            const auto end = static_cast<std::size_t>(offsets[static_cast<std::size_t>(entry) + 1]);
-            if (end - begin >= 3) use(cells_.face_vertices().subspan(begin, end - begin));
-        }
+        const auto [begin, end] = mesh_.entries(i);
+        for (std::size_t entry = begin; entry < end; ++entry)
+            if (mesh_.polygon(entry).size() >= 3) use(mesh_.polygon(entry));
     }
 
-    // From the middle of the domain, as float32 has few digits, and with y up, as glTF demands: z becomes y, and y
-    // becomes -z. That is a rotation, so faces keep their fronts. Programs with z up turn it back.
+    // Returns the position from the middle of the domain, because float32 has few digits. y is up, as glTF demands: z
+    // becomes y, and y becomes -z. That is a rotation, so faces keep their fronts.
     [[nodiscard]] Position position(std::int32_t vertex) const {
-        const double* const at = cells_.vertices().data() + 3 * static_cast<std::size_t>(vertex);
-        return {static_cast<float>(at[0] - middle_[0]), static_cast<float>(at[2] - middle_[2]),
-                static_cast<float>(middle_[1] - at[1])};
+        const double* const at = mesh_.vertex(vertex);
+        const std::array<double, 3>& middle = mesh_.middle;
+        return {static_cast<float>(at[0] - middle[0]), static_cast<float>(at[2] - middle[2]),
+                static_cast<float>(middle[1] - at[1])};
     }
 
     void add_cell(std::size_t i) {
-        const auto vertices = vertices_of(i);
+        const auto vertices = mesh_.vertices_of(i);
         if (vertices.empty()) return;
         if (chunks_.empty() || chunks_.back().vertices + vertices.size() > short_vertices) {
             const Position first = position(vertices[0]);
@@ -157,8 +137,7 @@ private:
         };
         for (const Chunk& chunk : chunks_) {
             const std::uint64_t n = chunk.vertices;
-            const std::string bounds =
-                ",\"min\":" + text_of(chunk.lower.data(), 3) + ",\"max\":" + text_of(chunk.upper.data(), 3);
+            const std::string bounds = ",\"min\":" + text_of(chunk.lower) + ",\"max\":" + text_of(chunk.upper);
             const auto positions = add(n, 12 * n, true, R"("componentType":5126,"type":"VEC3")" + bounds);
             const auto colors = add(n, 4 * n, true, R"("componentType":5121,"normalized":true,"type":"VEC4")");
             const auto rows = add(n, 4 * n, true, R"("componentType":5126,"type":"SCALAR")");
@@ -168,24 +147,24 @@ private:
             add_to_list(primitives, "{\"attributes\":{\"POSITION\":" + positions + ",\"COLOR_0\":" + colors +
                                         ",\"_CELL\":" + rows + "},\"indices\":" + indices + ",\"material\":0}");
         }
-        const std::array<double, 3> middle{middle_[0], middle_[2], -middle_[1]};
+        const std::array<double, 3> middle{mesh_.middle[0], mesh_.middle[2], -mesh_.middle[1]};
         // Without a material, viewers show metal, which is dark.
         return asset +
                R"(,"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0,"name":"Voronoi cells","translation":)" +
-               text_of(middle.data(), 3) + R"(}],"meshes":[{"name":"Voronoi cells","primitives":[)" + primitives +
+               text_of(middle) + R"(}],"meshes":[{"name":"Voronoi cells","primitives":[)" + primitives +
                R"(]}],"materials":[{"name":"cells","pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.9}}],)" +
                "\"accessors\":[" + accessors + "],\"bufferViews\":[" + views +
                "],\"buffers\":[{\"byteLength\":" + std::to_string(binary_bytes_) + "}]}";
     }
 
-    void put_chunk(OutputBuffer& out, const Chunk& chunk) const {
+    void put_chunk(ByteSink& out, const Chunk& chunk) const {
         const auto each_vertex = [&](const auto& use) {
             for (std::size_t i = chunk.first_cell; i < chunk.end_cell; ++i)
-                for (const std::int32_t vertex : vertices_of(i)) use(i, vertex);
+                for (const std::int32_t vertex : mesh_.vertices_of(i)) use(i, vertex);
         };
         each_vertex([&](std::size_t, std::int32_t vertex) { out.put_binary(position(vertex)); });
         each_vertex([&](std::size_t i, std::int32_t) {
-            const std::uint8_t* const c = colors_.data() + 3 * i;
+            const std::uint8_t* const c = mesh_.colors.data() + 3 * i;
             out.put_binary(std::array<std::uint8_t, 4>{linear_[c[0]], linear_[c[1]], linear_[c[2]], 255});
         });
         each_vertex([&](std::size_t i, std::int32_t) { out.put_binary(static_cast<float>(i)); });
@@ -198,7 +177,7 @@ private:
                 out.put_binary(static_cast<std::uint32_t>(index));
         };
         for (std::size_t i = chunk.first_cell; i < chunk.end_cell; ++i) {
-            const auto vertices = vertices_of(i);
+            const auto vertices = mesh_.vertices_of(i);
             each_face(i, [&](auto polygon) {
                 corners.clear();
                 for (const std::int32_t vertex : polygon) {
@@ -210,37 +189,27 @@ private:
             });
             before += vertices.size();
         }
-        for (std::uint64_t k = chunk.index_bytes(); k % 4 != 0; ++k) out.put('\0');
+        out.put(std::string_view("\0\0\0", in_words(chunk.index_bytes()) - chunk.index_bytes()));
     }
 
-    const votess::Tessellation& cells_;
-    const std::vector<std::uint8_t>& colors_;  // 3 of sRGB for each cell
+    const Mesh& mesh_;
     const std::array<std::uint8_t, 256> linear_ = linear_of_srgb();
-    std::array<double, 3> middle_{};
     std::vector<Chunk> chunks_;
     std::uint64_t binary_bytes_ = 0;
     std::string head_;
 };
 
-std::string megabytes(std::uint64_t bytes) {
-    return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
-}
-
 }  // namespace
 
-void write_glb(OutputFile& file, const OutputData& data) {
-    votess::PictureOptions options;
-    options.colormap = data.coloring.colormap;
-    const std::vector<double> values = data.coloring.values(data.input, data.tessellation, data.carried);
-    options.values = values;
-    const std::vector<std::uint8_t> colors = votess::value_colors(options);
-    const GlbWriter writer(data.tessellation, colors);
-    const std::string size = megabytes(writer.bytes());
-    if (writer.bytes() > largest_file)
-        throw bad_input("cannot write " + file.description() + ": it would take " + size +
-                        ", but .glb ends at 4 GiB: write .vtu, which has no limit, or fewer cells");
-    if (data.says_sizes) std::fprintf(stderr, "%s takes %s\n", file.description().c_str(), size.c_str());
-    writer.write(file);
+void write_glb(const Mesh& mesh, ByteSink& out) {
+    const GlbWriter writer(mesh);
+    if (writer.bytes() > largest_file) {
+        throw Error(ErrorCode::invalid_argument, "the .glb file would take " +
+                                                     std::to_string((writer.bytes() + 999'999) / 1'000'000) +
+                                                     " MB, but .glb ends at 4 GiB: write .vtu, or fewer cells");
+    }
+    out.set_total(writer.bytes());
+    writer.write(out);
 }
 
-}  // namespace clvotess
+}  // namespace votess::files

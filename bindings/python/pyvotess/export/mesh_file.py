@@ -1,0 +1,64 @@
+"""A mesh as .vtu, .ply, .obj or .glb, written by the library."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any, Dict, Optional
+
+import numpy as np
+
+from .. import _c_api
+from .._call import Callbacks, raise_on_failure
+from .._library import lib
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Arrays = Dict[str, npt.NDArray[Any]]
+
+
+def write_mesh(path: str, extension: str, t: Any, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]]) -> None:
+    """Writes the cells of ``t``, a result with faces.
+
+    ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
+    .glb, possible for .ply. ValueError when a .glb would be larger than 4 GiB.
+    """
+    kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
+    c_columns = (_c_api.Column * len(kept))()
+    for column, (name, array) in zip(c_columns, kept.items()):
+        column.name, column.values = name.encode(), array.ctypes.data
+        column.width = array.shape[1] if array.ndim == 2 else 1
+        column.kind, column.bytes = array.dtype.kind.encode(), array.itemsize
+    arrays: Dict[str, Any] = {
+        "indptr": t.indptr,
+        "indices": t.indices,
+        "shifts": t.shifts,
+        "face_offsets": t.face_offsets,
+        "face_vertices": t.face_vertices,
+        "vertices": t.vertices,
+        "cell_vertex_indptr": t.cell_vertex_indptr,
+        "cell_vertex_indices": t.cell_vertex_indices,
+        "colors": None if colors is None else np.ascontiguousarray(colors),
+    }
+    mesh = _c_api.Mesh(
+        struct_size=ctypes.sizeof(_c_api.Mesh),
+        column_count=len(kept),
+        cells=len(t.indptr) - 1,
+        vertex_count=len(t.vertices),
+        columns=c_columns,
+        box_lower=tuple(t.box[0]),
+        box_upper=tuple(t.box[1]),
+        **{name: None if array is None else array.ctypes.data for name, array in arrays.items()},
+    )
+    with open(path, "wb") as file:
+
+        def write(piece: Any) -> int:
+            data = (ctypes.c_char * piece[0].count).from_address(piece[0].data)
+            file.write(data)
+            return 1
+
+        with Callbacks() as callbacks:
+            status = lib.votess_write_mesh(
+                ctypes.byref(mesh), extension.encode(), callbacks.guarded(_c_api.WriteCallback, write, 0), None
+            )
+        raise_on_failure(status)

@@ -1,0 +1,124 @@
+// .vtu, .ply, .obj and .glb, written by the library.
+#include <votess/votess.h>
+
+#include <array>
+#include <cstdio>
+#include <exception>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "failure.hpp"
+#include "files/atomic_file.hpp"
+#include "write/output.hpp"
+
+namespace clvotess {
+namespace {
+
+struct Target {
+    OutputFile& file;
+    bool says_size;
+    std::exception_ptr error;  // what the callback threw
+};
+
+std::string megabytes(std::uint64_t bytes) {
+    return std::to_string((bytes + 999'999) / 1'000'000) + " MB";
+}
+
+int take(const votess_bytes* bytes, void* user) {
+    Target& target = *static_cast<Target*>(user);
+    try {
+        if (target.says_size)
+            std::fprintf(stderr, "%s takes %s\n", target.file.description().c_str(), megabytes(bytes->total).c_str());
+        target.says_size = false;
+        target.file.write({static_cast<const char*>(bytes->data), bytes->count});
+        return 1;
+    } catch (...) {
+        target.error = std::current_exception();
+        return 0;
+    }
+}
+
+// Fills in all but colors and columns. The arrays stay those of the tessellation.
+votess_mesh mesh_of(const votess::Tessellation& cells) {
+    votess_mesh mesh{};
+    mesh.struct_size = sizeof mesh;
+    mesh.cells = cells.size();
+    mesh.vertex_count = cells.vertices().size() / 3;
+    mesh.indptr = cells.indptr().data();
+    mesh.indices = cells.indices().data();
+    mesh.shifts = cells.shifts().empty() ? nullptr : cells.shifts().data();
+    mesh.face_offsets = cells.face_offsets().data();
+    mesh.face_vertices = cells.face_vertices().data();
+    mesh.vertices = cells.vertices().data();
+    mesh.cell_vertex_indptr = cells.cell_vertex_indptr().data();
+    mesh.cell_vertex_indices = cells.cell_vertex_indices().data();
+    std::ranges::copy(cells.box().lower, mesh.box_lower);
+    std::ranges::copy(cells.box().upper, mesh.box_upper);
+    return mesh;
+}
+
+void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool says_size = false) {
+    Target target{file, says_size, nullptr};
+    const votess_status status = votess_write_mesh(&mesh, format, take, &target);
+    if (target.error) std::rethrow_exception(target.error);
+    if (status == VOTESS_OK) return;
+    throw votess::Error(static_cast<votess::ErrorCode>(status),
+                        "cannot write " + file.description() + ": " + votess_last_error());
+}
+
+template <typename Number>
+votess_column column(const char* name, char kind, std::span<const Number> values, std::size_t width = 1) {
+    return {name, values.data(), width, kind, sizeof(Number)};
+}
+
+}  // namespace
+
+bool is_vtu_array(std::string_view name) {
+    constexpr std::array<std::string_view, 5> names{"id", "volume", "neighbors", "centroid", "status"};
+    return std::ranges::find(names, name) != names.end();
+}
+
+void write_vtu(OutputFile& file, const OutputData& data) {
+    const votess::Tessellation& cells = data.tessellation;
+    std::vector<std::int64_t> ids = data.input.ids;
+    if (ids.empty()) {
+        ids.resize(cells.size());
+        std::iota(ids.begin(), ids.end(), std::int64_t{0});
+    }
+    std::vector<std::int32_t> neighbors;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        neighbors.push_back(static_cast<std::int32_t>(
+            std::ranges::count_if(cells.neighbors(i), [](std::int32_t j) { return j >= 0; })));
+    std::vector<votess_column> columns{column<std::int64_t>("id", 'i', ids), column("volume", 'f', cells.volumes()),
+                                       column<std::int32_t>("neighbors", 'i', neighbors),
+                                       column("centroid", 'f', cells.centroids(), 3),
+                                       column("status", 'u', cells.status())};
+    for (const InputColumn& carried : data.carried)
+        columns.push_back(column<double>(carried.name.c_str(), 'f', carried.values, carried.width));
+    votess_mesh mesh = mesh_of(cells);
+    mesh.columns = columns.data();
+    mesh.column_count = static_cast<std::uint32_t>(columns.size());
+    write(file, mesh, ".vtu");
+}
+
+void write_ply(OutputFile& file, const OutputData& data) {
+    write(file, mesh_of(data.tessellation), ".ply");
+}
+
+void write_obj(OutputFile& file, const OutputData& data) {
+    write(file, mesh_of(data.tessellation), ".obj");
+}
+
+void write_glb(OutputFile& file, const OutputData& data) {
+    votess::PictureOptions options;
+    options.colormap = data.coloring.colormap;
+    const std::vector<double> values = data.coloring.values(data.input, data.tessellation, data.carried);
+    options.values = values;
+    const std::vector<std::uint8_t> colors = votess::value_colors(options);
+    votess_mesh mesh = mesh_of(data.tessellation);
+    mesh.colors = colors.data();
+    write(file, mesh, ".glb", data.says_sizes);
+}
+
+}  // namespace clvotess

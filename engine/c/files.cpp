@@ -1,0 +1,116 @@
+// votess_write_mesh(): its arrays are checked here and become a files::Mesh.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+#include "c/handles.hpp"
+#include "files/mesh.hpp"
+
+using namespace votess::c;
+
+namespace {
+
+namespace files = votess::files;
+
+constexpr std::size_t first_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
+static_assert(sizeof(votess_mesh) == first_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
+
+template <class Element>
+std::span<const Element> array(const Element* values, std::uint64_t count, const char* name) {
+    const std::string field = std::string("mesh.") + name;
+    if (values == nullptr && count != 0) refuse(field + " is NULL");
+    return {values, count};
+}
+
+// count: of rows, which offsets delimit.
+std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t count, const char* name) {
+    const auto result = array(values, count + 1, name);
+    if (result[0] != 0 || !std::ranges::is_sorted(result))
+        refuse(std::string("mesh.") + name + " must begin with 0 and ascend");
+    return result;
+}
+
+std::span<const std::int32_t> indices(const std::int32_t* values, std::uint64_t count, const char* name,
+                                      std::uint64_t end) {
+    const auto result = array(values, count, name);
+    const auto wrong = std::ranges::find_if(
+        result, [&](std::int32_t index) { return index < 0 || static_cast<std::uint64_t>(index) >= end; });
+    if (wrong != result.end()) {
+        refuse(std::string("mesh.") + name + "[" + std::to_string(wrong - result.begin()) + "] is " +
+               std::to_string(*wrong) + ", but there are " + std::to_string(end) + " vertices");
+    }
+    return result;
+}
+
+files::Column column(const votess_column& given, std::uint64_t cells) {
+    require(given.name, "column.name");
+    const std::string name = "the column " + std::string(given.name);
+    constexpr std::uint64_t largest_width = 4096;
+    if (given.width == 0 || given.width > largest_width)
+        refuse(name + " has " + std::to_string(given.width) + " numbers for each cell: 1 to 4096 are possible");
+    const bool is_float = given.kind == 'f';
+    const bool known = given.bytes == 4 || given.bytes == 8 || (!is_float && (given.bytes == 1 || given.bytes == 2));
+    if (!known || (!is_float && given.kind != 'i' && given.kind != 'u'))
+        refuse(name + " has numbers of an unknown type: kind is 'f', 'i' or 'u', and bytes 1, 2, 4 or 8");
+    if (given.values == nullptr && cells != 0) refuse(name + " has no values: the pointer is NULL");
+    const std::string type = is_float ? "Float" : given.kind == 'i' ? "Int" : "UInt";
+    const auto width = static_cast<std::size_t>(given.width);
+    return {given.name, type + std::to_string(8 * given.bytes), static_cast<const char*>(given.values), width,
+            width * given.bytes};
+}
+
+files::Mesh checked(const votess_mesh& given) {
+    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
+    if (given.cells > most || given.vertex_count > most)
+        refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(most) + " at most");
+    files::Mesh mesh;
+    mesh.indptr = offsets(given.indptr, given.cells, "indptr");
+    const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
+    mesh.indices = array(given.indices, entries, "indices");
+    if (given.shifts != nullptr) mesh.shifts = {given.shifts, 3 * entries};
+    mesh.vertices = array(given.vertices, 3 * given.vertex_count, "vertices");
+    mesh.face_offsets = offsets(given.face_offsets, entries, "face_offsets");
+    mesh.face_vertices = indices(given.face_vertices, static_cast<std::uint64_t>(mesh.face_offsets.back()),
+                                 "face_vertices", given.vertex_count);
+    mesh.cell_vertex_indptr = offsets(given.cell_vertex_indptr, given.cells, "cell_vertex_indptr");
+    mesh.cell_vertex_indices =
+        indices(given.cell_vertex_indices, static_cast<std::uint64_t>(mesh.cell_vertex_indptr.back()),
+                "cell_vertex_indices", given.vertex_count);
+    for (std::size_t k = 0; k < 3; ++k) mesh.middle[k] = std::midpoint(given.box_lower[k], given.box_upper[k]);
+    if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
+    for (const votess_column& one : array(given.columns, given.column_count, "columns"))
+        mesh.columns.push_back(column(one, given.cells));
+    return mesh;
+}
+
+}  // namespace
+
+votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
+    return guarded([&] {
+        require(mesh, "mesh");
+        require(format, "format");
+        if (write == nullptr) refuse("write is NULL");
+        require_struct_size(mesh->struct_size, first_size, "mesh.struct_size", "give sizeof(votess_mesh)");
+        const files::Mesh arrays = checked(*mesh);
+        files::ByteSink out([&](std::string_view bytes, std::uint64_t total) {
+            const votess_bytes piece{bytes.data(), bytes.size(), total};
+            if (call_back("write", [&] { return write(&piece, user); }) == 0)
+                throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
+        });
+        const std::string_view name = format;
+        if (name == ".vtu") {
+            files::write_vtu(arrays, out);
+        } else if (name == ".ply") {
+            files::write_ply(arrays, out);
+        } else if (name == ".obj") {
+            files::write_obj(arrays, out);
+        } else if (name == ".glb") {
+            if (arrays.colors.empty() && mesh->cells != 0) refuse("mesh.colors is NULL, but .glb needs colors");
+            files::write_glb(arrays, out);
+        } else {
+            refuse("the format is '" + std::string(name) + "': known are .vtu .ply .obj .glb");
+        }
+        out.flush();
+    });
+}
