@@ -100,9 +100,10 @@ enum class TextKind {
 // The readers. `name` and `path` are for messages, which begin `name:` or, where there are lines, `name:line:`.
 [[nodiscard]] Input parse_text(std::string_view text, TextKind kind, const std::string& name,
                                const ReadRequest& request = {});
+// Returns whether the first line that is not blank is one whole number, the count of a frame.
+[[nodiscard]] bool holds_frames(std::string_view text, const std::string& name);
 // .xyz: plain text, or frames.
 [[nodiscard]] Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request);
-[[nodiscard]] bool holds_frames(std::string_view text, const std::string& name);
 [[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);

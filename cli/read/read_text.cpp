@@ -314,6 +314,15 @@ Input parse_text(std::string_view text, TextKind kind, const std::string& name, 
     return input;
 }
 
+bool holds_frames(std::string_view text, const std::string& name) {
+    LineReader lines(text, name);
+    std::string_view line;
+    if (!lines.next_filled(line)) return false;
+    Words words;
+    split_words(line, words);
+    return words.size() == 1 && read_uint64(words[0]);
+}
+
 std::unique_ptr<InputPieces> open_text(const std::string& path, TextKind kind, const ReadRequest& request,
                                        std::size_t rows) {
     return std::make_unique<TextPieces>(path, kind, request, rows * row_bytes);

@@ -212,16 +212,6 @@ private:
 
 }  // namespace
 
-// The first line that is not blank is then one whole number.
-bool holds_frames(std::string_view text, const std::string& name) {
-    LineReader lines(text, name);
-    std::string_view line;
-    if (!lines.next_filled(line)) return false;
-    Words words;
-    split_words(line, words);
-    return words.size() == 1 && read_uint64(words[0]);
-}
-
 Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {
     if (holds_frames(text, name)) return XyzReader(text, name, request).read();
     if (request.frame) throw bad_input(name + ": --frame goes with files of frames; this one holds rows alone");

@@ -4,10 +4,11 @@
     check_house.py SOURCE [--include FILE=HEADER]...
 
 The table of folders in engine/README.md lists which folders a folder of the engine may include: only folders above it, so
-that no include runs up. cli/ and bindings/ include nothing of the engine. All files that state the version state the same.
+that no include runs up. cli/ and bindings/ include nothing of the engine. The imports of pyvotess form no circle. All files that state the version state the same.
 --include adds an include that does not exist, to see the check fail.
 """
 import argparse
+import ast
 import pathlib
 import re
 import subprocess
@@ -32,6 +33,36 @@ def rules(readme):
         if line.startswith("| `") and len(cells) == 3:
             table[cells[0].strip("`/")] = re.findall(r"`([^`]+?)/`", cells[2])
     return table
+
+
+def imports(package, file):
+    """The modules of the package that a module imports, in functions and under TYPE_CHECKING too."""
+    found = set()
+    for node in ast.walk(ast.parse((package / file).read_text())):
+        if not isinstance(node, ast.ImportFrom) or node.level == 0:
+            continue
+        folder = (package / file).parents[node.level - 1] / (node.module or "").replace(".", "/")
+        for target in [folder / name.name for name in node.names] + [folder] * bool(node.module):
+            paths = (target.with_suffix(".py"), target / "__init__.py")
+            found.update(path.relative_to(package) for path in paths if path.is_file())
+    return found
+
+
+def circle(arrows):
+    """The modules of one circle of arrows, in order; empty when there is none."""
+    done = set()
+
+    def visit(module, way):
+        if module in way:
+            return way[way.index(module):]
+        if module not in done:
+            for target in sorted(arrows[module]):
+                if found := visit(target, [*way, module]):
+                    return found
+            done.add(module)
+        return []
+
+    return next((found for module in sorted(arrows) if (found := visit(module, []))), [])
 
 
 def main():
@@ -71,6 +102,11 @@ def main():
             wrong.append(f"{file}: engine/README.md does not list {room}/")
         elif target != room and target not in table[room]:
             wrong.append(f"{file}: {room}/ may not include {header}")
+
+    package = source / "bindings/python/pyvotess"
+    arrows = {file: imports(package, file) for file in (p.relative_to(package) for p in package.rglob("*.py"))}
+    if way := circle(arrows):
+        wrong.append("bindings/python/pyvotess: these modules import each other: " + " -> ".join(map(str, way)))
 
     versions = {file: re.findall(stated, (source / file).read_text(), re.M) for file, stated in VERSIONS.items()}
     for file, stated in versions.items():

@@ -141,6 +141,11 @@ class Domain:
     walls: Any = ()
     outside: _c_api.OutsideWord = "error"
 
+    @property
+    def is_given(self) -> bool:
+        """Whether there is a box or a cell; else the box is the default one around the points."""
+        return self.box is not None or self.cell is not None
+
     def fill(self, options: _c_api.Options, count: int) -> List[Any]:
         """Puts the domain of ``count`` points into the options; returns what has to live as long as these are used."""
         if self.box is not None:

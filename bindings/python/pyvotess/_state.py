@@ -12,14 +12,11 @@ import numpy as np
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._library import lib
-from .mesh import Faces, Lists
-from .pairs import count_edges
+from .mesh import Faces, Lists, Neighbors, count_edges
 from .stats import Stats, read_stats
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-    from .tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
     Int8Array = npt.NDArray[np.int8]
@@ -354,7 +351,60 @@ class Cells:
                 "lattice, min_face=1e-6 drops them, and edge_threshold the short edges beside them",
                 stacklevel=2,
             )
-        return count_edges(self, edge_threshold)
+        return count_edges(self.neighbors, self.faces, self.vertices, edge_threshold)
+
+
+class SeedCells(Cells):
+    """The cells of N seeds. :class:`pyvotess.Tessellation` adds what is made of them."""
+
+    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
+        super().__init__(result, wanted)
+        self._result: Optional[Handle] = result  # None once unpickled, until it is needed
+        self._points = points
+        self._domain_given = domain_given
+        self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
+
+    def __getstate__(self) -> Dict[str, Any]:
+        """The arrays go along, the library's object stays behind."""
+        return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
+
+    def _domain(self) -> str:
+        return super()._domain() + ("" if self._domain_given else " around them")
+
+    @property
+    def neighbors(self) -> Neighbors:
+        """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
+        self._check_wanted("neighbors")
+        return Neighbors(self.indptr, self.indices)
+
+    @property
+    def least_face(self) -> float:
+        """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
+        return self._data.least_face
+
+    @property
+    def weights(self) -> Optional[Float64Array]:
+        """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
+        return self._data.arrays.get("weights")
+
+    @property
+    def points(self) -> npt.NDArray[Any]:
+        """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
+        return self._points
+
+    @property
+    def wrapped_points(self) -> Float64Array:
+        """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
+        if self._places is not None:
+            return np.array(self._places)
+        points = np.array(self._points, dtype=np.float64, order="C")
+        if self._result is None:
+            return points  # of a domain without periods
+        places = np.empty_like(points)
+        raise_on_failure(
+            lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
+        )
+        return places
 
 
 def same_arrays(ours: ResultData, anew: ResultData) -> str:
@@ -374,30 +424,3 @@ def same_arrays(ours: ResultData, anew: ResultData) -> str:
             if not np.allclose(array, other, rtol=error, atol=error * scale, equal_nan=True):
                 return name
     return ""
-
-
-def tessellated_anew(t: Tessellation) -> Tuple[Handle, str]:
-    """The library's object for a result that was unpickled: its points tessellated again, on the CPU.
-
-    With the name of an array that came out otherwise, else empty.
-    """
-    from .tessellator import tessellate
-
-    domain: Dict[str, Any] = {"walls": t.walls, "periodic": t.periodic}
-    if t.cell is not None:
-        domain.update(cell=t.cell, origin=t.origin)
-    elif t._domain_given:
-        domain["box"] = t.box
-    again = tessellate(
-        t.points,
-        weights=t.weights,
-        want=",".join(t.wanted) if t.wanted else (),
-        list_walls=t.lists_walls,
-        outside="drop",
-        min_area=t.least_face,
-        device="cpu",
-        **domain,
-    )
-    if again._result is None:
-        raise VotessError("a new result lacks its handle", ErrorCode.INTERNAL)
-    return again._result, same_arrays(t._data, again._data)

@@ -13,9 +13,9 @@ from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
 from ._input import Domain, as_one_each, as_points, as_want, as_word
 from ._library import lib
+from ._run import implied_words, new_options
 from ._state import Cells
 from .mesh import NaturalCoordinates, Neighbors
-from .tessellator import implied_words, new_options
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -126,6 +126,23 @@ class NaturalCoordinates:
         return f"<pyvotess.NaturalCoordinates of {len(self.neighbors)} queries>"
 
 
+def count_edges(rows: Lists, faces: Faces, vertices: Float64Array, edge_threshold: float) -> Int64Array:
+    """See :meth:`Tessellation.voronoi_indices`."""
+    count = np.diff(faces.indptr)
+    if edge_threshold > 0:
+        begin = np.repeat(faces.indptr[:-1], count)
+        entry = np.arange(len(faces.indices))
+        end = np.where(entry + 1 < np.repeat(faces.indptr[1:], count), entry + 1, begin)  # around the polygon
+        edge = vertices[faces.indices[end]] - vertices[faces.indices]
+        short = np.einsum("ek,ek->e", edge, edge) < edge_threshold * edge_threshold
+        count = count - np.bincount(np.repeat(np.arange(len(count)), count)[short], minlength=len(count))
+    cell = np.repeat(np.arange(len(rows)), np.diff(rows.indptr))
+    kept = count >= 3
+    table = np.zeros((len(rows), int(count.max(initial=2)) - 2), dtype=np.int64)
+    np.add.at(table, (cell[kept], count[kept] - 3), 1)
+    return table
+
+
 def make_delaunay(read: Any, periodic: bool) -> Delaunay:
     """read(name, dtype): an array of ``votess_delaunay``."""
     tetrahedra = read("tetrahedra", np.int32).reshape(-1, 4)

@@ -10,8 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ._state import Cells
-    from .tessellation import Tessellation
+    from ._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     Int32Array = npt.NDArray[np.int32]
@@ -37,7 +36,7 @@ class Pairs:
         return f"<pyvotess.Pairs: {len(self)} entries>"
 
 
-def edges_of(t: Tessellation) -> Float64Array:
+def edges_of(t: SeedCells) -> Float64Array:
     """The vectors of the box, a row each."""
     if t.cell is not None:
         return t.cell
@@ -45,7 +44,7 @@ def edges_of(t: Tessellation) -> Float64Array:
     return edges
 
 
-def make_pairs(t: Tessellation) -> Pairs:
+def make_pairs(t: SeedCells) -> Pairs:
     rows = t.neighbors
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     is_seed = rows.indices >= 0
@@ -56,25 +55,8 @@ def make_pairs(t: Tessellation) -> Pairs:
     if t.shifts is not None:
         shift = t.shifts[is_seed]
         vector += shift @ edges_of(t)
-    area = t.face_areas[is_seed] if "areas" in t._wanted else None
+    area = t.face_areas[is_seed] if "areas" in t.wanted else None
     return Pairs(i, j, shift, vector, np.sqrt(np.einsum("pk,pk->p", vector, vector)), area)
-
-
-def count_edges(t: Cells, edge_threshold: float) -> Int64Array:
-    faces, rows = t.faces, t.neighbors
-    count = np.diff(faces.indptr)
-    if edge_threshold > 0:
-        begin = np.repeat(faces.indptr[:-1], count)
-        entry = np.arange(len(faces.indices))
-        end = np.where(entry + 1 < np.repeat(faces.indptr[1:], count), entry + 1, begin)  # around the polygon
-        edge = t.vertices[faces.indices[end]] - t.vertices[faces.indices]
-        short = np.einsum("ek,ek->e", edge, edge) < edge_threshold * edge_threshold
-        count = count - np.bincount(np.repeat(np.arange(len(count)), count)[short], minlength=len(count))
-    cell = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
-    kept = count >= 3
-    table = np.zeros((len(t), int(count.max(initial=2)) - 2), dtype=np.int64)
-    np.add.at(table, (cell[kept], count[kept] - 3), 1)
-    return table
 
 
 @dataclass(frozen=True)
@@ -89,7 +71,7 @@ class _Polygons:
     centroid: Float64Array  # (F, 3) relative to the seed
 
 
-def _polygons(t: Tessellation, place: Float64Array) -> _Polygons:
+def _polygons(t: SeedCells, place: Float64Array) -> _Polygons:
     indptr, corners = t.faces.indptr, t.faces.indices
     count = np.diff(indptr)
     face = np.repeat(np.arange(len(count)), count)
@@ -119,7 +101,7 @@ def _other_faces(cell: Int64Array, polygons: _Polygons) -> Int64Array:
     return other
 
 
-def make_derivatives(t: Tessellation, of: str, by: str) -> Any:
+def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     """A wall does not move. Elsewhere a face moves along its outward normal, at a point y relative to the seed, by
     y.dx_i / d and (v - y).dx_j / d and (dw_i - dw_j) / 2 d, where v leads to the neighbor, at the distance d: the change
     of |y - v|^2 - w_j - |y|^2 + w_i over the length of its gradient, 2 d. A volume changes by the integral of that over

@@ -11,36 +11,24 @@ import numpy as np
 from . import _c_api
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
-from ._input import as_count
+from ._input import Domain, as_count
 from ._library import lib
-from ._state import Cells, tessellated_anew
-from .mesh import Delaunay, Neighbors, make_delaunay
+from ._run import new_options, tessellate_points
+from ._state import SeedCells, read_result, same_arrays
+from .mesh import Delaunay, make_delaunay
 from .pairs import Pairs, make_derivatives, make_pairs
 from .stats import VerifyReport
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    Float64Array = npt.NDArray[np.float64]
 
-
-class Tessellation(Cells):
+class Tessellation(SeedCells):
     """The cells of N seeds; rows follow the input order.
 
     Arrays are read-only and lie in the library's memory, which lives as long as any of them. An array that was not
     wanted raises AttributeError.
     """
-
-    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
-        super().__init__(result, wanted)
-        self._result: Optional[Handle] = result  # None once unpickled, until it is needed
-        self._points = points
-        self._domain_given = domain_given
-        self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
-
-    def __getstate__(self) -> Dict[str, Any]:
-        """The arrays go along, the library's object stays behind."""
-        return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
 
     def __copy__(self) -> Tessellation:
         """Shares all arrays, which are read-only."""
@@ -51,7 +39,7 @@ class Tessellation(Cells):
     def _handle(self) -> Handle:
         """The library's object; of an unpickled result it is made anew, with the same arrays."""
         if self._result is None:
-            result, differs = tessellated_anew(self)
+            result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
                     f"this result was unpickled, and its points give other {differs} when they are tessellated again",
@@ -60,6 +48,19 @@ class Tessellation(Cells):
             self._result = result
         return self._result
 
+    def _tessellated_again(self) -> Tuple[Handle, str]:
+        """The library's object for the same points, from the CPU, and the name of an array that differs, or ""."""
+        options = new_options("cpu", 0)
+        box = self.box if self._domain_given and self.cell is None else None
+        domain = Domain(
+            box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop"
+        )
+        want = self.wanted
+        result, _, wanted = tessellate_points(
+            None, options, self.points, domain, want, self.lists_walls, "merge", None, 0.0, self.least_face
+        )
+        return result, same_arrays(self._data, read_result(result, wanted))
+
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
         copies = self.stats.duplicates
@@ -67,25 +68,11 @@ class Tessellation(Cells):
         tiny = f"; {self.stats.tiny_faces} tiny faces, see min_face" if self.stats.tiny_faces else ""
         return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}{tiny}>"
 
-    def _domain(self) -> str:
-        return super()._domain() + ("" if self._domain_given else " around them")
-
     def _repr_html_(self) -> str:
         """For notebooks: a table, and a picture of a section when the faces were wanted."""
         from .export.html import as_html
 
         return as_html(self)
-
-    @property
-    def neighbors(self) -> Neighbors:
-        """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
-        self._check_wanted("neighbors")
-        return Neighbors(self.indptr, self.indices)
-
-    @property
-    def least_face(self) -> float:
-        """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
-        return self._data.least_face
 
     def delaunay(self) -> Delaunay:
         """The dual Delaunay complex. Needs "faces" in want.
@@ -99,30 +86,6 @@ class Tessellation(Cells):
         return make_delaunay(
             lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
-
-    @property
-    def weights(self) -> Optional[Float64Array]:
-        """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
-        return self._data.arrays.get("weights")
-
-    @property
-    def points(self) -> npt.NDArray[Any]:
-        """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
-        return self._points
-
-    @property
-    def wrapped_points(self) -> Float64Array:
-        """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
-        if self._places is not None:
-            return np.array(self._places)
-        points = np.array(self._points, dtype=np.float64, order="C")
-        if self._result is None:
-            return points  # of a domain without periods
-        places = np.empty_like(points)
-        raise_on_failure(
-            lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
-        )
-        return places
 
     def pairs(self) -> Pairs:
         """All entries of the rows but walls, so that each pair of neighbors is there from both sides."""

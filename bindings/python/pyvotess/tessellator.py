@@ -6,79 +6,20 @@ import contextlib
 import ctypes
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Tuple, Union
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
 
 from . import _c_api
 from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantName
-from ._call import Handle, Progress, VotessError, raise_on_failure, run, showing
-from ._input import Domain, as_count, as_points, as_text, as_want, as_word
+from ._call import Handle, Progress, VotessError, raise_on_failure
+from ._input import Domain
 from ._library import lib
+from ._run import new_options, tessellate_points
 from .tessellation import Tessellation
 
 if TYPE_CHECKING:
     from types import TracebackType
 
     import numpy.typing as npt
-
-
-def new_options(
-    device: str,
-    threads: int,
-    precision: PrecisionWord = "single",
-    grid_resolution: int = 0,
-    k_init: int = 0,
-    chunk_size: int = 0,
-    instructions: str = "",
-) -> _c_api.Options:
-    options = _c_api.Options()
-    raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
-    options.device = as_text(device, "device")
-    options.threads = as_count(threads, "threads", 32)
-    options.precision = as_word(precision, "precision", _c_api.PRECISIONS)
-    options.grid_resolution = as_count(grid_resolution, "grid_resolution", 32)
-    options.k_init = as_count(k_init, "k_init", 32)
-    options.chunk_size = as_count(chunk_size, "chunk_size", 32)
-    options.instructions = as_text(instructions, "instructions")
-    return options
-
-
-def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
-    """The words of ``want`` that the options come to."""
-    implied = ctypes.c_uint32()
-    raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
-    return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
-
-
-def _tessellate(
-    tessellator: Optional[Handle],
-    options: _c_api.Options,
-    points: Any,
-    domain: Domain,
-    want: Union[str, Iterable[WantName]],
-    list_walls: bool,
-    duplicates: DuplicatesWord,
-    progress: Union[None, bool, Progress],
-    min_face: float,
-    min_area: float,
-) -> Tessellation:
-    array = as_points(points)
-    options.want = as_want(want)
-    options.min_face = float(min_face)
-    options.min_area = float(min_area)
-    options.list_walls = bool(list_walls)
-    options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
-    kept = domain.fill(options, len(array))
-    wanted = implied_words(options)
-
-    function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
-    result = Handle(lib.votess_result_free)
-    arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
-    with showing(progress) as call:
-        run(function, arguments, options, ctypes.byref(result.pointer), call)
-    del kept
-    return Tessellation(result, array, wanted, domain.box is not None or domain.cell is not None)
 
 
 def tessellate(
@@ -160,7 +101,12 @@ def tessellate(
     """
     options = new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
     domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
-    return _tessellate(None, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area)
+    return Tessellation(
+        *tessellate_points(
+            None, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area
+        ),
+        domain.is_given,
+    )
 
 
 class Tessellator:
@@ -232,7 +178,12 @@ class Tessellator:
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
-            return _tessellate(self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area)
+            return Tessellation(
+                *tessellate_points(
+                    self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area
+                ),
+                domain.is_given,
+            )
 
     def close(self) -> None:
         """Frees device and buffers. Harmless when repeated."""

@@ -86,18 +86,6 @@ class Vtu(Folder):
                     expected = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
                     self.assertEqual([f.tolist() for f in faces], [f.tolist() for f in expected])
 
-    @have("pyvista")
-    def test_pyvista(self):
-        import pyvista
-
-        t = cells(200)
-        t.save(self.path("a.vtu"))
-        grid = pyvista.read(self.path("a.vtu"))
-        ids = grid.cell_data["id"]
-        np.testing.assert_array_equal(grid.cell_data["volume"], t.volumes[ids])
-        np.testing.assert_allclose(grid.compute_cell_sizes().cell_data["Volume"], t.volumes[ids], atol=1e-4)
-        self.assertEqual(grid.n_cells, 200)
-
 
 class AsClvotess(Folder):
     def test_equal_bytes(self):
@@ -201,15 +189,6 @@ class FacesTest(Folder):
         first = [i for face, i, _ in expected for _ in face[2:]]
         np.testing.assert_array_equal(mesh.visual.face_colors[:, :3], rgb[first])
 
-    @have("pyvista")
-    def test_pyvista(self):
-        import pyvista
-
-        t = cells(100)
-        for name in ("a.ply", "a.obj"):
-            t.save(self.path(name))
-            self.assertEqual(pyvista.read(self.path(name)).n_cells, len(once(t)))
-
 
 class Glb(Folder):
     def read(self):
@@ -296,18 +275,6 @@ class Glb(Folder):
         (mesh,) = trimesh.load(self.path("a.glb"), process=False).dump()
         x, y, z = t.vertices[t.cell_vertices.indices].T
         np.testing.assert_allclose(mesh.vertices, np.column_stack((x, z, -y)), rtol=0, atol=1e-6)
-
-    @have("pygltflib")
-    def test_pygltflib(self):
-        import pygltflib
-
-        cells().save(self.path("a.glb"), color="neighbors", colormap="ember")
-        file = pygltflib.GLTF2().load(self.path("a.glb"))
-        (mesh,) = file.meshes
-        (primitive,) = mesh.primitives
-        self.assertIsNotNone(primitive.attributes.COLOR_0)
-        self.assertIsNone(primitive.attributes.NORMAL)
-        self.assertEqual(file.materials[primitive.material].pbrMetallicRoughness.metallicFactor, 0)
 
     def test_without_its_package(self):
         t = cells()

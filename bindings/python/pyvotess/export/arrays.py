@@ -13,7 +13,7 @@ from .optional import imported
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Arrays = Dict[str, npt.NDArray[Any]]
 
@@ -28,14 +28,14 @@ NAMES = frozenset(
 _AFTER_ROWS = ("areas", "normals", "volumes", "centroids", "surfaces", "radii", "counts", "vertices", "faces")
 
 
-def _result_arrays(t: Tessellation) -> Arrays:
+def _result_arrays(t: SeedCells) -> Arrays:
     held = t._data.arrays
     names = [name for word in _AFTER_ROWS for name in names_of(word)]
     names = [*names_of("neighbors"), "shifts", *names, "status", "duplicate_of"]
     return {name: held[name] for name in names if name in held}
 
 
-def _domain_arrays(t: Tessellation) -> Arrays:
+def _domain_arrays(t: SeedCells) -> Arrays:
     arrays: Arrays = {"box": t.box, "periodic": np.array(t.periodic, np.uint8)}
     if t.cell is not None and t.origin is not None:
         arrays.update(cell=t.cell, origin=t.origin)
@@ -44,7 +44,7 @@ def _domain_arrays(t: Tessellation) -> Arrays:
     return arrays
 
 
-def _texts(t: Tessellation) -> Dict[str, str]:
+def _texts(t: SeedCells) -> Dict[str, str]:
     from .._library import VERSION
 
     return {
@@ -54,7 +54,7 @@ def _texts(t: Tessellation) -> Dict[str, str]:
     }
 
 
-def write_npz(path: str, t: Tessellation, columns: Arrays) -> None:
+def write_npz(path: str, t: SeedCells, columns: Arrays) -> None:
     """An archive without compression. numpy.savez would take a column named "file" for its own argument."""
     arrays = {**_result_arrays(t), **columns, **_domain_arrays(t)}
     arrays.update({name: np.array(text) for name, text in _texts(t).items()})
@@ -64,7 +64,7 @@ def write_npz(path: str, t: Tessellation, columns: Arrays) -> None:
                 np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
 
 
-def write_h5(path: str, t: Tessellation, columns: Arrays) -> None:
+def write_h5(path: str, t: SeedCells, columns: Arrays) -> None:
     """Datasets at the root; the domain but for the walls, and the texts, are attributes of the root."""
     h5py = imported("h5py", "writing .h5")
     # The default driver does not open a file that has no name yet.

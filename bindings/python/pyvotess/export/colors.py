@@ -14,7 +14,7 @@ from .columns import color_values
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     UInt8Array = npt.NDArray[np.uint8]
@@ -40,7 +40,7 @@ def map_values(values: Float64Array, colormap: str) -> UInt8Array:
     return colors
 
 
-def cell_colors(t: Tessellation, color: Any, colormap: str) -> UInt8Array:
+def cell_colors(t: SeedCells, color: Any, colormap: str) -> UInt8Array:
     """(N, 3) colors in sRGB of values, see :func:`color_values`, or colors as they are: (N, 3) uint8, or 0 to 1."""
     if not isinstance(color, str) and np.ndim(color) == 2:
         given = np.asarray(color)

@@ -11,7 +11,7 @@ from .._state import ARRAYS, names_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     Columns = Optional[Mapping[str, npt.ArrayLike]]
@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 _PLOT_WORDS = {"volume": "volumes", "area": "surface_areas"}
 
 
-def neighbor_counts(t: Tessellation) -> npt.NDArray[np.int32]:
+def neighbor_counts(t: SeedCells) -> npt.NDArray[np.int32]:
     """(N,) how many neighbors each cell has that are no walls."""
     rows = t.neighbors
     cell = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     return np.bincount(cell[rows.indices >= 0], minlength=len(t)).astype(np.int32)
 
 
-def cell_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
+def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     """All that the result holds of each cell, as columns (N,)."""
     points = np.asarray(t.points)
     columns: Dict[str, npt.NDArray[Any]] = {axis: points[:, k] for k, axis in enumerate("xyz")}
@@ -51,7 +51,7 @@ def cell_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
 VTU_NAMES = frozenset(("id", "volume", "neighbors", "centroid", "status"))
 
 
-def vtu_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
+def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     """(N, ...) the cell data of .vtu; volume and centroid where they were wanted."""
     data: Dict[str, npt.NDArray[Any]] = {"id": np.arange(len(t), dtype=np.int64)}
     if "volumes" in t.wanted:
@@ -63,7 +63,7 @@ def vtu_columns(t: Tessellation) -> Dict[str, npt.NDArray[Any]]:
     return data
 
 
-def added_columns(t: Tessellation, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
+def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
     """The caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes. ValueError names a bad one."""
     result: Dict[str, npt.NDArray[Any]] = {}
     for name, values in (columns or {}).items():
@@ -81,7 +81,7 @@ def added_columns(t: Tessellation, columns: Columns, taken: Container[str]) -> D
     return result
 
 
-def color_values(t: Tessellation, color: Any) -> Tuple[Float64Array, str]:
+def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
     """(N,) values for colors, and what a legend calls them. ``color``: a column of :func:`cell_columns`, or values."""
     if isinstance(color, str):
         columns = cell_columns(t)

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -31,7 +31,7 @@ class Mesh(NamedTuple):
         return np.repeat(np.arange(len(self.indptr) - 1), np.diff(self.indptr))
 
 
-def mesh_of(t: Tessellation, caller: str) -> Mesh:
+def mesh_of(t: SeedCells, caller: str) -> Mesh:
     """ValueError, which names ``caller``, when the faces were not wanted."""
     try:
         return Mesh(

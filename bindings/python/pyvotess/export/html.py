@@ -14,7 +14,7 @@ from .plot import sections_in_box
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _MOST_SEEDS = 200_000  # of a result whose section takes well under a second
 _MOST_POLYGONS = 3_000
 
 
-def _rows(t: Tessellation) -> List[Tuple[str, str]]:
+def _rows(t: SeedCells) -> List[Tuple[str, str]]:
     stats = t.stats
     rows = [("seeds", f"{len(t)}"), ("domain", t._domain()), ("arrays", ", ".join(t.wanted) or "status only")]
     if "neighbors" in t.wanted:
@@ -38,7 +38,7 @@ def _rows(t: Tessellation) -> List[Tuple[str, str]]:
     return rows
 
 
-def _picture(t: Tessellation) -> str:
+def _picture(t: SeedCells) -> str:
     """The section across the shortest side of the domain, through its middle; empty when there is none to show."""
     if "faces" not in t.wanted or not 0 < len(t) <= _MOST_SEEDS:
         return ""
@@ -68,7 +68,7 @@ def _picture(t: Tessellation) -> str:
     )
 
 
-def as_html(t: Tessellation) -> str:
+def as_html(t: SeedCells) -> str:
     """Never raises: without a picture, or as plain text, when something fails."""
     try:
         rows = "".join(

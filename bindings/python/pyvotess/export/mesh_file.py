@@ -14,10 +14,12 @@ from .._library import lib
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from .._state import SeedCells
+
     Arrays = Dict[str, npt.NDArray[Any]]
 
 
-def write_mesh(path: str, extension: str, t: Any, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]]) -> None:
+def write_mesh(path: str, extension: str, t: SeedCells, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]]) -> None:
     """Writes the cells of ``t``, a result with faces.
 
     ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by

@@ -6,16 +6,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..pairs import make_pairs
 from .columns import VTU_NAMES, added_columns, cell_columns, vtu_columns
 from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
 from .optional import imported
 
 if TYPE_CHECKING:
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
     from .columns import Columns
 
 
-def to_pyvista(t: Tessellation, columns: Columns) -> Any:
+def to_pyvista(t: SeedCells, columns: Columns) -> Any:
     """See :meth:`Tessellation.to_pyvista`."""
     mesh = mesh_of(t, "to_pyvista()")
     data = {**vtu_columns(t), **added_columns(t, columns, VTU_NAMES)}
@@ -34,17 +35,17 @@ def to_pyvista(t: Tessellation, columns: Columns) -> Any:
     return grid
 
 
-def to_dataframe(t: Tessellation) -> Any:
+def to_dataframe(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_dataframe`."""
     pandas = imported("pandas", "to_dataframe()")
     columns = {name: np.array(array) for name, array in cell_columns(t).items()}
     return pandas.DataFrame(columns, index=pandas.RangeIndex(len(t), name="id"))
 
 
-def to_networkx(t: Tessellation) -> Any:
+def to_networkx(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_networkx`."""
     networkx = imported("networkx", "to_networkx()")
-    pairs = t.pairs()
+    pairs = make_pairs(t)
     # Each face is there from both sides: as (i, j) and (j, i), or twice as (i, i).
     once = pairs.i <= pairs.j
     i, j = pairs.i[once], pairs.j[once].astype(np.int64)
@@ -71,11 +72,11 @@ def _records(columns: Any, count: int) -> Any:
     return (dict(zip(names, row)) for row in zip(*columns.values()))
 
 
-def to_freud(t: Tessellation) -> Any:
+def to_freud(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_freud`."""
     areas = t.face_areas  # says what to put into want
     freud = imported("freud", "to_freud()", "freud-analysis")
-    pairs = t.pairs()
+    pairs = make_pairs(t)
     return freud.locality.NeighborList.from_arrays(
         len(t),
         len(t),

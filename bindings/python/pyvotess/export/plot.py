@@ -14,7 +14,7 @@ from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _AXES = "xyz"
 
 
-def section(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
+def section(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
     """The cells that the plane ``coordinate[axis] == value`` cuts, ascending, and for each its polygon (M, 2).
 
     The coordinates of the polygons are the other two, in the order x, y, z.
@@ -57,7 +57,7 @@ def section(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[
     return cells[kept], [polygon for polygon, keep in zip(polygons, kept) if keep]
 
 
-def _periods(t: Tessellation) -> List[Float64Array]:
+def _periods(t: SeedCells) -> List[Float64Array]:
     """The vectors by which the cells repeat, found where a face and its counterpart across the domain lie."""
     if t.shifts is None:
         return []
@@ -77,7 +77,7 @@ def _periods(t: Tessellation) -> List[Float64Array]:
     return periods
 
 
-def _images(t: Tessellation, axis: int, value: float) -> Iterator[Tuple[Int64Array, List[Float64Array]]]:
+def _images(t: SeedCells, axis: int, value: float) -> Iterator[Tuple[Int64Array, List[Float64Array]]]:
     """The sections of all images of the cells that may reach into the bounds of the domain."""
     periods = _periods(t)
     others = [k for k in range(3) if k != axis]
@@ -93,7 +93,7 @@ def _images(t: Tessellation, axis: int, value: float) -> Iterator[Tuple[Int64Arr
         yield cells, [polygon + shift[others] for polygon in polygons]
 
 
-def sections_in_box(t: Tessellation, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
+def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
     """As :func:`section`, with the images of periodic cells, and without what lies outside of the bounds."""
     others = [k for k in range(3) if k != axis]
     lower, upper = np.asarray(t.box)[:, others]
@@ -106,7 +106,7 @@ def sections_in_box(t: Tessellation, axis: int, value: float) -> Tuple[Int64Arra
     return np.concatenate(found), polygons
 
 
-def _parse_slice(t: Tessellation, where: Any) -> Tuple[int, float]:
+def _parse_slice(t: SeedCells, where: Any) -> Tuple[int, float]:
     try:
         name, value = where
         axis, value = _AXES.index(name), float(value)
@@ -118,7 +118,7 @@ def _parse_slice(t: Tessellation, where: Any) -> Tuple[int, float]:
     return axis, value
 
 
-def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, **style: Any) -> Any:
+def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, **style: Any) -> Any:
     import matplotlib.pyplot as plt
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LogNorm, Normalize
@@ -147,7 +147,7 @@ def _plot_slice(t: Tessellation, axis: int, value: float, color: Any, ax: Any, *
     return ax
 
 
-def _polyhedra(t: Tessellation) -> Tuple[Int64Array, Int64Array, Float64Array]:
+def _polyhedra(t: SeedCells) -> Tuple[Int64Array, Int64Array, Float64Array]:
     """The cells that are not empty, these as VTK's cells, each with its length in front, and the vertices."""
     mesh = mesh_of(t, "plot()")
     cells = np.flatnonzero(np.diff(mesh.indptr) > 0)
@@ -155,7 +155,7 @@ def _polyhedra(t: Tessellation) -> Tuple[Int64Array, Int64Array, Float64Array]:
     return cells, with_lengths(words, np.diff(begin)), mesh.vertices
 
 
-def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
+def _plot_space(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
     values, label = color_values(t, color)
     cells, words, vertices = _polyhedra(t)
     grid = pyvista.UnstructuredGrid(words, np.full(len(cells), POLYHEDRON, np.uint8), vertices)
@@ -174,7 +174,7 @@ def _plot_space(t: Tessellation, pyvista: Any, color: Any, **style: Any) -> Any:
 
 
 def plot(
-    t: Tessellation,
+    t: SeedCells,
     slice: Optional[Tuple[str, float]] = None,
     color: Union[str, npt.ArrayLike] = "volume",
     ax: Any = None,

@@ -14,7 +14,7 @@ from .optional import imported
 from .whole_file import whole_file
 
 if TYPE_CHECKING:
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
     from .columns import Columns
 
 
@@ -40,7 +40,7 @@ def _that(**flags: bool) -> str:
     return " ".join(e for e, kind in _KINDS.items() if all(getattr(kind, k) == v for k, v in flags.items()))
 
 
-def _checked_kind(t: Tessellation, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
+def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
     """Refuses what cannot be written before any work."""
     kind = _KINDS.get(extension)
     if kind is None:
@@ -57,7 +57,7 @@ def _checked_kind(t: Tessellation, name: str, extension: str, columns: Columns, 
 
 
 def save(
-    t: Tessellation, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
+    t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
 ) -> None:
     """See :meth:`Tessellation.save`."""
     name = os.fspath(path)

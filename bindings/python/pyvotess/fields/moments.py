@@ -12,7 +12,7 @@ from ..pairs import edges_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -46,7 +46,7 @@ def _tetrahedra(
         yield cell, corners, ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
 
 
-def uniform_energy(t: Tessellation, places: Float64Array) -> float:
+def uniform_energy(t: SeedCells, places: Float64Array) -> float:
     """The sum of the integrals of |x - p|^2 over the cells of seeds p, which lie at ``places`` in the domain.
 
     Over a tetrahedron with one corner in the seed and the others at a, b, c from there it is
@@ -64,7 +64,7 @@ def uniform_energy(t: Tessellation, places: Float64Array) -> float:
     return energy / 120
 
 
-def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64Array:
+def _values(t: SeedCells, density: Density, points: Float64Array) -> Float64Array:
     """The density at these points, which are carried into a periodic domain first."""
     if any(t.periodic):
         edges = edges_of(t)
@@ -83,7 +83,7 @@ def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64A
     return values
 
 
-def weighted_centroids(t: Tessellation, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
+def weighted_centroids(t: SeedCells, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
     """By the rule above: centroids relative to the seeds (N, 3), NaN where there is no mass, and the energy."""
     mesh = mesh_of(t, "lloyd()")
     mass, moment, energy = np.zeros(len(t)), np.zeros((3, len(t))), 0.0

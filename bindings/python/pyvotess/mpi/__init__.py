@@ -17,10 +17,10 @@ from .. import _c_api
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
 from .._input import Domain, as_count, as_points, as_want, as_word
+from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
 from ..stats import VerifyReport
-from ..tessellator import new_options
 from ._library import ARRAYS, Counts, load
 
 if TYPE_CHECKING:

@@ -21,9 +21,9 @@ from .. import _c_api
 from .._c_api import OutsideWord, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
 from .._input import Domain, as_count, as_one_each, as_points, as_text, as_want
+from .._run import new_options
 from .._state import no_attribute
 from ..stats import Stats, VerifyReport, stats_of
-from ..tessellator import new_options
 from . import _stream_api as _stream
 
 if TYPE_CHECKING:
