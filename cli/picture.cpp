@@ -3,9 +3,9 @@
 #include <string_view>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/formats/png.hpp"
 #include "files/numbers.hpp"
+#include "files/output_file.hpp"
 
 namespace clvotess {
 namespace {

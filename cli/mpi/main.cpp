@@ -15,12 +15,10 @@
 #include "arguments/arguments.hpp"
 #include "arguments/carried.hpp"
 #include "domain.hpp"
-#include "errors.hpp"
 #include "failure.hpp"
-#include "mpi/help.hpp"
+#include "mpi/options.hpp"
 #include "mpi/ranks.hpp"
 #include "mpi/read_share.hpp"
-#include "mpi/refusals.hpp"
 #include "mpi/write_ranks.hpp"
 #include "summary.hpp"
 

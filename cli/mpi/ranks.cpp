@@ -5,7 +5,7 @@
 #include <numeric>
 #include <votess/votess.hpp>
 
-#include "errors.hpp"
+#include "failure.hpp"
 
 namespace clvotess {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "files/atomic_file.hpp"
+#include "files/output_file.hpp"
 #include "mpi/ranks.hpp"
 
 namespace clvotess {

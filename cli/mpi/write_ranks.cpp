@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <limits>
-#include <list>
 
 #include "mpi/shared_file.hpp"
 #include "write/hdf5_share.hpp"
@@ -12,31 +11,51 @@
 namespace clvotess {
 namespace {
 
-// The rows of one rank as arrays of the file: names, types and shapes are those of result_arrays().
+// The rows of one rank as arrays of the file, which result_arrays() names.
 class RankArrays {
 public:
-    RankArrays(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells, const OutputData& data)
-        : ranks_(ranks), share_(share), cells_(cells) {
-        const votess::Want& wanted = data.wanted;
-        entries_ = cells.neighbors.size();
-        first_entry_ = ranks.sum_before(entries_);
-        all_entries_ = ranks.sum(entries_);
-        if (share.has_ids) add_cells("ids", share.input.ids);
-        if (wanted.neighbors) add_rows();
-        if (wanted.areas) add_entries("face_areas", cells.areas);
-        if (wanted.normals) add_entries("face_normals", cells.normals, 3);
-        if (wanted.volumes) add_cells("volumes", cells.volumes);
-        if (wanted.centroids) add_cells("centroids", cells.centroids, 3);
-        if (wanted.surfaces) add_cells("surface_areas", cells.surface_areas);
-        if (wanted.radii) add_cells("security_radii", cells.security_radii);
-        if (wanted.counts) {
-            add_cells("face_counts", cells.face_counts);
-            add_cells("edge_counts", cells.edge_counts);
-            add_cells("vertex_counts", cells.vertex_counts);
+    RankArrays(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells, const OutputData& data) {
+        const std::uint64_t entries = cells.neighbors.size(), first_entry = ranks.sum_before(entries);
+        const std::uint64_t all_entries = ranks.sum(entries);
+        // The rank with the last rows also states where they end.
+        const bool last = ranks.rank() + 1 == ranks.size();
+        indptr_.assign(cells.indptr.begin(), cells.indptr.end() - (last ? 0 : 1));
+        for (std::int64_t& at : indptr_) at += static_cast<std::int64_t>(first_entry);
+        duplicate_of_ = cells.duplicate_of;
+        duplicate_of_.resize(cells.status.size(), -1);
+
+        ResultPiece piece;
+        piece.ids = share.input.ids;
+        piece.has_ids = share.has_ids;
+        piece.wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
+        piece.indptr = indptr_;
+        piece.wide_indices = cells.neighbors;
+        piece.wide_duplicate_of = duplicate_of_;
+        if (!piece.wide) {
+            narrow_indices_.assign(cells.neighbors.begin(), cells.neighbors.end());
+            narrow_duplicate_of_.assign(duplicate_of_.begin(), duplicate_of_.end());
         }
-        add_cells("status", cells.status);
-        add_duplicates();
-        for (const InputColumn& column : data.carried) add_cells(column.name, column.values, column.width);
+        piece.indices = narrow_indices_;
+        piece.duplicate_of = narrow_duplicate_of_;
+        piece.has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, [](auto of) { return of >= 0; }));
+        piece.shifts = cells.shifts;
+        piece.has_shifts = ranks.any(!cells.shifts.empty());
+        piece.face_areas = cells.areas;
+        piece.face_normals = cells.normals;
+        piece.volumes = cells.volumes;
+        piece.centroids = cells.centroids;
+        piece.surface_areas = cells.surface_areas;
+        piece.security_radii = cells.security_radii;
+        piece.face_counts = cells.face_counts;
+        piece.edge_counts = cells.edge_counts;
+        piece.vertex_counts = cells.vertex_counts;
+        piece.status = cells.status;
+        for (const ResultArray& array : result_arrays(piece, data.wanted, data.carried)) {
+            if (array.of_entries)
+                arrays_.push_back({array, first_entry, all_entries});
+            else
+                arrays_.push_back({array, share.first, share.rows + (array.name == "indptr" ? 1 : 0)});
+        }
     }
     RankArrays(const RankArrays&) = delete;
     RankArrays& operator=(const RankArrays&) = delete;
@@ -44,50 +63,8 @@ public:
     [[nodiscard]] const std::vector<SharedArray>& all() const noexcept { return arrays_; }
 
 private:
-    template <class T>
-    void add(std::string_view name, const std::vector<T>& values, std::size_t columns, std::uint64_t first,
-             std::uint64_t rows) {
-        arrays_.push_back({as_array(name, std::span<const T>(values), columns), first, rows});
-    }
-    template <class T>
-    void add_cells(std::string_view name, const std::vector<T>& values, std::size_t columns = 1) {
-        add(name, values, columns, share_.first, share_.rows);
-    }
-    template <class T>
-    void add_entries(std::string_view name, const std::vector<T>& values, std::size_t columns = 1) {
-        add(name, values, columns, first_entry_, all_entries_);
-    }
-
-    // int32 where all seeds have such numbers, as in memory.
-    template <class Add>
-    void add_numbers(const std::vector<std::int64_t>& numbers, const Add& add) {
-        if (share_.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())) return add(numbers);
-        add(narrow_.emplace_back(numbers.begin(), numbers.end()));
-    }
-
-    void add_rows() {
-        // The rank that has the last rows also says where they end.
-        const bool last = ranks_.rank() + 1 == ranks_.size();
-        indptr_.assign(cells_.indptr.begin(), cells_.indptr.end() - (last ? 0 : 1));
-        for (std::int64_t& at : indptr_) at += static_cast<std::int64_t>(first_entry_);
-        add("indptr", indptr_, 1, share_.first, share_.rows + 1);
-        add_numbers(cells_.neighbors, [&](const auto& numbers) { add_entries("indices", numbers); });
-        if (ranks_.any(!cells_.shifts.empty())) add_entries("shifts", cells_.shifts, 3);
-    }
-
-    void add_duplicates() {
-        if (!ranks_.any(std::ranges::any_of(cells_.duplicate_of, [](auto of) { return of >= 0; }))) return;
-        duplicate_of_ = cells_.duplicate_of;
-        duplicate_of_.resize(cells_.status.size(), -1);
-        add_numbers(duplicate_of_, [&](const auto& numbers) { add_cells("duplicate_of", numbers); });
-    }
-
-    const Ranks& ranks_;
-    const InputShare& share_;
-    const votess::BlockCells& cells_;
-    std::uint64_t entries_ = 0, first_entry_ = 0, all_entries_ = 0;
     std::vector<std::int64_t> indptr_, duplicate_of_;
-    std::list<std::vector<std::int32_t>> narrow_;  // where arrays stay in place
+    std::vector<std::int32_t> narrow_indices_, narrow_duplicate_of_;
     std::vector<SharedArray> arrays_;
 };
 

@@ -3,12 +3,11 @@
 #include <algorithm>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/formats/hdf5_module.hpp"
 #include "files/formats/npy_array.hpp"
 #include "files/formats/png.hpp"
 #include "files/numbers.hpp"
-#include "files/output_buffer.hpp"
+#include "files/output_file.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {

@@ -5,11 +5,11 @@
 #include <deque>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/numbers.hpp"
+#include "files/output_file.hpp"
 #include "interrupt.hpp"
-#include "queries/asked.hpp"
 #include "queries/grid_files.hpp"
+#include "queries/query_run.hpp"
 
 namespace clvotess {
 namespace {

@@ -9,7 +9,6 @@
 #include "files/inflate.hpp"
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
-#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {

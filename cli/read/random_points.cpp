@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {

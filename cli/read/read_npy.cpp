@@ -5,7 +5,6 @@
 #include "files/formats/npy_array.hpp"
 #include "files/input_file.hpp"
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {

@@ -11,7 +11,6 @@
 #include "files/numbers.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
 
 namespace clvotess {
 namespace {

@@ -16,14 +16,14 @@
 #include "arguments/carried.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/formats/hdf5_module.hpp"
 #include "files/numbers.hpp"
+#include "files/output_file.hpp"
 #include "interrupt.hpp"
-#include "stream/pieces.hpp"
+#include "read/input.hpp"
 #include "stream/scratch_file.hpp"
-#include "stream/streamed_file.hpp"
 #include "write/output.hpp"
+#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {
@@ -85,6 +85,7 @@ public:
         if (!piece.ids.empty()) (file++)->write(bytes_of(piece.ids));
         for (const InputColumn& column : piece.columns) (file++)->write(bytes_of(column.values));
     }
+    [[nodiscard]] bool has_ids() const { return !names_.ids.empty(); }
     void rewind() {
         for (ScratchFile& file : files_) file.rewind();
     }
@@ -280,14 +281,16 @@ private:
     }
 
     void write(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
-        const ResultPiece piece = piece_of(rows, begin, count);
         Input input = beside_.read(count);
+        ResultPiece piece = piece_of(rows, begin, count);
+        piece.ids = input.ids;
+        piece.has_ids = beside_.has_ids();
         std::vector<InputColumn> carried = take_carried(arguments_, input);
         const std::vector<double> masses = masses_of(arguments_, input);
         const auto volumes = masses.empty() ? std::span<const double>() : rows.volumes.subspan(begin, masses.size());
         fill_density(arguments_, masses, volumes, carried);
         if (waiting_) waiting_->add(masses, volumes, piece.wide_duplicate_of);
-        const auto arrays = result_arrays(piece, arguments_.wanted, input.ids, carried);
+        const auto arrays = result_arrays(piece, arguments_.wanted, carried);
         density_number_ = arrays.size() - 1;  // the last one, where there is a density
         for (std::size_t a = 0; a < arrays.size(); ++a) {
             const ResultArray& array = arrays[a];

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/formats/hdf5_module.hpp"
+#include "files/output_file.hpp"
 #include "write/result_arrays.hpp"
 
 namespace clvotess {

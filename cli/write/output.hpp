@@ -57,7 +57,7 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
 void write_vtu(OutputFile& file, const OutputData& data);
-[[nodiscard]] bool is_vtu_array(std::string_view name);          // of cells, that .vtu always holds
+[[nodiscard]] bool is_vtu_array(std::string_view name);  // of cells, that .vtu always holds
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);

@@ -38,7 +38,7 @@ bool is_result_array(std::string_view name) {
 }
 
 std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
-                                       std::span<const std::int64_t> ids, const std::vector<InputColumn>& carried) {
+                                       const std::vector<InputColumn>& carried) {
     std::vector<ResultArray> arrays;
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         arrays.push_back(as_array(name, std::span(values), columns));
@@ -47,7 +47,7 @@ std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::W
         add(name, values, columns);
         arrays.back().of_entries = true;
     };
-    if (!ids.empty()) add("ids", ids);
+    if (piece.has_ids) add("ids", piece.ids);
     if (wanted.neighbors) {
         add("indptr", piece.indptr);
         piece.wide ? add_entries("indices", piece.wide_indices) : add_entries("indices", piece.indices);
@@ -75,6 +75,8 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
     const votess::Want& wanted = data.wanted;
     ResultPiece whole;
+    whole.ids = data.input.ids;
+    whole.has_ids = !whole.ids.empty();
     whole.indptr = cells.indptr();
     whole.indices = cells.indices();
     whole.shifts = cells.shifts();
@@ -91,7 +93,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     whole.duplicate_of = cells.duplicate_of();
     whole.has_shifts = !whole.shifts.empty();
     whole.has_duplicates = !whole.duplicate_of.empty();
-    std::vector<ResultArray> arrays = result_arrays(whole, wanted, data.input.ids, data.carried), mesh;
+    std::vector<ResultArray> arrays = result_arrays(whole, wanted, data.carried), mesh;
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         mesh.push_back(as_array(name, values, columns));
     };

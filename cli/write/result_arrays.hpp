@@ -48,6 +48,7 @@ template <typename Number>
 // A piece of a result, under the names that Tessellation has; duplicate_of and shifts are empty where the whole has
 // none.
 struct ResultPiece {
+    std::span<const std::int64_t> ids;
     std::span<const std::int64_t> indptr;  // n+1
     std::span<const std::int32_t> indices;
     std::span<const std::int64_t> wide_indices;  // instead, where these are too few bits
@@ -57,10 +58,9 @@ struct ResultPiece {
     std::span<const votess::CellStatus> status;
     std::span<const std::int32_t> duplicate_of;
     std::span<const std::int64_t> wide_duplicate_of;
-    bool has_shifts = false, has_duplicates = false, wide = false;  // of the whole
+    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false;  // of the whole
 };
 [[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
-                                                     std::span<const std::int64_t> ids,
                                                      const std::vector<InputColumn>& carried);
 
 // Whether an array of .npz or .h5 may have that name.
@@ -80,6 +80,19 @@ private:
     std::vector<double> box_, cell_, walls_;
     std::vector<std::uint8_t> periodic_;
     std::vector<ResultArray> arrays_;
+};
+
+// An output whose arrays come some rows at a time.
+class StreamedFile {
+public:
+    virtual ~StreamedFile() = default;
+    // The next array, with so many rows in all; those of `first` are its first ones. Arrays in the order of
+    // result_arrays().
+    virtual void add(const ResultArray& first, std::uint64_t rows) = 0;
+    // Rows of array `number` from `row` on.
+    virtual void write(std::size_t number, std::uint64_t row, const ResultArray& rows) = 0;
+    // What a file holds once.
+    virtual void finish(const votess::Tessellation& domain, const std::vector<Attribute>& attributes) = 0;
 };
 
 }  // namespace clvotess

@@ -8,13 +8,13 @@
 #include <utility>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
 #include "files/formats/hdf5_handles.hpp"
+#include "files/output_file.hpp"
 #include "interrupt.hpp"
 #include "queries/grid_files.hpp"
-#include "stream/streamed_file.hpp"
 #include "write/hdf5_share.hpp"
 #include "write/output.hpp"
+#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {

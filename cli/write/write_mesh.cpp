@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "failure.hpp"
-#include "files/atomic_file.hpp"
+#include "files/output_file.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {

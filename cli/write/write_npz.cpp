@@ -2,9 +2,9 @@
 #include <array>
 #include <string>
 
-#include "files/atomic_file.hpp"
 #include "files/formats/npy_array.hpp"
 #include "files/formats/zip_writer.hpp"
+#include "files/output_file.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "files/output_buffer.hpp"
+#include "files/output_file.hpp"
 #include "write/nearest_images.hpp"
 #include "write/output.hpp"
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "files/atomic_file.hpp"
+#include "files/output_file.hpp"
 #include "interrupt.hpp"
 
 namespace clvotess {

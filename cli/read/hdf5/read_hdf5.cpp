@@ -13,8 +13,7 @@
 #include "read/hdf5/hdf5_file.hpp"
 #include "read/hdf5/snapshot_files.hpp"
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
-#include "stream/streamed_file.hpp"
+#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {

@@ -17,7 +17,6 @@
 #include "files/inflate.hpp"
 #include "files/numbers.hpp"
 #include "read/input.hpp"
-#include "stream/pieces.hpp"
 
 #if VOTESS_FUZZ_HDF5
 #include "files/formats/hdf5_module.hpp"

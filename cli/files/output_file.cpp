@@ -1,4 +1,4 @@
-#include "files/atomic_file.hpp"
+#include "files/output_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

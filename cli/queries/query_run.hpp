@@ -12,10 +12,9 @@
 
 #include "arguments/arguments.hpp"
 #include "domain.hpp"
-#include "files/atomic_file.hpp"
+#include "files/output_file.hpp"
 #include "progress.hpp"
 #include "read/input.hpp"
-#include "stoppable.hpp"
 
 namespace clvotess {
 

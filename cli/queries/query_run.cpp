@@ -1,4 +1,4 @@
-#include "queries/asked.hpp"
+#include "queries/query_run.hpp"
 
 #include <algorithm>
 #include <deque>

@@ -1,0 +1,136 @@
+#include "queries/point_queries.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+
+#include "failure.hpp"
+#include "files/formats/npy_array.hpp"
+#include "files/numbers.hpp"
+#include "files/output_file.hpp"
+#include "interrupt.hpp"
+#include "queries/query_run.hpp"
+#include "write/output.hpp"
+
+namespace clvotess {
+namespace {
+
+void write_located(OutputFile& file, const std::string& path, const std::vector<std::int32_t>& seeds) {
+    if (is_npy_output(path)) {
+        std::string shape = "(";
+        shape += std::to_string(seeds.size());
+        file.write(npy_header("<i4", shape + ",)"));
+        file.write({reinterpret_cast<const char*>(seeds.data()), seeds.size() * sizeof(std::int32_t)});
+        return;
+    }
+    std::string text;
+    for (const std::int32_t seed : seeds) text += std::to_string(seed) + '\n';
+    file.write(text);
+}
+
+void write_field(OutputFile& file, const std::string& path, const std::vector<double>& field, std::size_t components) {
+    if (is_npy_output(path)) {
+        std::string shape = "(";
+        shape += std::to_string(field.size() / components);
+        shape += ", ";
+        if (components > 1) shape += std::to_string(components);
+        file.write(npy_header("<f8", shape + ")"));
+        file.write({reinterpret_cast<const char*>(field.data()), field.size() * sizeof(double)});
+        return;
+    }
+    std::string text;
+    for (std::size_t k = 0; k < field.size(); ++k) text += to_text(field[k]) + ((k + 1) % components == 0 ? '\n' : ' ');
+    file.write(text);
+}
+
+}  // namespace
+
+void check_located_outputs(const Arguments& arguments) {
+    check_number_outputs(arguments.outputs, {arguments.input, arguments.locate}, "--locate",
+                         "finds a seed for each query");
+}
+
+std::string run_locate(const Arguments& arguments) {
+    StageTimes times;
+    const Asked asked = read_and_sort(arguments, arguments.locate, {}, times);
+    const std::vector<std::int32_t> seeds = run_query(
+        arguments, times, "locate",
+        [&](const votess::ProgressCallback& callback) { return asked.diagram.locate(asked.queries.points, callback); });
+
+    write_numbers(arguments.outputs,
+                  [&](OutputFile& file, const std::string& path) { write_located(file, path, seeds); });
+    times.end("write");
+    const QueryCount outside{"outside", "outside of the domain", std::ranges::count(seeds, -1)};
+    return query_summary(arguments, "located", asked, {&outside, 1}, times);
+}
+
+void check_probed_outputs(const Arguments& arguments) {
+    if (arguments.outputs.empty()) throw bad_input("--probe makes a cell for each query: add -o FILE, or - for stdout");
+    for (const std::string& path : arguments.outputs)
+        if (!carries_columns(path))  // a mesh of all cells
+            throw bad_input("--probe writes text, .npz, .h5 and .vtu, not " + in_quotes(path) +
+                            ", for cells of queries do not fit together");
+}
+
+std::string run_probe(const Arguments& arguments) {
+    StageTimes times;
+    Asked asked = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
+    votess::ProbeOptions options;
+    options.want = arguments.wanted;
+    options.list_walls = arguments.options.list_walls;
+    const std::vector<double> sizes = sizes_of_queries(arguments, asked);
+    (arguments.has_radii ? options.radii : options.weights) = sizes;
+    const votess::Tessellation cells =
+        run_query(arguments, times, "probe", [&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            return asked.diagram.probe(asked.queries.points, options);
+        });
+
+    const InterruptGuard guard;
+    asked.queries.units = std::move(asked.seeds.units);
+    const std::vector<InputColumn> carried;
+    write_outputs(arguments.outputs, {asked.queries, cells, arguments.wanted, arguments.format, options.radii,
+                                      asked.domain_from, carried, arguments.coloring});
+    times.end("write");
+    const auto count = [&](votess::CellStatus status) { return std::ranges::count(cells.status(), status); };
+    const std::array counts{
+        QueryCount{"outside", "outside of the domain", count(votess::CellStatus::outside)},
+        QueryCount{"duplicates", "at the place of a seed", count(votess::CellStatus::duplicate)},
+        QueryCount{"empty", "without a cell among heavier seeds", count(votess::CellStatus::empty)},
+    };
+    return query_summary(arguments, "probed", asked, counts, times);
+}
+
+void check_interpolated_outputs(const Arguments& arguments) {
+    check_number_outputs(arguments.outputs, {arguments.input, arguments.interpolate}, "--interpolate",
+                         "makes numbers for each query");
+}
+
+std::string run_interpolate(const Arguments& arguments) {
+    StageTimes times;
+    const Asked asked = read_and_sort(arguments, arguments.interpolate, request_of_queries(arguments), times);
+    const Values values = values_of(asked.seeds, arguments.has_weights ? 1 : 0);
+    std::vector<double> weights = sizes_of_queries(arguments, asked);
+    for (double& weight : weights)
+        if (arguments.has_radii) weight *= weight;
+    votess::NaturalOptions options;
+    options.method = arguments.natural;
+    options.weights = weights;
+    const std::vector<double> field =
+        run_query(arguments, times, "interpolate", [&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            return asked.diagram.interpolate(values.rows, values.components, asked.queries.points, options).values;
+        });
+
+    write_numbers(arguments.outputs, [&](OutputFile& file, const std::string& path) {
+        write_field(file, path, field, values.components);
+    });
+    times.end("write");
+    std::ptrdiff_t without = 0;
+    for (std::size_t k = 0; k < field.size(); k += values.components) without += std::isnan(field[k]) ? 1 : 0;
+    const QueryCount nowhere{"without", "without natural neighbors", without};
+    return query_summary(arguments, "interpolated", asked, {&nowhere, 1}, times);
+}
+
+}  // namespace clvotess
