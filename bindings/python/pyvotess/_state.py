@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 import numpy as np
 
-from ._c_api import ErrorCode
-from ._call import Handle, VotessError, array_of, raise_on_failure
+from ._call import Handle, array_of, raise_on_failure
 from ._library import lib
 from .mesh import Faces, Lists, Neighbors, count_edges
 from .stats import Stats, read_stats

@@ -8,6 +8,7 @@ from typing import Any, Dict, Optional, Tuple
 
 from . import _c_api
 from ._call import Handle, raise_on_failure
+from ._input import as_count
 from ._library import lib
 
 
@@ -92,3 +93,24 @@ class VerifyReport:
 
     def __bool__(self) -> bool:
         return self.passed
+
+
+def verify(function: Any, arguments: Tuple[Any, ...], sample: Optional[int], rng_seed: int) -> VerifyReport:
+    """Calls ``votess_verify`` or its like: the arguments, sample, rng_seed, then what it reports."""
+    bits = 8 * ctypes.sizeof(ctypes.c_size_t)
+    passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
+    failure = ctypes.create_string_buffer(1024)
+    raise_on_failure(
+        function(
+            *arguments,
+            _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits),
+            as_count(rng_seed, "rng_seed", 64),
+            ctypes.byref(passed),
+            ctypes.byref(skipped),
+            ctypes.byref(sampled),
+            failure,
+            len(failure),
+        )
+    )
+    names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
+    return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import ctypes
 import os
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _c_api
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
-from ._input import Domain, as_count
+from ._input import Domain
 from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, read_result, same_arrays
 from .mesh import Delaunay, make_delaunay
 from .pairs import Pairs, make_derivatives, make_pairs
-from .stats import VerifyReport
+from .stats import VerifyReport, verify
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -52,10 +52,8 @@ class Tessellation(SeedCells):
         """The library's object for the same points, from the CPU, and the name of an array that differs, or ""."""
         options = new_options("cpu", 0)
         box = self.box if self._domain_given and self.cell is None else None
-        domain = Domain(
-            box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop"
-        )
-        want = self.wanted
+        domain = Domain(box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop")
+        want: Any = self.wanted
         result, _, wanted = tessellate_points(
             None, options, self.points, domain, want, self.lists_walls, "merge", None, 0.0, self.least_face
         )
@@ -193,35 +191,14 @@ class Tessellation(SeedCells):
         :class:`Stats`; where they are not known, the points are tessellated again. A result that was unpickled is compared with its points tessellated again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
-        bits = 8 * ctypes.sizeof(ctypes.c_size_t)
-        count = _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits)
         try:
             handle = self._handle()
         except VotessError as error:
             if error.code != ErrorCode.INVALID_USE:
                 raise
             return VerifyReport(False, str(error), ())
-        passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
-        failure = ctypes.create_string_buffer(1024)
-        raise_on_failure(
-            lib.votess_verify(
-                handle.pointer,
-                points.ctypes.data,
-                len(points),
-                count,
-                as_count(rng_seed, "rng_seed", 64),
-                ctypes.byref(passed),
-                ctypes.byref(skipped),
-                ctypes.byref(sampled),
-                failure,
-                len(failure),
-            )
-        )
-        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
+        seeds = (handle.pointer, points.ctypes.data, len(points))
+        report = verify(lib.votess_verify, seeds, sample, rng_seed)
         tiny = ctypes.c_uint64()
-        raise_on_failure(
-            lib.votess_count_tiny_faces(handle.pointer, points.ctypes.data, len(points), ctypes.byref(tiny))
-        )
-        return VerifyReport(
-            bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value, tiny.value
-        )
+        raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
+        return replace(report, tiny_faces=tiny.value)

@@ -9,18 +9,18 @@ from __future__ import annotations
 import contextlib
 import ctypes
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Union
 
 import numpy as np
 
 from .. import _c_api
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from .._input import Domain, as_count, as_points, as_want, as_word
+from .._input import Domain, as_points, as_want, as_word
 from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
-from ..stats import VerifyReport
+from ..stats import VerifyReport, verify
 from ._library import ARRAYS, Counts, load
 
 if TYPE_CHECKING:
@@ -101,26 +101,10 @@ class MpiTessellation:
         """
         communicator = _handle(comm)
         array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
-        bits = 8 * ctypes.sizeof(ctypes.c_size_t)
-        passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
-        failure = ctypes.create_string_buffer(1024)
-        raise_on_failure(
-            _lib.votess_mpi_verify(
-                communicator,
-                self._result.pointer,
-                None if array is None else array.ctypes.data,
-                0 if array is None else len(array),
-                _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits),
-                as_count(rng_seed, "rng_seed", 64),
-                ctypes.byref(passed),
-                ctypes.byref(skipped),
-                ctypes.byref(sampled),
-                failure,
-                len(failure),
-            )
+        points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
+        return verify(
+            _lib.votess_mpi_verify, (communicator, self._result.pointer, *points_of_rank), sample, rng_seed
         )
-        names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
-        return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
 
 
 def _box(result: Handle) -> Float64Array:
