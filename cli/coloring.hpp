@@ -1,4 +1,4 @@
-// --color and --colormap: a value for each cell, for pictures and .glb.
+// --color and --colormap: one value for each cell, for pictures and .glb.
 #pragma once
 
 #include <string>
@@ -13,13 +13,13 @@ struct Coloring {
     std::string column = "volume";
     votess::Colormap colormap = votess::Colormap::tide;
 
-    // Adds the array that the column is made of.
+    // Adds the array that holds the column.
     void add_needs(votess::Want& want) const;
-    // What stands beside the color bar.
+    // Returns the label of the color bar.
     [[nodiscard]] std::string label() const;
-    // Throws Failure when the column is neither of the cells nor one of --copy and --density with a number each.
+    // Throws Failure unless the column is known: of the cells, or of --copy or --density with one number for each.
     void check(const std::vector<InputColumn>& carried) const;
-    // N values of a column that was checked.
+    // Returns N values. The column must be checked before.
     [[nodiscard]] std::vector<double> values(const Input& input, const votess::Tessellation& tessellation,
                                              const std::vector<InputColumn>& carried) const;
 };

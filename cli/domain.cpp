@@ -21,7 +21,7 @@ std::string short_list(std::span<const double> numbers) {
     return text;
 }
 
-// JSON knows no infinity, which the bounds of a box near the largest double may be.
+// Writes null for infinity, which JSON lacks: bounds near the largest double may overflow.
 std::string json_list(std::span<const double> numbers) {
     std::string text;
     for (const double x : numbers) text += (text.empty() ? "[" : ",") + (std::isfinite(x) ? to_text(x) : "null");
@@ -66,19 +66,17 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     }
     if (!options.box && !options.cell) {
         if (periodic && any(*periodic)) {
-            throw bad_input(
-                "a periodic axis needs a box: give --box or --cell, whose lengths are the periods; the file states "
-                "none");
+            throw bad_input("a periodic axis needs a box, and the file states none: give --box or --cell");
         }
         if (!periodic && any(stated.periodic)) {
             throw bad_input(
-                "the file says which axes are periodic, but not how long the periods are: give --box or --cell, or "
+                "the file states periodic axes without their lengths: give --box or --cell, or "
                 "--periodic none");
         }
         return {DomainSource::by_default, periodic ? DomainSource::option : DomainSource::by_default};
     }
     std::array<bool, 3>& axes = options.cell ? options.cell->periodic : options.periodic;
-    const bool axes_alone = any(stated.periodic) && !stated.box;  // for the user's box
+    const bool axes_alone = any(stated.periodic) && !stated.box;  // they apply to the user's box
     if (!periodic && (given ? axes_alone : options.box.has_value())) axes = stated.periodic;
     if (periodic) axes = *periodic;
     return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option

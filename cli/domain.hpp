@@ -1,4 +1,4 @@
-// The domain of a run: what the user names goes before what the file states, and that before the bounds of the points.
+// The domain of a run. Options override the file; the file overrides the default box.
 #pragma once
 
 #include <array>
@@ -10,22 +10,22 @@
 
 namespace clvotess {
 
-// Box (or cell) and periodic axes may come from different sources.
+// Sources of box (or cell) and periodic axes, which may differ.
 struct DomainFrom {
     DomainSource box = DomainSource::by_default, periodic = DomainSource::by_default;
 };
 
-// "option", "stated", "assumed" or "default".
+// Returns "option", "stated", "assumed" or "default".
 [[nodiscard]] const char* word_of(DomainSource source);
 
-// options: with --box or --cell if given; they get the rest. periodic: of --periodic. Throws Failure when a periodic
-// axis has no length.
+// Completes the domain of the options, which hold --box or --cell if given. periodic: value of --periodic. Throws
+// Failure when a periodic axis has no length.
 [[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
                                        votess::Options& options);
 
-// For the summary: "box 0,0,0 to 1,1,1, periodic xy; box stated, periodicity assumed".
+// Returns the line of the summary: "box 0,0,0 to 1,1,1, periodic xy; box stated, periodicity assumed".
 [[nodiscard]] std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from);
-// An object: kind, lower, upper, origin, a, b, c, periodic, from, periodic_from.
+// Returns a JSON object: kind, lower, upper, origin, a, b, c, periodic, from, periodic_from.
 [[nodiscard]] std::string domain_json(const votess::Tessellation& cells, const DomainFrom& from);
 
 }  // namespace clvotess

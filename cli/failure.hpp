@@ -1,4 +1,4 @@
-// How clvotess fails: one exception type that carries the exit code, one line of text for the user.
+// Errors of clvotess: one exception type, with an exit code and one line of text.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace clvotess {
 namespace exit_code {
 inline constexpr int done = 0;
 inline constexpr int runtime_failure = 1;      // disk full, out of memory, device lost
-inline constexpr int bad_input = 2;            // bad usage or input: the user can mend it
+inline constexpr int bad_input = 2;            // bad usage or input: the user can correct it
 inline constexpr int verification_failed = 3;  // --verify
 inline constexpr int signal_base = 128;        // plus the signal number, as shells do
 }  // namespace exit_code
@@ -26,7 +26,7 @@ private:
     int code_;
 };
 
-// Returns a message as one line of bounded length without control bytes; names out of a file may hold any.
+// Returns a message as one line of bounded length without control bytes, which names in files may hold.
 [[nodiscard]] inline std::string one_line(std::string message) {
     constexpr std::size_t longest = 2000;
     std::ranges::replace_if(
@@ -47,11 +47,10 @@ private:
     return {exit_code::runtime_failure, message};
 }
 
-// Text of the user for a message: in quotes, cut when long, control bytes shown as \xNN so that the message stays
-// one line.
+// Returns a user's text for a message: in quotes, cut when long, with control bytes as \xNN.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
-// Names for a message, a blank between two.
+// Appends a name to a list with blanks between the names.
 inline void add_name(std::string& list, std::string_view name) {
     if (!list.empty()) list += ' ';
     list += name;

@@ -3,7 +3,7 @@
 namespace clvotess {
 namespace {
 
-volatile std::sig_atomic_t signal_that_came = 0;  // a handler can reach nothing but a global
+volatile std::sig_atomic_t signal_that_came = 0;  // a handler can only reach a global
 
 void remember(int signal) {
     signal_that_came = signal;
@@ -15,11 +15,11 @@ InterruptGuard::InterruptGuard() {
     for (std::size_t i = 0; i < signals.size(); ++i) {
         struct sigaction action {};
         action.sa_handler = remember;
-        // The default action comes back after the first signal: an impatient second Ctrl-C always works.
+        // The first signal restores the default action, so a second Ctrl-C always ends the program.
         action.sa_flags = static_cast<int>(SA_RESETHAND);
         sigemptyset(&action.sa_mask);
         sigaction(signals[i], &action, &old_[i]);
-        // Started with the signal ignored (nohup, a job in the background): keep it so.
+        // Keeps a signal ignored that was ignored at the start (nohup, a background job).
         if (old_[i].sa_handler == SIG_IGN) sigaction(signals[i], &old_[i], nullptr);
     }
 }

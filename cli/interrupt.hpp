@@ -1,4 +1,4 @@
-// Ctrl-C and its kin, asked for at points where it is safe to stop.
+// Ctrl-C and similar signals, checked where it is safe to stop.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace clvotess {
 
-// While it lives, SIGINT, SIGTERM and SIGHUP only set a flag; a second one ends the program at once.
+// During its lifetime SIGINT, SIGTERM and SIGHUP set a flag. A second signal ends the program at once.
 class InterruptGuard {
 public:
     InterruptGuard();
@@ -21,7 +21,7 @@ private:
     std::array<struct sigaction, signals.size()> old_{};
 };
 
-// Also thrown, with SIGPIPE, when the reader of stdout has left.
+// Thrown after a signal, and with SIGPIPE when the reader of stdout closed it.
 class Interrupted : public std::exception {
 public:
     explicit Interrupted(int signal) : signal_(signal) {}
@@ -32,7 +32,7 @@ private:
     int signal_;
 };
 
-// The signal that came, 0 when none did.
+// Returns the received signal, or 0.
 [[nodiscard]] int interrupting_signal() noexcept;
 void throw_if_interrupted();
 

@@ -1,4 +1,4 @@
-// clvotess: read, tessellate, check, write, tell.
+// clvotess: reads, tessellates, verifies, writes, prints a summary.
 #include <fcntl.h>
 
 #include <algorithm>
@@ -71,7 +71,7 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     });
 }
 
-void tell(const Summary& summary, const Arguments& arguments) {
+void print_summary(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
     } else if (!arguments.quiet) {
@@ -90,7 +90,7 @@ int run(const Arguments& arguments) {
     if (arguments.memory > 0) {
         Summary streamed = run_streamed(arguments, run_began);
         streamed.seconds_total = seconds_since(run_began);
-        tell(streamed, arguments);
+        print_summary(streamed, arguments);
         if (!streamed.failure().empty()) throw Failure(exit_code::verification_failed, streamed.failure());
         return exit_code::done;
     }
@@ -106,7 +106,7 @@ int run(const Arguments& arguments) {
     arguments.coloring.check(carried);
     summary.input_note = input.note;
     const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options);
-    // The polygons of a picture list walls, which the rows of an output must not unless they are asked for.
+    // Faces for a picture add walls to the rows. An output without --list-walls then needs a second run.
     const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;
     if (arguments.picture) {
@@ -146,7 +146,7 @@ int run(const Arguments& arguments) {
         summary.seconds_write = seconds_since(write_began);
     }
     summary.seconds_total = seconds_since(run_began);
-    tell(summary, arguments);
+    print_summary(summary, arguments);
     if (!failure.empty()) throw Failure(exit_code::verification_failed, failure);
     return exit_code::done;
 }
@@ -180,7 +180,7 @@ int main_inside(int count, const char* const* values) {
     } catch (const Failure& failure) {
         return complain(failure.code(), failure.what());
     } catch (const Interrupted& interrupted) {
-        // A reader that has what it wants, such as head, is no failure to tell of.
+        // A reader that closes stdout early, such as head, is not an error.
         const int code = exit_code::signal_base + interrupted.signal();
         return interrupted.signal() == SIGPIPE ? code : complain(code, interrupted.what());
     } catch (const votess::Error& error) {
@@ -192,8 +192,8 @@ int main_inside(int count, const char* const* values) {
     }
 }
 
-// A standard stream that the parent closed would lend its number to the first file opened here, and messages would
-// end up in it. Read-only, so that writing to it still fails.
+// Opens /dev/null for each standard stream that the parent closed. Otherwise the first file opened here would get its
+// number, and messages would go into it. Read-only, so that writing still fails.
 void fill_standard_streams() {
     for (int descriptor = 0; descriptor <= 2; ++descriptor) {
         if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
@@ -205,6 +205,6 @@ void fill_standard_streams() {
 
 int main(int argc, char** argv) {
     clvotess::fill_standard_streams();
-    std::signal(SIGPIPE, SIG_IGN);  // a reader that left is a write error, so that temporary files are removed
+    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe becomes a write error, so that temporary files are removed
     return clvotess::main_inside(argc, argv);
 }

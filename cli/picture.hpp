@@ -15,20 +15,20 @@ struct PictureArguments {
     votess::PictureOptions options;  // without values and colors
 };
 
-// The words as typed.
+// Options as typed.
 struct TypedPicture {
     std::optional<std::string> image, slice, size, color, colormap, cut, view;
     bool seeds = false;
 };
 
-// --color and --colormap.
+// Reads --color and --colormap.
 [[nodiscard]] Coloring read_coloring(const TypedPicture& typed);
 
-// Returns nothing without --image. It checks the file's name against the other files of the run.
+// Returns nothing without --image. Throws Failure when the file is also another file of the run.
 [[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
 
-// The bytes of the file. The tessellation has faces, and what the coloring needs.
+// Returns the bytes of the PNG file. The tessellation must hold faces and the arrays of the coloring.
 [[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
                                        const votess::Tessellation& tessellation,
                                        const std::vector<InputColumn>& carried);

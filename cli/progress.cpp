@@ -29,7 +29,7 @@ void Progress::show(double fraction) {
     const int filled = static_cast<int>(fraction * width);
     const std::string bar = std::string(filled, '#') + std::string(width - filled, '.');
     std::string left;
-    // The first per cent tells too little.
+    // The first percent is too short for an estimate.
     if (fraction > 0.01) {
         const std::chrono::duration<double> since = Clock::now() - run_began_;
         const auto seconds = static_cast<long>(std::lround(since.count() * (1 - fraction) / fraction));

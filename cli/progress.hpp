@@ -1,4 +1,4 @@
-// A bar on stderr, drawn only when a person is there to see it and the run lasts over a second.
+// A bar on stderr. It is drawn when stderr is a terminal and the run lasts longer than a second.
 #pragma once
 
 #include <chrono>
@@ -14,15 +14,15 @@ class Progress {
 public:
     using Clock = std::chrono::steady_clock;
 
-    Progress(bool enabled, Clock::time_point run_began);  // not enabled: the run is quiet
-    ~Progress();                                          // wipes the bar
+    Progress(bool enabled, Clock::time_point run_began);  // enabled: false for a quiet run
+    ~Progress();                                          // erases the bar
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
     void show(double fraction);
-    // What is being done, behind the bar from now on.
+    // Sets the name of the stage, shown behind the bar.
     void name(std::string stage) { stage_ = std::move(stage); }
-    // A line of its own, unless the run is quiet.
+    // Prints a line, unless the run is quiet.
     void say(const std::string& line);
 
 private:
@@ -33,7 +33,8 @@ private:
     std::string stage_;
 };
 
-// Returns work(callback), whose callback is for the library. Throws Interrupted when a signal came.
+// Returns work(callback). The callback goes to the library: it shows the bar and stops the call after a signal. Throws
+// Interrupted after a signal.
 template <class Work>
 auto run_stoppable(Progress& progress, const Work& work) {
     const InterruptGuard guard;

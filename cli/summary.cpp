@@ -35,11 +35,11 @@ struct Reason {
 
 std::array<Reason, 5> fallback_reasons(const votess::Stats& stats) {
     const votess::FallbackReasons& reasons = stats.fallback_reasons;
-    return {{{"uncertain", "that floating point could not decide", reasons.uncertain},
+    return {{{"uncertain", "undecided in floating point", reasons.uncertain},
              {"overflow", "too large for the device", reasons.overflow},
-             {"exhausted", "whose search ended too early", reasons.exhausted},
-             {"skipped", "spared the device, which had failed before", reasons.skipped},
-             {"domain", "of a domain that the device does not clip", reasons.domain}}};
+             {"exhausted", "with a search that ended early", reasons.exhausted},
+             {"skipped", "skipped after failures of the device", reasons.skipped},
+             {"domain", "in a domain that the device cannot clip", reasons.domain}}};
 }
 
 std::string reasons_of(const votess::Stats& stats) {
@@ -115,23 +115,23 @@ std::string plain_summary(const Summary& summary) {
         std::string result = summary.verified->passed ? "yes" : "NO";
         for (const std::string& check : summary.verified->skipped) result += ", without " + check;
         result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
-                  " cells tried against every point";
+                  " cells checked against every point";
         line("verified", result);
     }
     line("device", stats.device +
                        (stats.threads == 1 ? ", 1 thread" : ", " + std::to_string(stats.threads) + " threads") +
                        (summary.ranks ? " a rank" : ""));
     if (const auto& ranks = summary.ranks) {
-        line("ranks", std::to_string(ranks->ranks) + ", which gave each other " +
-                          std::to_string(ranks->ghosts_received) + " seeds in " + std::to_string(ranks->rounds) +
-                          " rounds; " + std::to_string(ranks->ghosts_needed) + " are neighbors");
+        line("ranks", std::to_string(ranks->ranks) + ", which exchanged " + std::to_string(ranks->ghosts_received) +
+                          " seeds in " + std::to_string(ranks->rounds) + " rounds; " +
+                          std::to_string(ranks->ghosts_needed) + " are neighbors");
     }
     if (summary.streamed) {
         constexpr double giga = 1e9;
         line("blocks",
              std::to_string(summary.streamed->blocks) + ", of at most " +
                  std::to_string(summary.streamed->largest_block) + " points; " +
-                 std::to_string(summary.streamed->asked_cells) + " cells asked others; " +
+                 std::to_string(summary.streamed->asked_cells) + " cells completed by other blocks; " +
                  rounded("%.3g GB of temporary files", static_cast<double>(summary.streamed->temporary_bytes) / giga));
     }
     std::string times;

@@ -1,4 +1,4 @@
-// What a run tells at its end, for people or as JSON.
+// The summary of a run, for people or as JSON.
 #pragma once
 
 #include <optional>
@@ -8,27 +8,27 @@
 
 namespace clvotess {
 
-// What a run over ranks says beside the rest.
+// Further counts of a run over ranks.
 struct RanksSummary {
     int ranks = 1;
     unsigned rounds = 0;                                   // exchanges of seeds
-    std::uint64_t ghosts_received = 0, ghosts_needed = 0;  // seeds that ranks were given by others; of these, neighbors
+    std::uint64_t ghosts_received = 0, ghosts_needed = 0;  // seeds received from other ranks; those that are neighbors
 };
 
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
     bool has_volumes = false;
-    std::string input_note;  // what was taken out of the file; empty when there is nothing to say
-    double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the stages between are in stats
-    std::optional<votess::VerifyReport> verified;                   // nothing when not asked
+    std::string input_note;  // the part of the file that was read, such as a frame; may be empty
+    double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the other stages are in stats
+    std::optional<votess::VerifyReport> verified;                   // with --verify
     std::optional<RanksSummary> ranks;
     struct Streamed {
         std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
     };
     std::optional<Streamed> streamed;  // with --memory
 
-    // Why no file was written; empty where nothing is wrong.
+    // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;
 };
 

@@ -19,7 +19,7 @@
 namespace clvotess {
 namespace {
 
-// Options as typed; CLI11 only cuts the command line up, so that each message can say what to do.
+// Options as typed. CLI11 only splits the command line, so that our messages can name a remedy.
 struct Typed {
     std::optional<std::string> input, random, rng_seed, format, want, box, device, precision, duplicates;
     std::optional<std::string> periodic, cell, origin, outside, min_face, min_area;
@@ -36,7 +36,7 @@ struct Typed {
     TypedGrid grid;
 };
 
-// A value after = is not part of the name; a single minus sign in front of a long name is a common slip.
+// Drops a value after =, and all minus signs in front: a single one is a common slip.
 [[noreturn]] void refuse_unknown(const CLI::App& app, const std::string& word) {
     if (word == "--voro++") throw bad_input("--voro++ must be the first argument: move it to the front");
     std::string name = word.substr(0, word.find('='));
@@ -49,13 +49,14 @@ struct Typed {
                     (nearest ? ": did you mean --" + *nearest + "?" : ": clvotess --help-all lists all options"));
 }
 
-// message: of CLI11, which begins with the name of the option.
+// message: from CLI11; it begins with the name of the option.
 [[noreturn]] void refuse_values(CLI::App& app, const std::string& message) {
     std::string name = message.substr(0, message.find_first_of(": "));
     if (!name.starts_with('-')) name.insert(0, "--");
     const CLI::Option* const option = app.get_option_no_throw(name);
     if (!option) throw bad_input(message + ", see clvotess --help");
-    if (option->get_items_expected_max() == 0) throw bad_input(name + " takes no value: leave out = and what follows");
+    if (option->get_items_expected_max() == 0)
+        throw bad_input(name + " takes no value: remove = and the text after it");
     const std::size_t given = option->results().size();
     if (given > 1) throw bad_input(name + " is given " + std::to_string(given) + " times: give it once");
     throw bad_input(name + " needs a value: " + std::string(usage_of(name)));
@@ -131,7 +132,7 @@ Typed split_command_line(int count, const char* const* values) {
         const auto extras = app.remaining();
         const std::string first = extras.empty() ? "" : extras.front();
         if (first.starts_with('-')) refuse_unknown(app, first);
-        throw bad_input("one INPUT only, but " + in_quotes(first) + " is another: run clvotess for each");
+        throw bad_input("only one INPUT is possible, but " + in_quotes(first) + " is a second: run clvotess for each");
     } catch (const CLI::ArgumentMismatch& error) {
         refuse_values(app, error.what());
     } catch (const CLI::ParseError& error) {
@@ -159,15 +160,15 @@ std::uint64_t whole_number(const char* option, const std::string& text, std::uin
     return *value;
 }
 
-// Also written as 1e6.
+// Reads a count, also in the form 1e6.
 std::uint64_t read_random_count(const std::string& text) {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
+    constexpr std::uint64_t max = std::numeric_limits<std::int32_t>::max();
     const auto number = read_double(text);
-    const bool whole = number && *number >= 0 && *number <= static_cast<double>(most) && *number == std::floor(*number);
-    return whole ? static_cast<std::uint64_t>(*number) : whole_number("--random", text, most);
+    const bool whole = number && *number >= 0 && *number <= static_cast<double>(max) && *number == std::floor(*number);
+    return whole ? static_cast<std::uint64_t>(*number) : whole_number("--random", text, max);
 }
 
-// The library knows how large it may be.
+// The library checks the upper limit.
 void read_count(const char* option, const std::optional<std::string>& text, unsigned& number) {
     constexpr unsigned largest = std::numeric_limits<unsigned>::max();
     if (text) number = static_cast<unsigned>(whole_number(option, *text, largest));
@@ -303,7 +304,7 @@ votess::NaturalMethod read_natural(const std::string& word) {
 void read_source(const Typed& typed, Arguments& arguments) {
     if (typed.input && typed.random) throw bad_input("give either INPUT or --random N, not both");
     if (!typed.input && !typed.random) {
-        throw bad_input("nothing to do: give INPUT or --random N, see clvotess --help");
+        throw bad_input("there is no input: give INPUT or --random N, see clvotess --help");
     }
     if (typed.rng_seed && !typed.random) throw bad_input("--rng-seed goes with --random N only");
     if (typed.input) {
@@ -359,15 +360,14 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if ((typed.copy || typed.density) && !typed.picture.image &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
-            "--copy and --density go with text, .npz, .h5, .vtu and as --color with .glb and pictures: "
-            "add -o FILE");
+            "--copy and --density need text, .npz, .h5 or .vtu, or --color with .glb or --image: add -o FILE");
     }
     if (typed.want) arguments.wanted = read_want(*typed.want);
     if (text) arguments.format.add_needs(arguments.wanted);
     for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
 }
 
-// The seeds get no cells, so there is nothing that options of their cells could mean.
+// Refuses options of the seeds' cells, because a query computes none.
 void refuse_options_of_cells(const Typed& typed, const std::string& by) {
     const bool no_cells = !typed.probe, no_picture = !typed.grid.method;
     const std::pair<const char*, bool> of_cells[] = {{"--format", no_cells && typed.format},
@@ -391,8 +391,8 @@ void refuse_options_of_cells(const Typed& typed, const std::string& by) {
                                                      {"--verify", typed.verify}};
     for (const auto& [option, given] : of_cells)
         if (given)
-            throw bad_input(std::string(option) + " is about the cells of the points, which " + by +
-                            " does not give: leave it out");
+            throw bad_input(std::string(option) + " is for cells of the points, but " + by +
+                            " computes none: leave it out");
 }
 
 void read_queries(const Typed& typed, Arguments& arguments) {
@@ -417,14 +417,14 @@ void read_queries(const Typed& typed, Arguments& arguments) {
     queries = typed.probe ? *typed.probe : typed.locate ? *typed.locate : *typed.interpolate;
     if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
     if (queries == "-" && arguments.input == "-")
-        throw bad_input("INPUT and " + option + " are both stdin: give one of them a file name");
+        throw bad_input("INPUT and " + option + " are both stdin: give one as a file");
     if (typed.locate) {
         arguments.outputs = typed.outputs;
         check_located_outputs(arguments);
         return;
     }
     if (typed.interpolate) {
-        if (!typed.values) throw bad_input("--interpolate needs --values COLUMN: which column of INPUT is the field");
+        if (!typed.values) throw bad_input("--interpolate needs a field: add --values COLUMN");
         arguments.outputs = typed.outputs;
         if (typed.natural) arguments.natural = read_natural(*typed.natural);
         check_interpolated_outputs(arguments);
@@ -481,7 +481,7 @@ Arguments read_arguments(int count, const char* const* values) {
     read_source(typed, arguments);
     read_domain(typed, arguments);
     if (typed.json && std::ranges::count(typed.outputs, "-") > 0)
-        throw bad_input("-o - and --json both go to stdout: give the output a file name");
+        throw bad_input("-o - and --json both write to stdout: give -o a file");
     if (typed.natural && !typed.interpolate) throw bad_input("--natural goes with --interpolate QUERIES only");
     if (typed.values && !typed.interpolate && !typed.grid.method)
         throw bad_input("--values goes with --interpolate QUERIES or --to-grid METHOD only");
@@ -489,7 +489,8 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input(std::string(typed.grid.shape ? "--shape" : "--project") + " goes with --to-grid METHOD only");
     read_memory(typed.memory, typed.temporary, arguments);
     if (typed.locate || typed.probe || typed.interpolate || typed.grid.method) {
-        if (typed.memory) throw bad_input("--memory is for cells of the points: queries need all points in memory");
+        if (typed.memory)
+            throw bad_input("--memory does not work with queries, which need all points in memory: leave it out");
         read_queries(typed, arguments);
         return arguments;
     }
@@ -502,7 +503,7 @@ Arguments read_arguments(int count, const char* const* values) {
 
     options.want = arguments.wanted;
     votess::Options to_write = options;
-    to_write.min_face = to_write.min_area = 0;  // they measure areas, which no file is to hold for that
+    to_write.min_face = to_write.min_area = 0;  // they imply areas, which a file holds only by --want
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;

@@ -1,4 +1,4 @@
-// Columns of the input that a run uses: weights or radii, and what goes into the output.
+// Columns of the input that a run uses: weights or radii, masses, and columns carried into the output.
 #pragma once
 
 #include <span>
@@ -10,19 +10,19 @@
 
 namespace clvotess {
 
-// A file of no points has no columns: adds empty ones for those that the arguments name.
+// Adds the columns that the arguments name, empty, where a file of no points has none.
 void complete_columns(const Arguments& arguments, Input& input);
 
-// The weights or radii of the options become those of the input, which owns them.
+// Sets the weights or radii of the options to views into the input.
 void take_weights(const Arguments& arguments, const Input& input, votess::Options& options);
 
-// The columns that go into the output, taken out of the input, the last one still empty if it is to be the density.
+// Moves the carried columns out of the input. With --density an empty column of that name comes last.
 [[nodiscard]] std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input);
 
-// Returns the numbers of --density, which the input keeps; none without that option.
+// Returns a copy of the masses of --density; empty without that option.
 [[nodiscard]] std::vector<double> masses_of(const Arguments& arguments, const Input& input);
 
-// Adds the mass of each duplicate to that of the seed that keeps the cell. duplicate_of: empty, or -1 for other seeds.
+// Adds the mass of each duplicate to the seed that keeps the cell. duplicate_of: empty, or -1 for other seeds.
 template <class Index>
 void merge_masses(std::span<const Index> duplicate_of, std::vector<double>& masses) {
     if (masses.empty()) return;
@@ -30,10 +30,10 @@ void merge_masses(std::span<const Index> duplicate_of, std::vector<double>& mass
         if (duplicate_of[i] >= 0) masses[static_cast<std::size_t>(duplicate_of[i])] += masses[i];
 }
 
-// Returns masses over volumes; NaN for a seed without a cell, also for a duplicate.
+// Returns masses over volumes; NaN for a seed without a cell, which includes duplicates.
 [[nodiscard]] std::vector<double> densities(std::span<const double> masses, std::span<const double> volumes);
 
-// Fills the last of the columns, if there is to be a density.
+// Fills the last column with --density.
 void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,
                   std::vector<InputColumn>& carried);
 

@@ -6,7 +6,7 @@
 namespace clvotess {
 namespace {
 
-// Edit distance with swaps of neighbors, row by row.
+// Returns the edit distance, where a swap of neighbors is one change.
 std::size_t changes(std::string_view a, std::string_view b) {
     std::vector<std::size_t> before_last, last, row(b.size() + 1);
     for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -30,7 +30,7 @@ std::optional<std::string> nearest_word(std::string_view typed, const std::vecto
     std::optional<std::string> nearest;
     std::size_t fewest = longest;
     for (const std::string& word : words) {
-        // The beginning of a word is one change away, however long the rest is.
+        // The start of a word counts as one change, however long the rest is.
         const bool begins = typed.size() >= 3 && word.starts_with(typed);
         const std::size_t count = begins ? 1 : changes(typed, word);
         if (count >= fewest || 3 * count > word.size()) continue;

@@ -1,4 +1,4 @@
-// What a mistyped word may have meant.
+// Finds the word that a mistyped one may stand for.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace clvotess {
 
-// Returns the word that takes the fewest changes of a letter, the first of several. A change puts in, leaves out or
-// replaces one, or swaps two neighbors. Returns nothing when each word takes more than a third of its length.
+// Returns the word with the fewest changed letters; the first of several. A change inserts, deletes or replaces a
+// letter, or swaps two neighbors. Returns nothing when each word needs more than a third of its length.
 [[nodiscard]] std::optional<std::string> nearest_word(std::string_view typed, const std::vector<std::string>& words);
 
 }  // namespace clvotess

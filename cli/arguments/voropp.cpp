@@ -1,4 +1,4 @@
-// clvotess --voro++: the command line of voro++ 0.4.6, so that scripts need no more than another name.
+// clvotess --voro++: the command line of voro++ 0.4.6, so that scripts change only the name of the program.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -23,7 +23,7 @@ public:
     [[nodiscard]] std::size_t left() const { return words_.size() - next_; }
 
     std::string take(const std::string& of) {
-        if (at_end()) throw bad_input("--voro++: " + of + " needs more behind it: " + std::string(expected));
+        if (at_end()) throw bad_input("--voro++: " + of + " needs a value: " + std::string(expected));
         return words_[next_++];
     }
 
@@ -44,17 +44,17 @@ private:
     std::size_t next_ = 0;
 };
 
-// Returns whether the word is an option that was taken.
+// Returns true when the word is a known option, whose values it takes.
 bool take_option(const std::string& word, Words& words, Arguments& arguments, std::string& format) {
     std::array<bool, 3>& periodic = *arguments.periodic;
     if (word == "-c") {
         format = words.take(word);
     } else if (word == "-l" || word == "-m") {
-        (void)words.take_numbers<1>(word);  // the grid of voro++
+        (void)words.take_numbers<1>(word);  // grid of voro++, not used
     } else if (word == "-n") {
         (void)words.take_numbers<3>(word);
     } else if (word == "-o") {
-        // Rows always stand in the order of the input.
+        // Rows always follow the input order.
     } else if (word == "-p") {
         periodic = {true, true, true};
     } else if (word == "-px" || word == "-py" || word == "-pz") {
@@ -66,8 +66,8 @@ bool take_option(const std::string& word, Words& words, Arguments& arguments, st
     } else if (word.size() == 3 && word.starts_with("-w")) {
         throw bad_input(
             "--voro++: " + word +
-            " also cuts cells of points beyond the wall, which is not a diagram of the domain: run clvotess with "
-            "--wall, --wall-sphere, --wall-cylinder or --wall-cone");
+            " also cuts the cells of points beyond the wall, so the result is not a diagram: run clvotess with --wall, "
+            "--wall-sphere, --wall-cylinder or --wall-cone");
     } else if (word == "-g" || word == "-y" || word == "-yp" || word == "-yv") {
         throw bad_input("--voro++: " + word +
                         " writes for gnuplot or POV-Ray: run clvotess with --image, or -o FILE in .vtu, .ply or .glb");
@@ -88,7 +88,7 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
     std::string word = words.take("--voro++");
     while (take_option(word, words, arguments, format)) word = words.take("--voro++");
 
-    // Behind the options stand the box and the file.
+    // The box and the file follow the options.
     if (words.left() != 6) {
         throw bad_input("--voro++: from " + in_quotes(word) + " on there are " + std::to_string(words.left() + 1) +
                         " words, not the six numbers of the box and the file: " + std::string(expected));
@@ -109,7 +109,7 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
 
     if (format.empty()) format = arguments.has_radii ? "%i %q %v %r" : "%i %q %v";
     arguments.format = TextFormat(format, true);
-    options.list_walls = true;  // voro++ names them in %n
+    options.list_walls = true;  // as voro++ does in %n
     options.want.neighbors = options.want.volumes = false;
     arguments.format.add_needs(options.want);
     arguments.wanted = options.want = votess::implied_want(options);

@@ -1,4 +1,4 @@
-// Numbers as they lie in files: any width, either byte order.
+// Binary numbers of files: any width, either byte order.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace clvotess {
 
-static_assert(std::endian::native == std::endian::little, "arrays are read and written as they lie in memory");
+static_assert(std::endian::native == std::endian::little, "arrays are read and written without conversion");
 
 enum class NumberType : std::uint8_t { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
@@ -33,7 +33,7 @@ template <typename Number>
     return std::bit_cast<Number>(bytes);
 }
 
-// Calls `use` with the number in its own type.
+// Returns use(number), where the number has its own type.
 template <typename Use>
 auto with_number(NumberType type, const char* from, bool swapped, Use use) {
     switch (type) {
@@ -64,7 +64,7 @@ auto with_number(NumberType type, const char* from, bool swapped, Use use) {
     return with_number(type, from, swapped, [](auto value) { return static_cast<double>(value); });
 }
 
-// Returns nothing when the number is not whole, or too large.
+// Returns nothing when the number is not whole or exceeds int64.
 [[nodiscard]] inline std::optional<std::int64_t> load_whole(NumberType type, const char* from, bool swapped) {
     return with_number(type, from, swapped, [](auto value) -> std::optional<std::int64_t> {
         using Number = decltype(value);

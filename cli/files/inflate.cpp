@@ -44,8 +44,8 @@ void Inflater::restart() {
 
 void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::string& name) {
     if (unpacked <= max_unpacked(size)) return;
-    throw bad_input(name + ": its " + std::to_string(size) + " bytes unpack to more than " +
-                    std::to_string(max_unpacked(size)) + ", which is refused: unpack it before");
+    throw bad_input(name + ": its " + std::to_string(size) + " bytes unpack to more than the limit of " +
+                    std::to_string(max_unpacked(size)) + ": unpack the file first");
 }
 
 std::string gunzip(std::string_view packed, const std::string& name) {

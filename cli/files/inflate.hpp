@@ -1,4 +1,4 @@
-// Unpacks what deflate has packed: gzip and the members of zip archives.
+// Unpacks deflate: gzip files and members of zip archives.
 #pragma once
 
 #include <zlib.h>
@@ -12,7 +12,7 @@ namespace clvotess {
 
 class Inflater {
 public:
-    enum class Frame { none, gzip };  // what surrounds the packed data
+    enum class Frame { none, gzip };  // format around the packed data
 
     // packed: must outlive this.
     Inflater(std::string_view packed, Frame frame);
@@ -20,27 +20,27 @@ public:
     Inflater& operator=(const Inflater&) = delete;
     ~Inflater() { inflateEnd(&stream_); }
 
-    // Unpacks the next bytes and returns how many: fewer than `room` at the end of the packed data, or where they are
-    // damaged or end too early. Throws Interrupted soon after a signal.
+    // Unpacks the next bytes and returns their number. It is less than `room` at the end of the packed data, and where
+    // they are damaged or incomplete. Throws Interrupted soon after a signal.
     std::size_t read(char* to, std::size_t room);
-    // Whether the end of the packed data was reached, as it should be.
+    // Returns whether the packed data ended regularly.
     [[nodiscard]] bool ended() const noexcept { return ended_; }
-    // Whether bytes follow behind the end.
+    // Returns whether bytes follow the end.
     [[nodiscard]] bool has_more() const noexcept { return stream_.avail_in > 0 || !rest_.empty(); }
-    // Goes on with packed data that follow.
+    // Continues with the packed data that follow.
     void restart();
 
 private:
     z_stream stream_{};
-    std::string_view rest_;  // not yet given to zlib
+    std::string_view rest_;  // not yet passed to zlib
     bool ended_ = false;
 };
 
-// Returns what all members of a file hold, one after the other. Throws Failure, which names the file, when it is
-// damaged or unpacks to more than max_unpacked().
+// Returns the contents of all members of a file. Throws Failure, which names the file, when it is damaged or unpacks to
+// more than max_unpacked().
 [[nodiscard]] std::string gunzip(std::string_view packed, const std::string& name);
 
-// Throws Failure when a file of `size` bytes unpacks to `unpacked` bytes, more than max_unpacked().
+// Throws Failure when `unpacked`, the bytes that a file of `size` bytes unpacks to, exceeds max_unpacked().
 void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::string& name);
 
 }  // namespace clvotess

@@ -15,7 +15,7 @@
 namespace clvotess {
 namespace {
 
-// A signal interrupts the wait for the writer of a FIFO.
+// Opens a file. A signal interrupts the wait for the writer of a FIFO.
 int open_file(const std::string& path) {
     for (;;) {
         throw_if_interrupted();
@@ -72,15 +72,15 @@ void InputFile::skip(std::uint64_t count) {
 }
 
 void check_last_line(std::string_view text, const std::string& name) {
-    if (text.size() <= longest_line || text.rfind('\n') + 1 + longest_line >= text.size()) return;
-    throw bad_input(name + ": not a text: it holds a line of more than " + std::to_string(longest_line) + " bytes");
+    if (text.size() <= max_line || text.rfind('\n') + 1 + max_line >= text.size()) return;
+    throw bad_input(name + ": not a text: it holds a line of more than " + std::to_string(max_line) + " bytes");
 }
 
 std::string read_whole(const std::string& path, bool lines) {
     constexpr std::size_t piece = std::size_t{1} << 22;
     InputFile file(path);
     std::string bytes;
-    // One byte more than there should be, so that the end is seen without another piece.
+    // One byte more than expected, so that the end shows without another read.
     bytes.reserve(static_cast<std::size_t>(file.size()) + 1);
     bool more = true;
     while (more) {
@@ -88,7 +88,7 @@ std::string read_whole(const std::string& path, bool lines) {
         const std::size_t left = bytes.capacity() - before;
         more = file.append(bytes, left > 0 ? std::min(left, piece) : piece);
         if (lines)
-            check_last_line(std::string_view(bytes).substr(before - std::min(before, longest_line + 1)), file.name());
+            check_last_line(std::string_view(bytes).substr(before - std::min(before, max_line + 1)), file.name());
     }
     return bytes;
 }

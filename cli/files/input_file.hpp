@@ -1,5 +1,5 @@
-// A file or stdin, read front to back into memory of the caller. A mapping would end the program by SIGBUS when the
-// file becomes shorter, and its bytes could change under a parser.
+// A file or stdin, read front to back into the caller's memory. It is not mapped: a file that shrinks would end the
+// program by SIGBUS, and bytes could change under a parser.
 #pragma once
 
 #include <cstddef>
@@ -16,16 +16,16 @@ public:
     InputFile& operator=(const InputFile&) = delete;
     ~InputFile();
 
-    // Reads the next bytes and returns how many: fewer than `count` at the end only. Throws Interrupted within one
-    // piece of reading after a signal, and Failure when the file ends before the size that it had when it was opened.
+    // Reads the next bytes and returns their number, less than `count` only at the end. Throws Interrupted soon after a
+    // signal, and Failure when the file ends before its size at opening.
     std::size_t read(char* to, std::size_t count);
-    // Adds the next bytes, so many if there are; false at the end.
+    // Appends the next bytes, up to a number. Returns false at the end.
     bool append(std::string& to, std::size_t count);
-    // Passes over bytes of a regular file.
+    // Skips bytes of a regular file.
     void skip(std::uint64_t count);
 
     [[nodiscard]] bool is_regular() const noexcept { return regular_; }
-    [[nodiscard]] std::uint64_t size() const noexcept { return size_; }  // when it was opened; 0 unless regular
+    [[nodiscard]] std::uint64_t size() const noexcept { return size_; }  // at opening; 0 unless the file is regular
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:
@@ -35,7 +35,7 @@ private:
     std::uint64_t size_ = 0, done_ = 0;
 };
 
-// Returns all bytes of a file. Where lines are expected, a line that is too long is refused as soon as it is read.
+// Returns all bytes of a file. lines: refuse a line that is too long as soon as it is read.
 [[nodiscard]] std::string read_whole(const std::string& path, bool lines);
 
 // Throws Failure when the last line of a text is too long. `name` is for the message.

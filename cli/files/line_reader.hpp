@@ -1,4 +1,4 @@
-// Lines of a text and their words, with the line number for messages.
+// Lines and words of a text, with line numbers for messages.
 #pragma once
 
 #include <algorithm>
@@ -33,32 +33,33 @@ inline void split_words(std::string_view line, Words& words) {
 
 [[nodiscard]] std::string lower_case(std::string_view text);    // of ASCII
 [[nodiscard]] std::string columns_text(std::size_t count);      // "1 column", "5 columns"
-[[nodiscard]] std::string not_a_number(std::string_view word);  // what is wrong with it
+[[nodiscard]] std::string not_a_number(std::string_view word);  // the message for a word that is not a number
 
 class LineReader {
 public:
     LineReader(std::string_view text, std::string name) : name_(std::move(name)) { go_on(text); }
 
-    // With text that follows what has been read, whole lines. Passes over the byte order mark of UTF-8 before the
-    // first.
+    // Continues with more text, which begins with a whole line. Skips the byte order mark of UTF-8 before the first
+    // line.
     void go_on(std::string_view text) {
         rest_ = text;
         if (line_ == 0 && rest_.starts_with("\xef\xbb\xbf")) rest_.remove_prefix(3);
     }
 
-    // Takes the next line; false at the end. Throws Failure when it is too long, and Interrupted soon after a signal.
+    // Takes the next line. Returns false at the end. Throws Failure for a line that is too long, and Interrupted soon
+    // after a signal.
     [[nodiscard]] bool next(std::string_view& line) {
         if (rest_.empty()) return false;
-        const std::string_view near = rest_.substr(0, longest_line + 1);
+        const std::string_view near = rest_.substr(0, max_line + 1);
         const auto end = std::min(near.find('\n'), near.size());
         constexpr std::size_t lines_in_a_round = 4096;
         if (++line_ % lines_in_a_round == 0) throw_if_interrupted();
-        if (end > longest_line) throw error("a line of more than " + std::to_string(longest_line) + " bytes");
+        if (end > max_line) throw error("a line of more than " + std::to_string(max_line) + " bytes");
         line = rest_.substr(0, end);
         rest_.remove_prefix(std::min(end + 1, rest_.size()));
         return true;
     }
-    // Takes the next line that is not blank; false at the end.
+    // Takes the next line that is not blank. Returns false at the end.
     [[nodiscard]] bool next_filled(std::string_view& line) {
         do {
             pass_line_ends();
@@ -67,10 +68,10 @@ public:
         return true;
     }
 
-    // The next line, which must be there.
+    // Returns the next line. Throws Failure at the end.
     [[nodiscard]] std::string_view need(const std::string& what) {
         std::string_view line;
-        if (!next(line)) throw error("the file ends where " + what + " should follow");
+        if (!next(line)) throw error("the file ends where " + what + " is expected");
         return line;
     }
 
@@ -81,12 +82,12 @@ public:
         if (const auto value = read_double(word)) return *value;
         throw error(not_a_number(word));
     }
-    // A number of a column that the user named, or of all.
+    // Returns the number of a column that the user requested.
     [[nodiscard]] double number(std::string_view word, std::string_view column) const {
         if (const auto value = read_double(word)) return *value;
         if (has_decimal_comma(word)) throw error(not_a_number(word));
         throw error(not_a_number(word) + ": the column " + in_quotes(column) +
-                    " holds words; --copy, --density, --radii and --weights take columns of numbers");
+                    " has text; --copy, --density, --radii and --weights need columns of numbers");
     }
     [[nodiscard]] std::int64_t whole(std::string_view word, const char* what) const {
         if (const auto value = read_int64(word)) return *value;
@@ -95,7 +96,7 @@ public:
     }
 
     [[nodiscard]] std::string_view rest() const noexcept { return rest_; }
-    // Goes on behind `count` bytes of the rest, which hold `lines` line ends.
+    // Skips `count` bytes, which hold `lines` line ends.
     void skip(std::size_t count, std::size_t lines) {
         rest_.remove_prefix(count);
         line_ += lines;
@@ -118,8 +119,8 @@ private:
     std::size_t line_ = 0;
 };
 
-// A number of rows that a file announces cannot be true when each takes at least `bytes_each` of the bytes that are
-// left: so a broken count takes no memory.
+// Returns whether `rows`, a count that a file announces, fits into the remaining bytes. This keeps a broken count from
+// taking memory.
 inline bool can_hold(std::size_t bytes, std::uint64_t rows, std::size_t bytes_each) {
     return rows <= bytes / std::max<std::size_t>(bytes_each, 1) + 1;
 }

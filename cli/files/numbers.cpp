@@ -24,8 +24,8 @@ std::optional<Integer> read_integer(std::string_view text) {
     return value;
 }
 
-// For text that from_chars found to be a number outside of the range of float64: does it lie beyond or below it? The
-// first digit that is not 0 and the exponent decide.
+// Returns whether a number outside of the range of float64 is too large; otherwise it is too small. The exponent and
+// the first digit other than 0 decide.
 bool is_huge(std::string_view text) {
     const auto mark = std::min(text.find_first_of("eE"), text.size());
     const std::string_view digits = text.substr(0, mark);

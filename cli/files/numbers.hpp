@@ -1,4 +1,4 @@
-// Strict reading of numbers: the whole text is the number, or there is none. Independent of the locale.
+// Strict parsing of numbers: the whole text must be the number. Independent of the locale.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace clvotess {
 [[nodiscard]] constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
-// Whether a comma stands between two digits, as in 0,5.
+// Returns whether a comma is between two digits, as in 0,5.
 [[nodiscard]] bool has_decimal_comma(std::string_view text);
 
-// Shortest text that reads back as the same value.
+// Returns the shortest text that reads back as the same value.
 [[nodiscard]] std::string to_text(double value);
 
 }  // namespace clvotess

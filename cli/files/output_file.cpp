@@ -18,16 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Follows links, also one whose target is still to be made.
+// Follows links, also to a target that does not exist yet.
 std::string resolved(const std::string& path) {
     std::error_code problem;
     fs::path real = fs::absolute(path, problem);
     if (problem) {
         throw bad_input("cannot find " + in_quotes(path) +
-                        ": the working directory is gone: go to another, or give the whole path");
+                        ": the working directory was deleted: change to another, or give an absolute path");
     }
-    constexpr int most_links = 40;  // as Linux follows; beyond it links make a circle
-    for (int k = 0; k < most_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
+    constexpr int max_links = 40;  // the limit of Linux; more links are a circle
+    for (int k = 0; k < max_links && fs::is_symlink(fs::symlink_status(real, problem)); ++k) {
         real = real.parent_path() / fs::read_symlink(real, problem);
     }
     const fs::path canonical = fs::weakly_canonical(real, problem);
@@ -43,7 +43,7 @@ Failure cannot_write(const std::string& what, int error) {
     return runtime_failure("cannot write " + what + ": " + std::strerror(error));
 }
 
-// Returns 0 or an error number. A file system that knows no fsync() is not an error.
+// Returns 0 or an error number. A file system without fsync() is not an error.
 int sync(int descriptor) {
     while (fsync(descriptor) != 0) {
         if (errno == EINTR) continue;
@@ -53,7 +53,7 @@ int sync(int descriptor) {
     return 0;
 }
 
-// Returns 0 or an error number. A folder that may not be read cannot be synced.
+// Returns 0 or an error number. A folder without read permission is not synced.
 int sync_folder(const std::string& folder) {
     const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (descriptor < 0) return errno == EACCES ? 0 : errno;
@@ -62,13 +62,13 @@ int sync_folder(const std::string& folder) {
     return error;
 }
 
-// An open file by a name, also one that has none.
+// Returns a path that opens the file again, even if it has no name.
 std::string path_of(int descriptor) {
     return "/proc/self/fd/" + std::to_string(descriptor);
 }
 
-// Returns the first free name in the folder of the target with which make() succeeds. Returns "" on another error, with
-// errno. The name is short, so that it fits where the target's own fits.
+// Returns the first free name in the target's folder for which make() succeeds; "" on another error, with errno set.
+// The name is short, so that it fits where the target's name fits.
 template <class Make>
 std::string with_free_name(const std::string& target, const Make& make) {
     for (int attempt = 0; attempt <= 1000; ++attempt) {
@@ -103,7 +103,7 @@ void check_writable(const std::string& path) {
     }
     const std::string folder = folder_of(target);
     if (!fs::is_directory(folder, problem))
-        refuse("there is no folder " + in_quotes(folder) + ": make it, or name another");
+        refuse("there is no folder " + in_quotes(folder) + ": create it, or name another");
     if (access(folder.c_str(), W_OK | X_OK) != 0) refuse("folder " + in_quotes(folder) + ": " + std::strerror(errno));
 }
 
@@ -144,7 +144,7 @@ void OutputFile::open_temporary(Temporary temporary) {
 #ifdef O_TMPFILE
     if (temporary == Temporary::unnamed) {
         descriptor_ = open(folder_of(target_).c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
-        // Without /proc it could not be named later.
+        // Without /proc the file could not get a name later.
         if (descriptor_ >= 0 && access(path_of(descriptor_).c_str(), F_OK) != 0) close_quietly();
     }
 #endif
@@ -168,7 +168,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::write(std::string_view bytes) {
-    // Small enough that Ctrl-C is heard soon.
+    // Small, so that Ctrl-C works soon.
     constexpr std::size_t piece = std::size_t{8} << 20;
     while (!bytes.empty()) {
         throw_if_interrupted();
@@ -222,7 +222,7 @@ void OutputFile::publish() {
     close_quietly();
     if (const int error = sync_folder(folder_of(target_)); error != 0)
         throw runtime_failure(description() +
-                              " is written, but its folder cannot be brought to the disk: " + std::strerror(error));
+                              " is written, but its folder could not be synced: " + std::strerror(error));
 }
 
 std::string OutputFile::description() const {

@@ -1,7 +1,6 @@
-// A file that appears whole or not at all, also after a loss of power: written without a name, brought to the disk,
-// then named. A run that is killed leaves nothing. It leaves a file `.clvotess-*.tmp` in two cases: where the system or
-// the file system has no unnamed files (O_TMPFILE), and between the two calls that replace an old file (linkat,
-// rename).
+// A file that appears whole or not at all, also after a power failure. It is written without a name, synced, then
+// named. A killed run leaves a file `.clvotess-*.tmp` in two cases only: where unnamed files (O_TMPFILE) are not
+// supported, and between the two calls that replace an old file (linkat, rename).
 #pragma once
 
 #include <charconv>
@@ -16,22 +15,21 @@
 
 namespace clvotess {
 
-// An existing file that is neither regular nor a folder (device, pipe): there is nothing to rename, it is written to
-// directly.
+// Returns whether a file exists that is neither regular nor a folder, such as a device or pipe. It is written directly.
 [[nodiscard]] bool is_special_file(const std::string& path);
 
-// Throws Failure when `path` cannot become a file: no such folder, a folder itself, no permission.
+// Throws Failure when `path` cannot become a file: its folder is missing, it is a folder, or permission is missing.
 void check_writable(const std::string& path);
 
-// Brings the bytes of a file to the disk. Throws Failure.
+// Syncs a file to the disk. Throws Failure.
 void sync_file(const std::string& path);
 
-// Equal for two names of the same file, existing or not.
+// Returns a name that is equal for all names of a file, which need not exist.
 [[nodiscard]] std::string identity_of(const std::string& path);
 
 class OutputFile {
 public:
-    // named: other processes can open it before it is published, but a run that is killed leaves it.
+    // named: other processes can open the file before it is published, but a killed run leaves it.
     enum class Temporary { unnamed, named };
 
     explicit OutputFile(const std::string& path, Temporary temporary = Temporary::unnamed);  // "-" is stdout
@@ -42,27 +40,27 @@ public:
     ~OutputFile();  // removes what was not published
 
     [[nodiscard]] std::string description() const;  // for messages
-    // Unbuffered: give it large pieces. Throws Failure on a write error, Interrupted on a signal.
+    // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.
     void write(std::string_view bytes);
-    // Returns a path that opens the temporary file, for libraries that write by name. An unnamed file has one in this
-    // process only. Throws Failure when the target is a device or a pipe.
+    // Returns a path to the temporary file, for libraries that write by name. Only this process can use the path of an
+    // unnamed file. Throws Failure for a device or a pipe.
     [[nodiscard]] std::string path_for_library() const;
-    // What write() throws; 0 when the reason is not known.
+    // Returns the exception that write() throws. error: errno, or 0 if unknown.
     [[nodiscard]] Failure write_failure(int error) const;
-    void finish();   // brings all bytes to the disk; no write after it
-    void publish();  // gives the file its name, and brings that to the disk
+    void finish();   // syncs the file; no write may follow
+    void publish();  // gives the file its name, and syncs the folder
 
 private:
     void open_temporary(Temporary temporary);
     void close_quietly() noexcept;
 
-    std::string name_;       // as the user gave it, for messages
+    std::string name_;       // as given by the user, for messages
     std::string target_;     // links resolved; empty when written to directly
-    std::string temporary_;  // of a file that is not published; empty when it has no name
+    std::string temporary_;  // name until publish(); may be empty
     int descriptor_ = -1;
 };
 
-// A buffer of fixed size in front of an OutputFile, for text and for binary numbers.
+// Buffers text and binary numbers in front of an OutputFile.
 class OutputBuffer {
 public:
     explicit OutputBuffer(OutputFile& file) : file_(file), bytes_(capacity, '\0') {}
@@ -80,7 +78,8 @@ public:
         bytes_[used_++] = c;
     }
 
-    // Numbers that are no whole ones get at most so many digits, as %g prints them; else as few as read back the same.
+    // Limits floating-point numbers to so many digits, as %g does. 0, the default: the shortest text that reads back
+    // the same.
     void set_digits(int digits) { digits_ = digits; }
 
     // Writes a number as text.
@@ -110,7 +109,7 @@ public:
         put_number(z);
     }
 
-    // Writes a value as it lies in memory.
+    // Writes the bytes of a value.
     template <typename Number>
     void put_binary(Number value) {
         make_room();

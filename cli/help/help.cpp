@@ -30,7 +30,7 @@ example: the volume and the neighbors of each of a million random points
 
 constexpr std::size_t text_column = 25;
 
-// The text, each line but the first behind so many blanks.
+// Returns the text with every line except the first indented.
 void add_lines(std::string& page, std::string_view text) {
     for (;;) {
         const auto end = text.find('\n');
@@ -56,7 +56,7 @@ void add_row(std::string& page, std::string_view names, std::string_view text) {
     add_lines(page, text);
 }
 
-// Names of an option without what its value is: "-o" and "--output".
+// Returns the names of an option without its value: "-o" and "--output".
 std::vector<std::string_view> names_of(const HelpRow& row) {
     std::vector<std::string_view> names;
     std::string_view rest = row.names;
@@ -68,7 +68,7 @@ std::vector<std::string_view> names_of(const HelpRow& row) {
     return names;
 }
 
-// The words that an option takes, with blanks between; "" when its value is no word.
+// Returns the words that an option accepts, with blanks between them; "" for other values.
 std::string words_of(const HelpRow& row) {
     const auto blank = row.names.rfind(' ');
     std::string words(blank == std::string_view::npos ? "" : row.names.substr(blank + 1));
@@ -80,7 +80,7 @@ std::string words_of(const HelpRow& row) {
     return words;
 }
 
-// Text of a manual page: backslashes and minus signs are written with a backslash, and no line begins with a command.
+// Returns text for roff: backslashes and minus signs are escaped, and no line begins with a command.
 void add_roff(std::string& page, std::string_view text) {
     bool line_begins = true;
     for (const char c : text) {
@@ -154,7 +154,7 @@ std::string usual_help() {
     each_row([&](const HelpRow& row) {
         if (!row.brief.empty()) add_row(page, row.names, row.brief);
     });
-    return page + "\nclvotess --help-all tells all options, and more of these.\n";
+    return page + "\nclvotess --help-all lists every option in detail.\n";
 }
 
 std::string whole_help() {

@@ -1,4 +1,4 @@
-// What clvotess tells about itself, made of the table of options.
+// Help texts, manual page and completions, generated from the table of options.
 #pragma once
 
 #include <string>

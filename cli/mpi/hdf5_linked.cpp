@@ -1,4 +1,4 @@
-// clvotess-mpi is linked with the HDF5 that writes from several ranks, so it loads no module.
+// clvotess-mpi links the parallel HDF5, so it loads no module.
 #include "files/formats/hdf5_module.hpp"
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;

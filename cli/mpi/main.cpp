@@ -1,4 +1,4 @@
-// clvotess-mpi: what clvotess does, by the ranks that mpirun starts, each with a share of the seeds.
+// clvotess-mpi: clvotess over the ranks of MPI, each with a share of the seeds.
 #include <mpi.h>
 
 #include <algorithm>
@@ -36,13 +36,13 @@ void print(const std::string& text) {
         throw runtime_failure("cannot write to stdout");
 }
 
-// Tells the domain as that of a run in one memory, and what memory the process has taken so far.
+// Returns an empty result, which holds the domain of the run and the peak memory of the process.
 votess::Tessellation without_seeds(votess::Options options) {
     options.want = {};
     return votess::tessellate(std::span<const double>(), options);
 }
 
-// Blocks have no such option: the seeds are not all at hand when it is asked.
+// Throws Failure for a duplicate. The library cannot: a rank does not know all seeds.
 void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells) {
     ranks.together([&] {
         for (std::size_t i = 0; i < cells.duplicate_of.size(); ++i)
@@ -52,8 +52,8 @@ void refuse_duplicates(const Ranks& ranks, const InputShare& share, const votess
     });
 }
 
-// Adds the mass of each duplicate to that of the seed that keeps the cell, which another rank may have, in the order of
-// the rows. Seeds have the numbers of their rows.
+// Adds the mass of each duplicate to the seed that keeps the cell, in the order of the rows. Another rank may hold that
+// seed. Seeds are numbered by their rows.
 void merge_masses_of_ranks(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells,
                            std::vector<double>& masses) {
     struct Mass {
@@ -78,7 +78,7 @@ void merge_masses_of_ranks(const Ranks& ranks, const InputShare& share, const vo
     }
 }
 
-// What all ranks found, as of one run.
+// Returns the statistics of all ranks as those of one run.
 votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result, const votess::Tessellation& domain) {
     votess::Stats stats = domain.stats();
     std::uint64_t faces = 0, duplicates = 0, empty = 0;
@@ -189,7 +189,7 @@ void complain(const std::string& message) {
     std::abort();
 }
 
-// Where one rank alone fails, the others would wait for it.
+// Ends all ranks after a failure of one, because the others would wait for it.
 [[noreturn]] void fail_alone(int rank, const std::string& message) {
     complain("rank " + std::to_string(rank) + ": " + message);
     abort_all(exit_code::runtime_failure);
@@ -199,9 +199,9 @@ int main_inside(int count, const char* const* values) {
     const Ranks ranks;
     const auto fail = [&](int code, const std::string& message) {
         if (ranks.rank() == 0) complain(message);
-        // MPI_Finalize lets HDF5 close its files, which it may not survive when that of the output could not be closed.
+        // MPI_Finalize makes HDF5 close its files, which may crash after a failed close.
         if (code == exit_code::runtime_failure) {
-            MPI_Barrier(MPI_COMM_WORLD);  // so that all have removed what they wrote, and rank 0 has told why
+            MPI_Barrier(MPI_COMM_WORLD);  // until all have removed their files, and rank 0 has printed the error
             abort_all(code);
         }
         return code;

@@ -46,7 +46,7 @@ std::string answer_of_ranks(int count, const char* const* values) {
     };
     if (given("-h") || given("--help") || given("--help-all")) return std::string(text);
     if (given("--version")) return "clvotess-mpi " VOTESS_VERSION_STRING "\n";
-    throw bad_input("--man, --completion and --list-devices are those of clvotess: run clvotess");
+    throw bad_input("--man, --completion and --list-devices work with clvotess only: run clvotess");
 }
 
 void refuse_for_ranks(const Arguments& arguments) {

@@ -1,4 +1,4 @@
-// What clvotess-mpi answers, and refuses, of the options of clvotess.
+// Options of clvotess that clvotess-mpi answers itself or refuses.
 #pragma once
 
 #include <string>
@@ -7,11 +7,10 @@
 
 namespace clvotess {
 
-// The answer to --help, --version and their kin, which clvotess would give another way. Throws Failure for those that
-// only clvotess has.
+// Returns the answer to --help, --version and the like. Throws Failure for options that only clvotess has.
 [[nodiscard]] std::string answer_of_ranks(int count, const char* const* values);
 
-// Throws Failure with the first option that is refused, and why.
+// Throws Failure for the first option that ranks cannot do.
 void refuse_for_ranks(const Arguments& arguments);
 
 }  // namespace clvotess

@@ -10,7 +10,7 @@
 namespace clvotess {
 namespace {
 
-constexpr std::size_t most_bytes = std::size_t{1} << 30;  // MPI counts by int
+constexpr std::size_t max_bytes = std::size_t{1} << 30;  // MPI counts by int
 
 std::uint64_t reduced(std::uint64_t value, MPI_Op operation) {
     std::uint64_t result = 0;
@@ -18,11 +18,11 @@ std::uint64_t reduced(std::uint64_t value, MPI_Op operation) {
     return result;
 }
 
-// Calls pass(begin, count) for pieces that an int counts.
+// Calls pass(begin, count) for pieces whose size fits an int.
 template <class Pass>
 void in_pieces(std::size_t bytes, const Pass& pass) {
-    for (std::size_t begin = 0; begin < bytes; begin += most_bytes)
-        pass(begin, static_cast<int>(std::min(most_bytes, bytes - begin)));
+    for (std::size_t begin = 0; begin < bytes; begin += max_bytes)
+        pass(begin, static_cast<int>(std::min(max_bytes, bytes - begin)));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// The ranks that run the program together: what one has wrong all say, once.
+// The ranks of a run. A failure of one rank becomes a failure of all, reported once.
 #pragma once
 
 #include <mpi.h>
@@ -12,13 +12,13 @@
 
 namespace clvotess {
 
-// What all ranks throw together.
+// Thrown by all ranks together.
 class CommonFailure : public Failure {
 public:
     using Failure::Failure;
 };
 
-// Those of MPI_COMM_WORLD. All calls but rank() and size() are collective.
+// The ranks of MPI_COMM_WORLD. All calls except rank() and size() are collective.
 class Ranks {
 public:
     Ranks();
@@ -26,23 +26,24 @@ public:
     [[nodiscard]] int rank() const noexcept { return rank_; }
     [[nodiscard]] int size() const noexcept { return size_; }
 
-    // Does the work on each rank. Where some fail, all throw the failure of the lowest, which is named unless all fail.
+    // Calls work() on each rank. If some fail, all throw the failure of the lowest rank; its number is in the message
+    // unless all fail.
     void together(const std::function<void()>& work) const;
-    // The same of what rank 0 alone does, which is not named.
+    // Calls work() on rank 0. If it fails, all throw the failure.
     void first_alone(const std::function<void()>& work) const;
 
     [[nodiscard]] std::uint64_t sum(std::uint64_t value) const;
     [[nodiscard]] std::uint64_t maximum(std::uint64_t value) const;
-    [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;  // of lower ranks
+    [[nodiscard]] std::uint64_t sum_before(std::uint64_t value) const;  // over lower ranks
     [[nodiscard]] bool any(bool value) const { return maximum(value ? 1 : 0) > 0; }
 
-    // What rank 0 has goes to all.
+    // Sends the bytes of rank 0 to all.
     void broadcast(std::vector<char>& bytes) const;
-    // What rank 0 has for each goes there; others give nothing. Returns what came.
+    // Sends the entry r of rank 0 to rank r; the argument of others is ignored. Returns the received bytes.
     [[nodiscard]] std::vector<char> deal(std::vector<std::vector<char>>&& of_ranks) const;
-    // What each rank has for each goes there. Returns what came, in the order of the ranks.
+    // Sends entry r of each rank to rank r. Returns the received bytes, in the order of the senders.
     [[nodiscard]] std::vector<char> exchange(const std::vector<std::vector<char>>& for_ranks) const;
-    // The value of each rank.
+    // Returns the value of each rank.
     [[nodiscard]] std::vector<std::uint64_t> gather(std::uint64_t value) const;
 
 private:

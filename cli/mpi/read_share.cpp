@@ -1,5 +1,5 @@
-// .npy and .h5 files are read by all ranks, each its rows. Others cannot be entered in the middle: rank 0 reads them
-// and deals the rows out.
+// Each rank reads its rows of .npy and .h5 files. Other files can only be read from the start: rank 0 reads them and
+// distributes the rows.
 #include "mpi/read_share.hpp"
 
 #include <cstring>
@@ -9,7 +9,7 @@
 namespace clvotess {
 namespace {
 
-// Bytes of what rank 0 has read.
+// Packs what rank 0 has read.
 class Packer {
 public:
     template <class T>
@@ -61,7 +61,7 @@ private:
     std::size_t at_ = 0;
 };
 
-// What belongs to the whole of the file.
+// Packs the properties of the whole file.
 std::vector<char> pack_whole(const Input& input) {
     Packer pack;
     const FileDomain& domain = input.domain;

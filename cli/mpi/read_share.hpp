@@ -1,4 +1,4 @@
-// The rows of the input that a rank reads, or is dealt.
+// The rows of the input that a rank gets.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,13 @@
 namespace clvotess {
 
 struct InputShare {
-    Input input;              // the rows of this rank; what belongs to the whole file all ranks have
-    std::uint64_t first = 0;  // row of the file that they begin with
-    std::uint64_t rows = 0;   // of the file
-    bool has_ids = false;     // on some rank: those without rows have none
+    Input input;              // the rows of this rank; properties of the whole file are on all ranks
+    std::uint64_t first = 0;  // its first row in the file
+    std::uint64_t rows = 0;   // in the file
+    bool has_ids = false;     // on any rank; a rank without rows has none
 };
 
-// Collective. Ranks have consecutive rows, about as many each.
+// Collective. Returns consecutive rows, about equally many for each rank.
 [[nodiscard]] InputShare read_share(const Ranks& ranks, const Arguments& arguments);
 
 }  // namespace clvotess

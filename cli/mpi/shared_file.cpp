@@ -13,13 +13,13 @@
 namespace clvotess {
 namespace {
 
-// A handler may use no more than this, and MPI calls do not return when a rank has died.
+// The name that a signal handler removes. A handler may use little else, and MPI calls hang after the death of a rank.
 std::array<char, 4096> temporary_of_handler{};
 constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
 
-// A signal that comes while rank 0 makes the file waits until the name is known.
+// A signal during the creation of the file is handled when its name is known.
 constexpr int settled = 0, making = -1;
-std::atomic<int> state{settled};  // or the signal that waits
+std::atomic<int> state{settled};  // or the pending signal
 static_assert(std::atomic<int>::is_always_lock_free);
 
 void remove_and_end(int signal) {
@@ -62,7 +62,7 @@ SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ran
     ranks.together([&] {
         if (access(temporary_.c_str(), F_OK) != 0)
             throw runtime_failure("cannot see " + in_quotes(temporary_) +
-                                  ", which rank 0 has made: name a folder that all machines share");
+                                  ", which rank 0 created: name a folder that all machines share");
     });
 }
 
@@ -77,7 +77,7 @@ Failure SharedFile::write_failure(int error) const {
 }
 
 void SharedFile::publish() {
-    ranks_.together([&] { sync_file(temporary_); });  // each machine has bytes of its own to bring
+    ranks_.together([&] { sync_file(temporary_); });  // each machine syncs its own bytes
     ranks_.first_alone([&] {
         file_->finish();
         file_->publish();

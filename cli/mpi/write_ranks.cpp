@@ -11,13 +11,13 @@
 namespace clvotess {
 namespace {
 
-// The rows of one rank as arrays of the file, which result_arrays() names.
+// The rows of one rank as arrays of the file, in the order of result_arrays().
 class RankArrays {
 public:
     RankArrays(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells, const OutputData& data) {
         const std::uint64_t entries = cells.neighbors.size(), first_entry = ranks.sum_before(entries);
         const std::uint64_t all_entries = ranks.sum(entries);
-        // The rank with the last rows also states where they end.
+        // The last rank also holds the end of the rows.
         const bool last = ranks.rank() + 1 == ranks.size();
         indptr_.assign(cells.indptr.begin(), cells.indptr.end() - (last ? 0 : 1));
         for (std::int64_t& at : indptr_) at += static_cast<std::int64_t>(first_entry);
@@ -91,7 +91,7 @@ void write_ranks(const Ranks& ranks, const std::vector<std::string>& paths, cons
                          attributes,
                          [&](const std::function<void()>& work) {
                              ranks.together([&] {
-                                 errno = 0;  // HDF5 leaves what others left
+                                 errno = 0;  // HDF5 does not reset it
                                  work();
                              });
                          },

@@ -1,4 +1,4 @@
-// The result of all ranks in one HDF5 file, with the arrays and attributes that clvotess writes.
+// Writes the result of all ranks into one HDF5 file, with the arrays and attributes of clvotess.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace clvotess {
 
-// Collective, to each path. data: with a tessellation of no seeds for the domain.
+// Collective. Writes to each path. data: its tessellation has no seeds, and states the domain.
 void write_ranks(const Ranks& ranks, const std::vector<std::string>& paths, const InputShare& share,
                  const votess::BlockCells& cells, const OutputData& data);
 

@@ -36,8 +36,7 @@ std::string xml_escaped(const std::string& text) {
     return result;
 }
 
-// VTK's image data: numbers of grid cells, x first. Along an axis that is projected there is one cell, as long as the
-// box.
+// Writes VTK's image data: numbers of grid cells, x fastest. A projected axis has one cell, as long as the box.
 void write_vti(OutputFile& file, const GridOutput& grid) {
     std::array<std::size_t, 3> cells = grid.options.shape;
     if (grid.options.project) cells[static_cast<std::size_t>(*grid.options.project)] = 1;
@@ -84,7 +83,7 @@ std::vector<std::uint64_t> GridOutput::shape() const {
 
 void check_grid_outputs(const std::vector<std::string>& outputs, bool has_image, const std::string& input) {
     if (outputs.empty() && !has_image)
-        throw bad_input("--to-grid makes a grid: add -o FILE.npy, FILE.h5 or FILE.vti, or --image FILE.png");
+        throw bad_input("--to-grid needs an output: add -o FILE.npy, FILE.h5 or FILE.vti, or --image FILE.png");
     for (const std::string& path : outputs) {
         if (path == "-" || !(is_hdf5(path) || extension_of(path) == ".npy" || extension_of(path) == ".vti"))
             throw bad_input("--to-grid writes .npy, .h5 and .vti, not " + in_quotes(path));
@@ -96,8 +95,7 @@ void check_grid_outputs(const std::vector<std::string>& outputs, bool has_image,
 void check_grid_domain(const std::vector<std::string>& outputs, const votess::Tessellation& domain) {
     for (const std::string& path : outputs)
         if (domain.cell() && extension_of(path) == ".vti")
-            throw bad_input(in_quotes(path) + ": grids of VTK have right angles, not those of a triclinic box: write " +
-                            ".npy or .h5");
+            throw bad_input(in_quotes(path) + ": .vti cannot hold the grid of a triclinic box: write .npy or .h5");
 }
 
 void write_grid(OutputFile& file, const std::string& path, const GridOutput& grid) {

@@ -53,45 +53,45 @@ void check_located_outputs(const Arguments& arguments) {
 
 std::string run_locate(const Arguments& arguments) {
     StageTimes times;
-    const Asked asked = read_and_sort(arguments, arguments.locate, {}, times);
+    const QueryInput input = read_and_sort(arguments, arguments.locate, {}, times);
     const std::vector<std::int32_t> seeds = run_query(
         arguments, times, "locate",
-        [&](const votess::ProgressCallback& callback) { return asked.diagram.locate(asked.queries.points, callback); });
+        [&](const votess::ProgressCallback& callback) { return input.diagram.locate(input.queries.points, callback); });
 
     write_numbers(arguments.outputs,
                   [&](OutputFile& file, const std::string& path) { write_located(file, path, seeds); });
     times.end("write");
     const QueryCount outside{"outside", "outside of the domain", std::ranges::count(seeds, -1)};
-    return query_summary(arguments, "located", asked, {&outside, 1}, times);
+    return query_summary(arguments, "located", input, {&outside, 1}, times);
 }
 
 void check_probed_outputs(const Arguments& arguments) {
-    if (arguments.outputs.empty()) throw bad_input("--probe makes a cell for each query: add -o FILE, or - for stdout");
+    if (arguments.outputs.empty()) throw bad_input("--probe needs an output: add -o FILE, or -o - for stdout");
     for (const std::string& path : arguments.outputs)
-        if (!carries_columns(path))  // a mesh of all cells
+        if (!carries_columns(path))  // a mesh of all cells, which share vertices
             throw bad_input("--probe writes text, .npz, .h5 and .vtu, not " + in_quotes(path) +
-                            ", for cells of queries do not fit together");
+                            ": the cells of queries overlap and form no mesh");
 }
 
 std::string run_probe(const Arguments& arguments) {
     StageTimes times;
-    Asked asked = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
+    QueryInput input = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
     votess::ProbeOptions options;
     options.want = arguments.wanted;
     options.list_walls = arguments.options.list_walls;
-    const std::vector<double> sizes = sizes_of_queries(arguments, asked);
+    const std::vector<double> sizes = sizes_of_queries(arguments, input);
     (arguments.has_radii ? options.radii : options.weights) = sizes;
     const votess::Tessellation cells =
         run_query(arguments, times, "probe", [&](const votess::ProgressCallback& callback) {
             options.progress = callback;
-            return asked.diagram.probe(asked.queries.points, options);
+            return input.diagram.probe(input.queries.points, options);
         });
 
     const InterruptGuard guard;
-    asked.queries.units = std::move(asked.seeds.units);
+    input.queries.units = std::move(input.seeds.units);
     const std::vector<InputColumn> carried;
-    write_outputs(arguments.outputs, {asked.queries, cells, arguments.wanted, arguments.format, options.radii,
-                                      asked.domain_from, carried, arguments.coloring});
+    write_outputs(arguments.outputs, {input.queries, cells, arguments.wanted, arguments.format, options.radii,
+                                      input.domain_from, carried, arguments.coloring});
     times.end("write");
     const auto count = [&](votess::CellStatus status) { return std::ranges::count(cells.status(), status); };
     const std::array counts{
@@ -99,19 +99,19 @@ std::string run_probe(const Arguments& arguments) {
         QueryCount{"duplicates", "at the place of a seed", count(votess::CellStatus::duplicate)},
         QueryCount{"empty", "without a cell among heavier seeds", count(votess::CellStatus::empty)},
     };
-    return query_summary(arguments, "probed", asked, counts, times);
+    return query_summary(arguments, "probed", input, counts, times);
 }
 
 void check_interpolated_outputs(const Arguments& arguments) {
     check_number_outputs(arguments.outputs, {arguments.input, arguments.interpolate}, "--interpolate",
-                         "makes numbers for each query");
+                         "computes numbers for each query");
 }
 
 std::string run_interpolate(const Arguments& arguments) {
     StageTimes times;
-    const Asked asked = read_and_sort(arguments, arguments.interpolate, request_of_queries(arguments), times);
-    const Values values = values_of(asked.seeds, arguments.has_weights ? 1 : 0);
-    std::vector<double> weights = sizes_of_queries(arguments, asked);
+    const QueryInput input = read_and_sort(arguments, arguments.interpolate, request_of_queries(arguments), times);
+    const Values values = values_of(input.seeds, arguments.has_weights ? 1 : 0);
+    std::vector<double> weights = sizes_of_queries(arguments, input);
     for (double& weight : weights)
         if (arguments.has_radii) weight *= weight;
     votess::NaturalOptions options;
@@ -120,7 +120,7 @@ std::string run_interpolate(const Arguments& arguments) {
     const std::vector<double> field =
         run_query(arguments, times, "interpolate", [&](const votess::ProgressCallback& callback) {
             options.progress = callback;
-            return asked.diagram.interpolate(values.rows, values.components, asked.queries.points, options).values;
+            return input.diagram.interpolate(values.rows, values.components, input.queries.points, options).values;
         });
 
     write_numbers(arguments.outputs, [&](OutputFile& file, const std::string& path) {
@@ -130,7 +130,7 @@ std::string run_interpolate(const Arguments& arguments) {
     std::ptrdiff_t without = 0;
     for (std::size_t k = 0; k < field.size(); k += values.components) without += std::isnan(field[k]) ? 1 : 0;
     const QueryCount nowhere{"without", "without natural neighbors", without};
-    return query_summary(arguments, "interpolated", asked, {&nowhere, 1}, times);
+    return query_summary(arguments, "interpolated", input, {&nowhere, 1}, times);
 }
 
 }  // namespace clvotess

@@ -1,4 +1,4 @@
-// --locate, --probe and --interpolate: what the seeds have at the points of another file.
+// --locate, --probe and --interpolate: queries at the points of another file.
 #pragma once
 
 #include <string>

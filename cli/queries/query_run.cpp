@@ -30,25 +30,25 @@ std::string StageTimes::json() const {
     return text + "}";
 }
 
-Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
-                    StageTimes& times) {
-    Asked asked;
-    asked.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
+QueryInput read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
+                         StageTimes& times) {
+    QueryInput input;
+    input.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
                                          : read_input(arguments.input, arguments.read);
-    if (!queries.empty()) asked.queries = read_input(queries, of_queries);
+    if (!queries.empty()) input.queries = read_input(queries, of_queries);
     votess::Options options = arguments.options;
     if (arguments.has_weights) {
-        const InputColumn none{arguments.read.columns.at(0), 1, {}};  // of a file of no points
-        const InputColumn& column = asked.seeds.columns.empty() ? none : asked.seeds.columns.front();
+        const InputColumn none{arguments.read.columns.at(0), 1, {}};  // for a file of no points
+        const InputColumn& column = input.seeds.columns.empty() ? none : input.seeds.columns.front();
         (arguments.has_radii ? options.radii : options.weights) = one_each(column);
     }
-    asked.domain_from = choose_domain(asked.seeds.domain, arguments.periodic, options);
+    input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options);
     times.end("read");
-    asked.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
+    input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;
-        return votess::Diagram(asked.seeds.points, options);
+        return votess::Diagram(input.seeds.points, options);
     });
-    return asked;
+    return input;
 }
 
 Values values_of(const Input& seeds, std::size_t first_column) {
@@ -58,7 +58,7 @@ Values values_of(const Input& seeds, std::size_t first_column) {
     for (std::size_t i = 0; i < seeds.size(); ++i)
         for (const InputColumn& column : columns)
             for (std::size_t k = 0; k < column.width; ++k) values.rows.push_back(column.values[column.width * i + k]);
-    values.components = std::max<std::size_t>(values.components, 1);  // of a file of no points
+    values.components = std::max<std::size_t>(values.components, 1);  // for a file of no points
     return values;
 }
 
@@ -70,10 +70,10 @@ ReadRequest request_of_queries(const Arguments& arguments) {
     return request;
 }
 
-std::vector<double> sizes_of_queries(const Arguments& arguments, const Asked& asked) {
-    if (!arguments.has_weights || asked.diagram.size() == 0) return {};
-    if (asked.queries.columns.empty()) return std::vector<double>(asked.queries.size());
-    const auto column = one_each(asked.queries.columns.front());
+std::vector<double> sizes_of_queries(const Arguments& arguments, const QueryInput& input) {
+    if (!arguments.has_weights || input.diagram.size() == 0) return {};
+    if (input.queries.columns.empty()) return std::vector<double>(input.queries.size());
+    const auto column = one_each(input.queries.columns.front());
     return {column.begin(), column.end()};
 }
 
@@ -103,9 +103,9 @@ void write_numbers(const std::vector<std::string>& outputs,
     for (OutputFile& file : files) file.publish();
 }
 
-std::string query_summary(const Arguments& arguments, const std::string& done, const Asked& asked,
+std::string query_summary(const Arguments& arguments, const std::string& done, const QueryInput& input,
                           std::span<const QueryCount> counts, const StageTimes& times) {
-    const std::string points = std::to_string(asked.diagram.size()), queries = std::to_string(asked.queries.size());
+    const std::string points = std::to_string(input.diagram.size()), queries = std::to_string(input.queries.size());
     if (arguments.json) {
         std::string text = "{\"version\": \"" VOTESS_VERSION_STRING "\", \"points\": " + points;
         text += ", \"queries\": " + queries;

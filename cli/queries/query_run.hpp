@@ -1,5 +1,4 @@
-// What --locate, --probe, --interpolate and --to-grid share: files of points, the seeds sorted, and what the run tells
-// at its end.
+// Steps that --locate, --probe, --interpolate and --to-grid share: reading, the diagram, outputs, the summary.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +17,12 @@
 
 namespace clvotess {
 
-// Wall-clock seconds of the stages of a run, in their order.
+// Wall-clock seconds of the stages of a run, in order.
 class StageTimes {
 public:
-    // Ends the stage of that name, which began where the one before has ended.
+    // Ends a stage, which began when the previous one ended.
     void end(const char* stage);
-    [[nodiscard]] std::string json() const;  // an object: the total, then the stages
+    [[nodiscard]] std::string json() const;  // an object: the total, then each stage
     [[nodiscard]] Progress::Clock::time_point began() const { return began_; }
 
 private:
@@ -32,17 +31,18 @@ private:
     std::vector<std::pair<const char*, double>> stages_;
 };
 
-struct Asked {
+struct QueryInput {
     Input seeds, queries;
     DomainFrom domain_from;
     votess::Diagram diagram;
 };
 
-// Ends the stages read and sort. queries: their file, or none; of_queries: what to take out of it.
-[[nodiscard]] Asked read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
-                                  StageTimes& times);
+// Reads seeds and queries, and builds the diagram. Ends the stages read and sort. queries: a file, or empty;
+// of_queries: what to read from it.
+[[nodiscard]] QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
+                                       const ReadRequest& of_queries, StageTimes& times);
 
-// Returns query(callback), which shows a bar and which Ctrl-C stops. Ends the stage of that name.
+// Returns query(callback) and ends the stage. The callback shows a bar and stops the query after Ctrl-C.
 template <class Query>
 [[nodiscard]] auto run_query(const Arguments& arguments, StageTimes& times, const char* stage, const Query& query) {
     Progress progress(!arguments.quiet, times.began());
@@ -51,36 +51,36 @@ template <class Query>
     return result;
 }
 
-// Columns of the seeds side by side, a row for each.
+// The columns of the seeds side by side, one row for each seed.
 struct Values {
     std::vector<double> rows;
     std::size_t components = 0;
 };
 [[nodiscard]] Values values_of(const Input& seeds, std::size_t first_column);
 
-// What to take out of the file of the queries: their weights or radii, if the seeds have them.
+// Returns what to read from the file of the queries: weights or radii, if the seeds have them.
 [[nodiscard]] ReadRequest request_of_queries(const Arguments& arguments);
-// These, 0 where their file lacks that column; none where the seeds have none.
-[[nodiscard]] std::vector<double> sizes_of_queries(const Arguments& arguments, const Asked& asked);
+// Returns the weights or radii of the queries: 0 where their file lacks the column; empty where the seeds have none.
+[[nodiscard]] std::vector<double> sizes_of_queries(const Arguments& arguments, const QueryInput& input);
 
-// Outputs that hold nothing but numbers.
+// Returns whether the output is .npy.
 [[nodiscard]] bool is_npy_output(const std::string& path);
-// Throws Failure: some output, .npy or text each. option, does: for messages.
+// Throws Failure unless there are outputs, each .npy or text. option, does: for messages.
 void check_number_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs,
                           const std::string& option, const std::string& does);
-// All of them, or none.
+// Writes all outputs, or none.
 void write_numbers(const std::vector<std::string>& outputs,
                    const std::function<void(OutputFile&, const std::string& path)>& write);
 
-// Queries of one kind.
+// The number of queries of one kind.
 struct QueryCount {
     const char* name;  // in JSON
     const char* text;  // for people
     std::ptrdiff_t number;
 };
 
-// The summary or its JSON object; empty with --quiet, and where rows have stdout to themselves. done: "located".
-[[nodiscard]] std::string query_summary(const Arguments& arguments, const std::string& done, const Asked& asked,
+// Returns the summary or its JSON object; empty with --quiet, and when rows go to stdout. done: such as "located".
+[[nodiscard]] std::string query_summary(const Arguments& arguments, const std::string& done, const QueryInput& input,
                                         std::span<const QueryCount> counts, const StageTimes& times);
 
 }  // namespace clvotess

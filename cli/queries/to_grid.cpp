@@ -65,10 +65,10 @@ votess::GridOptions read_grid(const TypedGrid& typed, bool has_values) {
     if (method == methods.end())
         throw bad_input("--to-grid must be mean, dtfe, nearest or sibson, not " + in_quotes(*typed.method));
     grid.method = static_cast<votess::GridMethod>(method - methods.begin());
-    if (!typed.shape) throw bad_input("--to-grid needs --shape NX,NY,NZ: how many grid cells");
+    if (!typed.shape) throw bad_input("--to-grid needs the number of grid cells: add --shape NX,NY,NZ");
     grid.shape = read_shape(*typed.shape);
     if (!has_values && grid.method != votess::GridMethod::dtfe)
-        throw bad_input("--to-grid " + *typed.method + " needs --values COLUMN: which column of INPUT is the field");
+        throw bad_input("--to-grid " + *typed.method + " needs a field: add --values COLUMN");
     if (!typed.project) return grid;
     if (*typed.project != "x" && *typed.project != "y" && *typed.project != "z")
         throw bad_input("--project must be x, y or z, not " + in_quotes(*typed.project));
@@ -80,7 +80,7 @@ void check_grid(const Arguments& arguments) {
     check_grid_outputs(arguments.outputs, arguments.picture.has_value(), arguments.input);
     if (!arguments.picture) return;
     const votess::GridOptions& grid = *arguments.to_grid;
-    if (!grid.project) throw bad_input("--image shows a grid as it is seen along an axis: add --project x, y or z");
+    if (!grid.project) throw bad_input("--image shows a projected grid: add --project x, y or z");
     for (int k = 0; k < 3; ++k)
         if (k != grid.project && grid.shape[static_cast<std::size_t>(k)] > 16384)
             throw bad_input(
@@ -89,17 +89,17 @@ void check_grid(const Arguments& arguments) {
 
 std::string run_to_grid(const Arguments& arguments) {
     StageTimes times;
-    const Asked asked = read_and_sort(arguments, "", {}, times);
+    const QueryInput input = read_and_sort(arguments, "", {}, times);
     const std::size_t first_column = arguments.has_weights ? 1 : 0;
-    Values values = values_of(asked.seeds, first_column);
-    std::vector<std::string> names = names_of(asked.seeds, first_column);
-    if (arguments.read.columns.size() == first_column) {  // masses of 1
+    Values values = values_of(input.seeds, first_column);
+    std::vector<std::string> names = names_of(input.seeds, first_column);
+    if (arguments.read.columns.size() == first_column) {  // default: masses of 1
         names = {"density"};
-        values.rows.assign(asked.diagram.size(), 1);
+        values.rows.assign(input.diagram.size(), 1);
     }
-    names.resize(values.components);  // of a file of no points
+    names.resize(values.components);  // for a file of no points
     if (arguments.picture && values.components > 1) throw bad_input("--image shows one column: name one with --values");
-    const votess::Tessellation domain = asked.diagram.probe({});
+    const votess::Tessellation domain = input.diagram.probe({});
     check_grid_domain(arguments.outputs, domain);
     votess::GridOptions options = *arguments.to_grid;
     options.columns = values.components;
@@ -112,12 +112,12 @@ std::string run_to_grid(const Arguments& arguments) {
     std::vector<double> numbers(size);
     const std::size_t without = run_query(arguments, times, "grid", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;
-        return asked.diagram.to_grid(values.rows, options, numbers);
+        return input.diagram.to_grid(values.rows, options, numbers);
     });
     options.progress = nullptr;
 
     const GridOutput grid{numbers,          options, methods.at(static_cast<std::size_t>(options.method)),
-                          std::move(names), domain,  asked.domain_from};
+                          std::move(names), domain,  input.domain_from};
     const InterruptGuard guard;
     std::deque<OutputFile> files;
     for (const std::string& path : arguments.outputs) {
@@ -131,7 +131,7 @@ std::string run_to_grid(const Arguments& arguments) {
     throw_if_interrupted();
     for (OutputFile& file : files) file.publish();
     times.end("write");
-    return summary(arguments, grid, asked.diagram.size(), without, times);
+    return summary(arguments, grid, input.diagram.size(), without, times);
 }
 
 }  // namespace clvotess

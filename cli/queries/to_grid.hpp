@@ -1,4 +1,4 @@
-// --to-grid: what the points carry, on a regular grid.
+// --to-grid: values of the points on a regular grid.
 #pragma once
 
 #include <optional>
@@ -13,12 +13,12 @@ struct TypedGrid {
     std::optional<std::string> method, shape, project;
 };
 
-// The grid that they ask for. has_values: whether --values is there.
+// Returns the grid that the options describe. has_values: with --values.
 [[nodiscard]] votess::GridOptions read_grid(const TypedGrid& typed, bool has_values);
-// Some outputs, or a picture, of kinds that hold a grid.
+// Throws Failure unless there are outputs or a picture that can hold the grid.
 void check_grid(const Arguments& arguments);
 
-// The rest of the command line is checked. Returns what to print, the summary or its JSON object; empty with --quiet.
+// Runs the query and returns the text to print: the summary or its JSON object; empty with --quiet.
 [[nodiscard]] std::string run_to_grid(const Arguments& arguments);
 
 }  // namespace clvotess

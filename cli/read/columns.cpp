@@ -8,7 +8,7 @@
 namespace clvotess {
 namespace {
 
-// A column that has only a number is called column_NUMBER.
+// Returns the name of a column; column_NUMBER for one without a name.
 std::string name_of(std::string_view name) {
     return (read_uint64(name) ? "column_" : "") + std::string(name);
 }
@@ -19,10 +19,10 @@ std::optional<std::size_t> find(const Words& names, const std::string& name) {
     return static_cast<std::size_t>(at - names.begin());
 }
 
-// By name, or by number from 1.
-std::optional<std::size_t> find_any(const Words& names, const std::string& wish) {
-    if (const auto same = find(names, wish)) return same;
-    if (const auto number = read_uint64(wish); number && *number >= 1 && *number <= names.size()) return *number - 1;
+// Finds a column by name, or by number from 1.
+std::optional<std::size_t> find_any(const Words& names, const std::string& name) {
+    if (const auto same = find(names, name)) return same;
+    if (const auto number = read_uint64(name); number && *number >= 1 && *number <= names.size()) return *number - 1;
     return std::nullopt;
 }
 
@@ -38,23 +38,23 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
         throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(max_columns) +
                         " that are read");
     }
-    for (const std::string& wish : request.columns) {
-        if (!find(names, wish) && find(names, wish + "_1")) {
+    for (const std::string& name : request.columns) {
+        if (!find(names, name) && find(names, name + "_1")) {
             Place& place = places_.emplace_back();
-            place.name = wish;
+            place.name = name;
             for (std::size_t part = 1;; ++part) {
-                const auto at = find(names, wish + "_" + std::to_string(part));
+                const auto at = find(names, name + "_" + std::to_string(part));
                 if (!at) break;
                 place.at.push_back(*at);
             }
             continue;
         }
-        if (const auto at = find_any(names, wish)) {
+        if (const auto at = find_any(names, name)) {
             places_.push_back({name_of(names[*at]), {*at}});
         } else if (!request.columns_may_lack) {
             std::string list;
-            for (const std::string_view name : names) add_name(list, name);
-            throw bad_input(where + ": no column " + in_quotes(wish) + "; there are " + list);
+            for (const std::string_view known : names) add_name(list, known);
+            throw bad_input(where + ": no column " + in_quotes(name) + "; there are " + list);
         }
     }
 }

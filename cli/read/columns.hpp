@@ -1,4 +1,4 @@
-// Columns that a run wants beside coordinates and ids: weights or radii, and what is carried into the output.
+// Columns that a run requests in addition to coordinates and ids: weights or radii, masses, carried columns.
 #pragma once
 
 #include <span>
@@ -10,26 +10,26 @@
 
 namespace clvotess {
 
-// The names, and numbers from 1 for columns beyond them.
+// Returns the names; numbers from 1 for columns without a name.
 [[nodiscard]] std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns);
 
-// Where the columns that a run wants lie in the rows of a file. Those of one vector NAME may be called NAME_1, NAME_2.
+// Places of the requested columns in the rows of a file. A vector NAME may consist of columns NAME_1, NAME_2, ...
 class ColumnPlaces {
 public:
-    // names: of all columns, numbers from 1 where they have none. where: for messages. Throws Failure when a column
-    // that the request names is missing and may not be, or when there are too many columns.
+    // names: of all columns; numbers from 1 where they have none. where: for messages. Throws Failure when a requested
+    // column is missing and required, or when there are too many columns.
     ColumnPlaces(const ReadRequest& request, const Words& names, const std::string& where);
 
-    // For `all`: adds the columns that are not taken, for coordinates and ids, and hold a number in this row.
+    // Adds the columns that hold a number in this row and are not `taken` for coordinates and ids, for --copy all.
     void add_others(const Words& names, std::span<const std::size_t> taken, const Words& row);
 
-    // Whether a column is wanted.
+    // Returns whether a column is requested.
     [[nodiscard]] bool holds(std::size_t column) const;
-    // One more than the highest column that is wanted.
+    // Returns one more than the last requested column.
     [[nodiscard]] std::size_t end() const;
-    // The columns, still empty, with room for so many rows.
+    // Returns empty columns with room for `rows` rows.
     [[nodiscard]] std::vector<InputColumn> columns(std::size_t rows) const;
-    // Adds a row: number(k, name) is that of column k, and `name` that of the array.
+    // Adds a row. number(k, name) returns the number in column k, for the array `name`.
     template <typename Number>
     void append(std::vector<InputColumn>& columns, Number number) const {
         for (std::size_t c = 0; c < places_.size(); ++c) {

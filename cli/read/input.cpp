@@ -29,11 +29,11 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
 
 void refuse_columns(const std::string& path, const ReadRequest& request) {
     if (!request.columns.empty() && !request.columns_may_lack)
-        throw bad_input(path + ": one array has no column " + in_quotes(request.columns[0]));
+        throw bad_input(path + ": a single array has no column " + in_quotes(request.columns[0]));
 }
 
-// The extension that says what the file is. LAMMPS's own examples are called data.NAME and dump.NAME, VASP's files
-// POSCAR and CONTCAR with or without more behind it.
+// Returns the extension that names the format. LAMMPS calls its examples data.NAME and dump.NAME, VASP its files POSCAR
+// and CONTCAR with or without a suffix.
 std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
@@ -49,7 +49,7 @@ std::string kind_of(const std::string& path) {
     return extension;
 }
 
-// The base of a snapshot in several files may lack the extension.
+// Returns whether the path is the base of a snapshot in several files, without extension.
 bool is_snapshot_base(const std::string& path) {
     std::error_code problem;
     if (std::filesystem::exists(path, problem)) return false;
@@ -119,7 +119,7 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
     constexpr std::array<std::string_view, 5> binary{".h5", ".hdf5", ".npy", ".npz", ".ply"};
     if (packed && std::ranges::find(binary, extension) != binary.end()) {
-        throw bad_input("cannot read " + in_quotes(path) + ": only text is read packed; unpack it with gunzip");
+        throw bad_input("cannot read " + in_quotes(path) + ": only text can be packed: unpack it with gunzip");
     }
     if (extension == ".npy") {
         refuse_columns(path, request);
@@ -133,12 +133,14 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         return parser(bytes, path == "-" ? "stdin" : path, request);
     };
     if (extension == ".txt" || extension == ".dat" || extension.empty()) {
-        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::plain, name, wish); });
+        return parse(
+            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::plain, name, request); });
     }
     if (extension == ".xyz") return parse(parse_xyz);
     if (extension == ".vasp") return parse(parse_poscar);
     if (extension == ".csv") {
-        return parse([](auto bytes, auto& name, auto& wish) { return parse_text(bytes, TextKind::csv, name, wish); });
+        return parse(
+            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });
     }
     if (extension == ".npz") return parse(parse_npz);
     if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
@@ -166,13 +168,13 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
     throw bad_input(
         "--memory reads .npy, .h5 and rows of text (.txt .dat .csv, .xyz without frames, no extension, stdin as "
         "-), not " +
-        in_quotes(path) + ": leave it out, or make one of these of it");
+        in_quotes(path) + ": leave --memory out, or convert the file");
 }
 
 std::span<const double> one_each(const InputColumn& column) {
     if (column.width == 1) return column.values;
     throw bad_input("the column " + in_quotes(column.name) + " has " + std::to_string(column.width) +
-                    " numbers for each point, expected one");
+                    " numbers for each point: name a column with one");
 }
 
 }  // namespace clvotess

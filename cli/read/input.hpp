@@ -1,4 +1,4 @@
-// The seeds: from a file, from stdin, or made up. One source file per family of formats.
+// The seeds: from a file, from stdin, or random. One source file for each family of formats.
 #pragma once
 
 #include <algorithm>
@@ -16,30 +16,30 @@
 
 namespace clvotess {
 
-// Where a property of the domain comes from.
+// The source of a property of the domain.
 enum class DomainSource : std::uint8_t {
-    option,     // of the command line
+    option,     // from the command line
     stated,     // by the file
-    assumed,    // by a rule of the format, because the file does not state it
-    by_default  // because nothing says otherwise: the bounds of the points, no periodic axis
+    assumed,    // by a rule of the format, where the file does not state it
+    by_default  // the bounds of the points, no periodic axis
 };
 
-// The domain that a file gives to its points.
+// The domain that a file states.
 struct FileDomain {
     std::optional<votess::Box> box;
     std::array<bool, 3> periodic{};            // may be stated without a box
-    std::optional<votess::TriclinicBox> cell;  // instead of box and periodic, with its own
-    std::vector<votess::Wall> walls;           // that cut the box
+    std::optional<votess::TriclinicBox> cell;  // instead of box and periodic
+    std::vector<votess::Wall> walls;           // cut the box
     DomainSource periodic_from = DomainSource::by_default;
 };
 
-// A number or a word that belongs to the whole of a file.
+// A number or a text that belongs to the whole file.
 struct Attribute {
     std::string name;
     std::variant<double, std::string> value;
 };
 
-// Numbers beside the points.
+// Values of the points.
 struct InputColumn {
     std::string name;
     std::size_t width = 1;
@@ -48,25 +48,24 @@ struct InputColumn {
 
 struct Input {
     std::vector<double> points;        // 3N: x0 y0 z0 x1 ...
-    std::vector<std::int64_t> ids;     // N when the file has a column of ids, else empty
-    std::vector<InputColumn> columns;  // those that ReadRequest names, in its order, then all others if it says so
+    std::vector<std::int64_t> ids;     // N, or empty without a column of ids
+    std::vector<InputColumn> columns;  // those of ReadRequest::columns, then all others with all_columns
     FileDomain domain;
-    std::vector<Attribute> units;  // that the file states, for the output
-    std::string
-        note;  // what was taken out of a file that holds more; for the summary, empty when there is nothing to say
+    std::vector<Attribute> units;  // stated by the file, for the output
+    std::string note;              // the part of the file that was read, for the summary; may be empty
 
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
 };
 
-// The numbers of a column that has one for each point. Throws Failure when it has more.
+// Returns the numbers of a column with one number for each point. Throws Failure when it has more.
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
 
-// Makes a domain of the arrays that .npz and .h5 hold: 6 numbers of box, 3 flags, 9 and 3 or none, and 4 for each wall.
+// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each.
 [[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
                                        const std::vector<double>& cell, const std::vector<double>& origin,
                                        const std::vector<double>& walls);
 
-// Consecutive rows: one of so many parts of about equal length.
+// Consecutive rows: one of `parts` parts of about equal length.
 struct Share {
     std::uint64_t part = 0, parts = 1;
 
@@ -76,21 +75,21 @@ struct Share {
     [[nodiscard]] std::uint64_t end(std::uint64_t rows) const noexcept { return Share{part + 1, parts}.begin(rows); }
 };
 
-// What to take out of a file.
+// What to read from a file.
 struct ReadRequest {
-    bool text = false;    // rows, whatever the name of the file says
-    std::string dataset;  // HDF5: path of the points; .npz: name of their member; empty: the only one that fits
-    std::vector<std::string> columns;    // by names, or in files of rows numbers from 1
-    bool columns_may_lack = false;       // leaves out those of `columns` that the file has not
-    bool all_columns = false;            // the others too
-    std::optional<std::uint64_t> frame;  // LAMMPS dump, XYZ: which one, from 0; default the first
-    Share share;                         // of the points, where reads_shares() says so; others read all
+    bool text = false;                   // rows of text, whatever the extension is
+    std::string dataset;                 // path of the points in .h5, or member of .npz; empty: the only one that fits
+    std::vector<std::string> columns;    // names, or numbers from 1 in files of rows
+    bool columns_may_lack = false;       // skip those of `columns` that the file lacks
+    bool all_columns = false;            // read the others too
+    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
+    Share share;                         // of the points, for files that reads_shares() accepts
 };
 
-// Whether a share of the file can be read without the rest.
+// Returns whether a share of the file can be read without the rest.
 [[nodiscard]] bool reads_shares(const std::string& path, const ReadRequest& request);
 
-// path: a file with a known extension, or "-" for text on stdin. Throws Failure.
+// Returns the points of a file with a known extension, or of text on stdin for "-". Throws Failure.
 [[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
 
 enum class TextKind {
@@ -98,12 +97,12 @@ enum class TextKind {
     csv,    // may begin with a line of names
 };
 
-// The readers. `name` and `path` are for messages, which begin `name:` or, where there are lines, `name:line:`.
+// The readers of the formats. Messages begin with `name:`, or `name:line:` where there are lines. They throw Failure.
 [[nodiscard]] Input parse_text(std::string_view text, TextKind kind, const std::string& name,
                                const ReadRequest& request = {});
 // Returns whether the first line that is not blank is one whole number, the count of a frame.
 [[nodiscard]] bool holds_frames(std::string_view text, const std::string& name);
-// .xyz: plain text, or frames.
+// Reads .xyz: plain rows, or frames.
 [[nodiscard]] Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
@@ -112,16 +111,16 @@ enum class TextKind {
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input read_npy(const std::string& path, const Share& share = {});
 
-// `count` seeds in the unit box, the same on every machine for the same `rng_seed`.
+// Returns random seeds in the unit box. They depend on `rng_seed` alone, not on the machine.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share = {});
 
-// The seeds of a file in pieces, for those that do not fit into memory.
+// The seeds of a file in pieces, for files larger than memory.
 class InputPieces {
 public:
     virtual ~InputPieces() = default;
-    // Begins with the first one, at first and again; false where that cannot be, or would take long.
+    // Goes back to the first piece. Returns false where that is impossible or slow.
     virtual bool restart() = 0;
-    // The next points with ids and columns, in memory that is used again; false when there are no more.
+    // Reads the next points with ids and columns, into memory that is reused. Returns false at the end.
     virtual bool next(Input& piece) = 0;
 
     FileDomain domain;
@@ -129,7 +128,7 @@ public:
     std::string note;  // complete after the last piece
 };
 
-// rows: about so many in a piece. Throws Failure, also for formats that cannot be read piece by piece.
+// Opens a file in pieces of about `rows` rows. Throws Failure, also for formats that cannot be read in pieces.
 [[nodiscard]] std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request,
                                                        std::size_t rows);
 
@@ -141,10 +140,10 @@ public:
 [[nodiscard]] std::unique_ptr<InputPieces> open_npy(const std::string& path, std::size_t rows);
 [[nodiscard]] std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows);
 
-// Returns how files of a known format that is not read become one that is; empty for other extensions.
+// Returns how to convert a known format that cannot be read; empty for other extensions.
 [[nodiscard]] std::string conversion(std::string_view extension);
 
-// Extension in lower case with its dot; "" when there is none.
+// Returns the extension in lower case with its dot; "" without one.
 [[nodiscard]] std::string extension_of(const std::string& path);
 
 }  // namespace clvotess

@@ -5,11 +5,11 @@
 namespace clvotess {
 namespace {
 
-// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014). Whole-number
-// arithmetic only, so the same seeds everywhere; std::uniform_real_distribution does not promise that.
+// SplitMix64 (Steele, Lea, Flood: Fast splittable pseudorandom number generators, OOPSLA 2014). It uses whole numbers
+// only, so seeds are equal on all machines; std::uniform_real_distribution does not promise that.
 class SplitMix64 {
 public:
-    // Behind the first `skipped` numbers.
+    // Skips the first numbers.
     explicit SplitMix64(std::uint64_t state, std::uint64_t skipped = 0) : state_(state + skipped * step) {}
 
     double uniform() {  // in [0, 1), a multiple of 2^-53

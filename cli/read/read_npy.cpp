@@ -11,7 +11,7 @@ namespace {
 
 class NpyFile {
 public:
-    // A FIFO is refused before it is opened, which would wait for its writer.
+    // Refuses a FIFO before opening it, which would wait for a writer.
     explicit NpyFile(const std::string& path) {
         std::error_code problem;
         if (std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem))

@@ -67,7 +67,8 @@ private:
         return bad_input(name_ + ": no array " + in_quotes(name) + "; there are " + list(all));
     }
 
-    // The member named by --dataset, or `points`, or the only (N, 3) array; nothing when there are x, y, z instead.
+    // Returns the member named by --dataset, or `points`, or the only (N, 3) array; null when there are x, y, z
+    // instead.
     [[nodiscard]] const ZipMember* find_points() const {
         if (!request_.dataset.empty()) {
             if (const ZipMember* const member = find(request_.dataset)) return member;
@@ -88,7 +89,7 @@ private:
         throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
     }
 
-    // The numbers of an array of floats of that shape; empty when there is none.
+    // Returns the numbers of an array of floats of that shape; empty without one.
     [[nodiscard]] std::vector<double> numbers(const char* name, std::size_t rows, std::size_t columns) const {
         std::vector<double> values;
         const ZipMember* const member = find(name);
@@ -101,7 +102,7 @@ private:
         return values;
     }
 
-    // As clvotess writes it.
+    // Reads the domain in the arrays that clvotess writes.
     void read_domain(FileDomain& domain) const {
         const std::vector<double> box = numbers("box", 2, 3);
         const ZipMember* const axes = find("periodic");
@@ -120,7 +121,7 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             NpyArray array = open(*find(axes[k]));
             if (!array.is_column() || !array.is_float()) {
-                throw bad_input(name_ + ": " + axes[k] + " is no array of floats with shape (N,)");
+                throw bad_input(name_ + ": " + axes[k] + " is not an array of floats with shape (N,)");
             }
             if (k == 0) count = array.shape()[0];
             check_length(axes[k], array, count, "x");
@@ -134,7 +135,7 @@ private:
                         " has " + std::to_string(count));
     }
 
-    // Whether it holds a number, or a row of them, for each point.
+    // Returns whether the array holds a number, or a row of numbers, for each point.
     [[nodiscard]] static bool may_be_column(const NpyArray& array) {
         const auto& shape = array.shape();
         return (shape.size() == 1 || (shape.size() == 2 && shape[1] > 0)) && (array.is_float() || array.is_whole());
@@ -145,7 +146,8 @@ private:
         if (!member && request_.columns_may_lack) return;
         if (!member) throw no_array(name);
         NpyArray array = open(*member);
-        if (!may_be_column(array)) throw bad_input(name_ + ": " + name + " is no array of numbers for each point");
+        if (!may_be_column(array))
+            throw bad_input(name_ + ": " + name + " is not an array with numbers for each point");
         check_length(name, array, input.size(), "the array of points");
         const auto width = static_cast<std::size_t>(array.is_column() ? 1 : array.shape()[1]);
         if (width > max_columns) throw bad_input(name_ + ": " + name + " has rows of " + columns_text(width));
@@ -155,7 +157,7 @@ private:
         column.values.assign(whole.begin(), whole.end());
     }
 
-    // What else has a row for each point.
+    // Adds all other arrays with a row for each point.
     void read_others(const ZipMember* points, Input& input) const {
         for (const ZipMember& member : members_) {
             const std::string name = plain_name(member);

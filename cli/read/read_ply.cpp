@@ -1,5 +1,5 @@
-// PLY: a header in text that announces elements and their properties, then the elements as text or in binary. The
-// points are x, y, z of the element `vertex`; what other elements hold is skipped.
+// PLY: a header in text with elements and their properties, then the elements as text or binary. The points are x, y, z
+// of the element `vertex`. Other elements are skipped.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -17,7 +17,7 @@ namespace {
 struct Property {
     std::string_view name;
     NumberType type{};
-    std::optional<NumberType> count_type;  // of a list
+    std::optional<NumberType> count_type;  // for a list
 };
 
 struct Element {
@@ -120,7 +120,8 @@ private:
                          " that its header announces");
     }
 
-    // This is the least size of a row without its lists; in text each number takes a digit and a blank.
+    // Returns the smallest size of a row in bytes. Lists count without elements; a number of text has a digit and a
+    // blank.
     [[nodiscard]] std::size_t shortest_row(const Element& element) const {
         std::size_t bytes = 0;
         for (const Property& property : element.properties) {
@@ -133,7 +134,7 @@ private:
         if (!can_hold(lines_.rest().size(), element.count, shortest_row(element))) throw too_short(element, 0);
     }
 
-    // An element of a text file is a line; this calls use(row) with its words.
+    // Calls use() for each line of an element in text, with its words in words_.
     template <typename Use>
     void each_line(const Element& element, Use use) {
         std::string_view line;
@@ -146,7 +147,7 @@ private:
         }
     }
 
-    // Moves past one row; notes where each property that is no list begins.
+    // Skips one row, and stores in fields where each property begins.
     void pass_row(const Element& element, std::uint64_t row, std::vector<const char*>& fields) {
         constexpr std::uint64_t rows_in_a_round = 4096;
         if (row % rows_in_a_round == 0) throw_if_interrupted();
@@ -200,7 +201,7 @@ private:
         if (request_.all_columns) {
             std::vector<std::size_t> taken{*x, *y, *z};
             if (id) taken.push_back(*id);
-            Words all(names.size(), "0");  // every property is a number, or a list
+            Words all(names.size(), "0");  // every property is a number or a list
             for (std::size_t k = 0; k < names.size(); ++k)
                 if (element.properties[k].count_type) taken.push_back(k);
             wanted.add_others(names, taken, all);

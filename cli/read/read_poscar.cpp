@@ -1,5 +1,5 @@
-// VASP's POSCAR and CONTCAR: comment, scale, three edges, the species and their counts, then the places, as fractions
-// of the edges or as lengths. The cell repeats along all edges.
+// VASP's POSCAR and CONTCAR: comment, scale, three edges, species and their counts, then positions, as fractions of the
+// edges or as lengths. The cell is periodic along all edges.
 #include <array>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-// Whether a block of data begins before anything else, as in CIF.
+// Returns whether the text begins with a data block, as CIF does.
 bool is_cif(std::string_view text, const std::string& name) {
     LineReader lines(text, name);
     std::string_view line;
@@ -32,7 +32,7 @@ public:
 
     Input read() {
         if (is_cif(lines_.rest(), lines_.name()))
-            throw bad_input(lines_.name() + ": a text in CIF, and " + conversion(".cif"));
+            throw bad_input(lines_.name() + ": a CIF file: " + conversion(".cif"));
         (void)lines_.need("a comment");
         const Words scale = words_of("the scale of the cell");
         if (scale.size() != 1 && scale.size() != 3) throw lines_.error("expected one or three numbers, the scale");
@@ -45,10 +45,10 @@ public:
         std::uint64_t count = 0;
         for (const std::string_view word : counts) {
             const auto number = read_uint64(word);
-            constexpr std::uint64_t most = std::uint64_t{1} << 40;
-            if (!number || *number > most) throw lines_.error(in_quotes(word) + " is not a number of atoms");
+            constexpr std::uint64_t max = std::uint64_t{1} << 40;
+            if (!number || *number > max) throw lines_.error(in_quotes(word) + " is not a number of atoms");
             count += *number;
-            if (count > most) throw lines_.error("the numbers of atoms add up to more than " + std::to_string(most));
+            if (count > max) throw lines_.error("the numbers of atoms add up to more than " + std::to_string(max));
         }
         std::string how = lower_case(words_of("Direct or Cartesian")[0]);
         if (how[0] == 's') how = lower_case(words_of("Direct or Cartesian")[0]);  // Selective dynamics
@@ -77,17 +77,17 @@ private:
     Words words_of(const std::string& what) {
         Words words;
         split_words(lines_.need(what), words);
-        if (words.empty()) throw lines_.error("an empty line, where " + what + " should stand");
+        if (words.empty()) throw lines_.error("an empty line instead of " + what);
         return words;
     }
 
-    // The first three words of a line; behind them may stand flags.
+    // Returns the first three words of a line. Flags may follow them.
     [[nodiscard]] Vector three(const Words& words) const {
         if (words.size() < 3) throw lines_.error("expected three numbers, not " + columns_text(words.size()));
         return {lines_.number(words[0]), lines_.number(words[1]), lines_.number(words[2])};
     }
 
-    // A negative scale is the volume of the cell.
+    // Applies the scale. A negative scale is the volume of the cell.
     void take_scale() {
         if (scale_[0] < 0) {
             const auto& [a, b, c] = edges_;

@@ -1,5 +1,4 @@
-// Text rows `x y z` or `id x y z`, with one column more when the run wants it as weights or radii; rows under a line of
-// names.
+// Text rows `x y z` or `id x y z`, with further columns that the run requests; and rows under a line of names.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -16,18 +15,18 @@ namespace clvotess {
 namespace {
 
 constexpr std::size_t kept_fields = 64;
-constexpr std::size_t row_bytes = 40;  // about, in a file
+constexpr std::size_t row_bytes = 40;  // estimate for a file
 
-// The fields of one line. `count` may exceed the number of fields kept.
+// The fields of one line. `count` may exceed kept_fields.
 struct Row {
     std::array<std::string_view, kept_fields> fields;
     std::size_t count = 0;
-    const char* comma = nullptr;    // the first that may be that of a decimal: between digits, no point before it
-    bool commas_everywhere = true;  // in every gap between two fields
-    std::size_t apart = 0;          // fields, where gaps without blanks or semicolons join two
+    const char* comma = nullptr;    // the first possible decimal comma: between digits, no point before it
+    bool commas_everywhere = true;  // whether every gap has a comma
+    std::size_t apart = 0;          // number of fields if a comma without blanks joins two
 };
 
-// Which columns of a row hold what.
+// The columns of coordinates and id.
 struct Layout {
     std::array<std::size_t, 3> axes{};
     std::optional<std::size_t> id;
@@ -50,7 +49,7 @@ public:
         for (std::string& column : request_.columns) column = plain_name(column);
     }
 
-    // The rows of a text that follows what was read before.
+    // Appends the rows of the next part of the text.
     void append(std::string_view text, Input& input) {
         lines_.go_on(text);
         Row row;
@@ -68,7 +67,7 @@ public:
     }
 
 private:
-    // The next line that holds any field.
+    // Reads the next line with a field. Returns false at the end.
     bool next_row(Row& row) {
         while (lines_.next_filled(line_)) {
             split(line_, row);
@@ -77,8 +76,8 @@ private:
         return false;
     }
 
-    // A comma between two digits separates fields where every gap of the row holds a comma, unless blanks behind other
-    // commas leave 3 or 4 numbers, as in "0,5, 1, 2".
+    // Throws Failure for a decimal comma. A comma between two digits separates fields if every gap of the row has a
+    // comma, unless blanks after other commas leave 3 or 4 numbers, as in "0,5, 1, 2".
     void check_commas(const Row& row) const {
         const bool may_be_decimals = names_.empty() && (row.apart == 3 || row.apart == 4) && row.apart < row.count;
         if (!row.comma || (row.commas_everywhere && !may_be_decimals)) return;
@@ -88,7 +87,7 @@ private:
         throw lines_.error(not_a_number({begin, static_cast<std::size_t>(end - begin)}));
     }
 
-    // Between two fields: blanks, with at most one comma or semicolon among them.
+    // Splits a line into fields, at blanks with at most one comma or semicolon among them.
     void split(std::string_view line, Row& row) const {
         row.count = 0;
         row.comma = nullptr;
@@ -128,7 +127,7 @@ private:
                             [](std::string_view field) { return read_double(field).has_value(); });
     }
 
-    // Lower case, without blanks around it and without quotes.
+    // Returns the name in lower case, without blanks and quotes around it.
     static std::string plain_name(std::string_view name) {
         while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
         while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
@@ -136,7 +135,7 @@ private:
         return lower_case(name);
     }
 
-    // Names may hold blanks where commas or semicolons stand between them.
+    // Returns the names in a line. Names may contain blanks if commas or semicolons separate them.
     static std::vector<std::string> names_of(std::string_view line) {
         line = line.substr(0, line.find('#'));
         std::vector<std::string> names;
@@ -159,7 +158,7 @@ private:
         return static_cast<std::size_t>(at - names_.begin());
     }
 
-    // A line of names says where the coordinates are. A name that is used stands there once.
+    // Throws Failure unless the line names x, y and z, and each used name once.
     void check_names() const {
         for (const char* const axis : {"x", "y", "z"}) {
             if (named(axis)) continue;
@@ -176,7 +175,7 @@ private:
         }
     }
 
-    // By the line of names where there is one; else x y z or id x y z, once the columns that are wanted are taken out.
+    // Returns the layout by the line of names. Without one, the columns except `wanted` are x y z or id x y z.
     [[nodiscard]] Layout layout_of(std::size_t columns, const ColumnPlaces& wanted) const {
         if (columns > kept_fields) {
             throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
@@ -196,14 +195,14 @@ private:
         for (std::size_t k = 0; k < columns; ++k) {
             if (!wanted.holds(k)) places.push_back(k);
         }
-        if (request_.all_columns) throw lines_.error("which columns are all others is told by a line of names in .csv");
+        if (request_.all_columns) throw lines_.error("--copy all needs a header line, as in .csv");
         if (columns == 5 && wanted.end() == 0) {
             throw lines_.error(
-                "5 columns are id x y z r: name the last with --radii 5, --weights 5 or --copy 5, or remove it");
+                "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
         }
         if (places.size() != 3 && places.size() != 4) {
             throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
-                               (wanted.end() > 0 ? " beside those that are named" : "") +
+                               (wanted.end() > 0 ? " in addition to the named ones" : "") +
                                (places.size() == 2 ? "; for points in a plane add a column of zeros" : ""));
         }
         if (places.size() == 4) layout.id = places[0];
@@ -211,7 +210,7 @@ private:
         return layout;
     }
 
-    // By the first row.
+    // Finds the columns by the first row.
     void find_places(const Row& row) {
         columns_ = row.count;
         const std::vector<std::string> own = names_or_numbers(names_, columns_);
@@ -225,7 +224,7 @@ private:
         places_->add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
     }
 
-    // Room for all rows that are left.
+    // Reserves memory for all remaining rows.
     void begin(Input& input) const {
         const auto rows =
             1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
@@ -257,17 +256,17 @@ private:
     }
 
     LineReader lines_;
-    std::string_view line_;           // the last one
-    std::vector<std::string> names_;  // of the columns, where a line says them
+    std::string_view line_;           // the current line
+    std::vector<std::string> names_;  // of the columns, by a line of names
     TextKind kind_;
-    ReadRequest request_;  // names as those of the file
-    // Once there is a row.
+    ReadRequest request_;  // with plain names
+    // Set by the first row.
     std::optional<ColumnPlaces> places_;
     std::size_t columns_ = 0;
     Layout layout_;
 };
 
-// A text in pieces of whole lines. It is read once, for reading numbers takes longer than anything else.
+// A text in pieces of whole lines. It is read once, because parsing numbers is the slowest step.
 class TextPieces : public InputPieces {
 public:
     TextPieces(const std::string& path, TextKind kind, const ReadRequest& request, std::size_t bytes)
@@ -279,7 +278,7 @@ public:
     bool next(Input& piece) override {
         piece = {};
         for (;;) {
-            const std::size_t end = more_ ? text_.rfind('\n') + 1 : text_.size();  // 0: within a line
+            const std::size_t end = more_ ? text_.rfind('\n') + 1 : text_.size();  // 0 within a line
             reader_.append(std::string_view(text_).substr(0, end), piece);
             text_.erase(0, end);
             if (!more_) break;
@@ -288,7 +287,7 @@ public:
         }
         return !piece.points.empty();
     }
-    // What is read, and not yet looked at.
+    // Returns the text that is read and not yet parsed.
     [[nodiscard]] std::string_view text() const noexcept { return text_; }
     [[nodiscard]] const std::string& name() const noexcept { return file_.name(); }
 

@@ -1,6 +1,5 @@
-// XYZ: frames of a count, a comment, and that many rows `Element x y z`. In the extended layout (ASE, OVITO) the
-// comment says with key=value what the columns are (Properties), the cell (Lattice, Origin), and which edges of it
-// repeat (pbc).
+// XYZ: frames of a count, a comment, and that many rows `Element x y z`. In extended XYZ (ASE, OVITO) the comment
+// describes columns (Properties), cell (Lattice, Origin) and periodic edges (pbc) as key=value.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +13,7 @@
 namespace clvotess {
 namespace {
 
-// The value behind `key=`, whose case does not matter, without the quotes or brackets around it.
+// Returns the value of `key=`, without quotes or brackets around it. The case of the key does not matter.
 std::optional<std::string> value_of(std::string_view comment, std::string_view key) {
     const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
     for (std::size_t at = 0; at < comment.size();) {
@@ -50,7 +49,7 @@ public:
         const std::uint64_t wanted = request_.frame.value_or(0);
         for (std::uint64_t frame = 0; begin_frame(frame); ++frame) {
             std::string_view comment;
-            static_cast<void>(lines_.next(comment));  // a file of no rows may lack it
+            static_cast<void>(lines_.next(comment));  // may be missing in a file without rows
             if (frame == wanted) return read_frame(comment, frame);
             std::string_view row;
             for (std::uint64_t i = 0; i < count_; ++i)
@@ -62,7 +61,7 @@ public:
     }
 
 private:
-    // Reads the count of a frame; false at the end of the file.
+    // Reads the count of a frame. Returns false at the end of the file.
     bool begin_frame(std::uint64_t frame) {
         std::string_view line;
         if (!lines_.next_filled(line)) return false;
@@ -82,7 +81,8 @@ private:
                             " rows that its first line announces");
     }
 
-    // name:type:columns of each, with colons between them. Columns of one property are NAME_1, NAME_2, ...
+    // Reads name:type:columns of each property, joined by colons. A property of several columns gives NAME_1, NAME_2,
+    // ...
     void read_properties(const std::string& text) {
         std::vector<std::string> fields(1);
         for (const char c : text) {
@@ -123,7 +123,7 @@ private:
         return numbers;
     }
 
-    // A cell without pbc repeats along all edges by the rule of ASE and OVITO.
+    // Reads the cell. Without pbc it is periodic along all edges, as in ASE and OVITO.
     FileDomain read_domain(std::string_view comment) {
         FileDomain domain;
         domain.periodic_from = DomainSource::assumed;
@@ -206,7 +206,7 @@ private:
     const ReadRequest& request_;
     Words words_;
     std::uint64_t count_ = 0, frames_ = 0;
-    std::vector<std::string> names_;  // of the columns, where the comment says them
+    std::vector<std::string> names_;  // of the columns, by Properties
     std::optional<std::size_t> first_, id_;
 };
 
@@ -214,7 +214,8 @@ private:
 
 Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {
     if (holds_frames(text, name)) return XyzReader(text, name, request).read();
-    if (request.frame) throw bad_input(name + ": --frame goes with files of frames; this one holds rows alone");
+    if (request.frame)
+        throw bad_input(name + ": --frame needs a file with frames, but this one has plain rows: leave it out");
     return parse_text(text, TextKind::plain, name, request);
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 [[nodiscard]] Failure failed(const std::string& folder) {
     return runtime_failure("cannot use a temporary file in " + in_quotes(folder) + ": " + std::strerror(errno) +
-                           ": name another folder by --temporary");
+                           ": name another folder with --temporary");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// A temporary file of bytes that are written, then read, front to back. It has no name, so it is gone with the process.
+// A temporary file, written and then read front to back. It has no name, so it vanishes with the process.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ public:
     void write(std::string_view bytes);
     void rewind();
     void read(void* to, std::size_t bytes);
-    // Adds to a double that is written already; its place is in bytes.
+    // Adds a value to a double that is already written. place: its offset in bytes.
     void add_to(std::uint64_t place, double value);
     [[nodiscard]] std::uint64_t size() const noexcept { return size_; }
 

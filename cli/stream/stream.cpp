@@ -29,9 +29,9 @@ namespace clvotess {
 namespace {
 
 constexpr std::size_t piece_rows = 100000;
-constexpr std::uint64_t beside_library = 32'000'000;  // bytes: pieces of input and output, buffers of HDF5
+constexpr std::uint64_t bytes_for_pieces = 32'000'000;  // bytes for pieces of input and output, and buffers of HDF5
 
-// A number, also with a power of 1000 behind it, or of 1024 as in 4Gi.
+// Reads a number of bytes with an optional unit: powers of 1000, such as 4G, or of 1024, such as 4Gi.
 std::uint64_t bytes_of(std::string text) {
     const std::string given = text;
     double unit = 1;
@@ -44,13 +44,13 @@ std::uint64_t bytes_of(std::string text) {
         unit = std::pow(step, static_cast<double>(power + 1));
     }
     const auto number = read_double(text);
-    constexpr double most = 1e18;
-    if (!number || !(*number * unit >= 1 && *number * unit <= most) || (step > 1000 && unit == 1))
+    constexpr double max = 1e18;
+    if (!number || !(*number * unit >= 1 && *number * unit <= max) || (step > 1000 && unit == 1))
         throw bad_input("--memory must be a number of bytes such as 500M, 4G or 4Gi, not " + in_quotes(given));
     return static_cast<std::uint64_t>(*number * unit);
 }
 
-// Bytes in memory now, 0 where the system does not tell.
+// Returns the resident bytes of the process; 0 if unknown.
 std::uint64_t resident_bytes() {
     std::ifstream statm("/proc/self/statm");
     std::uint64_t size = 0, resident = 0;
@@ -58,17 +58,17 @@ std::uint64_t resident_bytes() {
     return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
 }
 
-// Beside the first output, which takes about as much room, or where the system has its own.
+// Returns the folder of temporary files: by default that of the first output, else the system's.
 std::string scratch_folder(const Arguments& arguments) {
     if (!arguments.temporary.empty()) return arguments.temporary;
     if (arguments.outputs.empty()) return std::filesystem::temp_directory_path().string();
     return std::filesystem::path(identity_of(arguments.outputs[0])).parent_path().string();
 }
 
-// Ids and columns wait in files of their own for the rows beside which they go.
-class Beside {
+// Stores ids and columns in temporary files until their rows are written.
+class RowExtras {
 public:
-    Beside(const Arguments& arguments, std::string folder) : arguments_(arguments), folder_(std::move(folder)) {}
+    RowExtras(const Arguments& arguments, std::string folder) : arguments_(arguments), folder_(std::move(folder)) {}
 
     void keep(const Input& piece) {
         if (!begun_) {
@@ -79,7 +79,7 @@ public:
             const std::size_t arrays = names_.columns.size() + (piece.ids.empty() ? 0 : 1);
             for (std::size_t a = 0; a < arrays; ++a) files_.emplace_back(folder_);
             Input copy = names_;
-            (void)take_carried(arguments_, copy);  // refuses names that the output cannot have, before any work
+            (void)take_carried(arguments_, copy);  // throws for names that the output cannot hold, before any work
         }
         auto file = files_.begin();
         if (!piece.ids.empty()) (file++)->write(bytes_of(piece.ids));
@@ -95,7 +95,7 @@ public:
         return sum;
     }
 
-    // What belongs to the next rows, without points.
+    // Returns ids and columns of the next rows, without points.
     [[nodiscard]] Input read(std::size_t rows) {
         Input input = names_;
         auto file = files_.begin();
@@ -118,16 +118,16 @@ private:
     const Arguments& arguments_;
     std::string folder_;
     bool begun_ = false;
-    Input names_;  // of columns; and some ids, if there are any
+    Input names_;  // names of the columns; ids are not empty if there are any
     std::deque<ScratchFile> files_;
 };
 
-// Masses and volumes of all seeds until the last duplicate is known: its mass goes to a seed whose row came earlier.
-class WaitingMasses {
+// Stores masses and volumes of all seeds until the last duplicate is known, whose mass goes to an earlier row.
+class PendingMasses {
 public:
-    explicit WaitingMasses(const std::string& folder) : masses_(folder), volumes_(folder) {}
+    explicit PendingMasses(const std::string& folder) : masses_(folder), volumes_(folder) {}
 
-    // The next rows; duplicate_of counts from the first row of all.
+    // Adds the next rows. duplicate_of: rows of the whole run.
     void add(std::span<const double> masses, std::span<const double> volumes,
              std::span<const std::int64_t> duplicate_of) {
         masses_.write(bytes_of(masses));
@@ -163,8 +163,8 @@ private:
 
 class Source : public votess::StreamSource {
 public:
-    Source(const Arguments& arguments, InputPieces& pieces, Beside& beside)
-        : arguments_(arguments), pieces_(pieces), beside_(beside) {}
+    Source(const Arguments& arguments, InputPieces& pieces, RowExtras& extras)
+        : arguments_(arguments), pieces_(pieces), extras_(extras) {}
 
     bool restart() override {
         first_reading_ = readings_++ == 0;
@@ -173,7 +173,7 @@ public:
     bool next(votess::StreamSeeds& seeds) override {
         throw_if_interrupted();
         if (!pieces_.next(piece_)) return false;
-        if (first_reading_) beside_.keep(piece_);
+        if (first_reading_) extras_.keep(piece_);
         seeds.points = piece_.points;
         if (arguments_.has_weights)
             (arguments_.has_radii ? seeds.radii : seeds.weights) = one_each(piece_.columns.at(0));
@@ -183,7 +183,7 @@ public:
 private:
     const Arguments& arguments_;
     InputPieces& pieces_;
-    Beside& beside_;
+    RowExtras& extras_;
     Input piece_;
     int readings_ = 0;
     bool first_reading_ = true;
@@ -191,11 +191,11 @@ private:
 
 class Sink : public votess::StreamSink {
 public:
-    Sink(const Arguments& arguments, InputPieces& pieces, Beside& beside, std::string folder,
+    Sink(const Arguments& arguments, InputPieces& pieces, RowExtras& extras, std::string folder,
          const DomainFrom& domain_from)
         : arguments_(arguments),
           pieces_(pieces),
-          beside_(beside),
+          extras_(extras),
           folder_(std::move(folder)),
           domain_from_(domain_from) {}
 
@@ -203,10 +203,10 @@ public:
         const auto began = Progress::Clock::now();
         head_ = head;
         head_.options.log = {};
-        // An empty result has the domain of the run.
+        // An empty result, which holds the domain of the run.
         domain_ = votess::tessellate(std::span<const double>(), head_.options);
-        beside_.rewind();
-        if (arguments_.has_density && head.duplicates) waiting_.emplace(folder_);
+        extras_.rewind();
+        if (arguments_.has_density && head.duplicates) pending_.emplace(folder_);
         for (const std::string& path : arguments_.outputs)
             writers_.push_back(load_hdf5("cannot write HDF5").create(files_.emplace_back(path)));
         add_seconds(began);
@@ -221,8 +221,8 @@ public:
 
     void finish() {
         const auto began = Progress::Clock::now();
-        if (waiting_) {
-            waiting_->each_density([&](std::uint64_t row, const std::vector<double>& density) {
+        if (pending_) {
+            pending_->each_density([&](std::uint64_t row, const std::vector<double>& density) {
                 for (auto& writer : writers_)
                     writer->write(density_number_, row, as_array("density", std::span(density)));
             });
@@ -237,14 +237,14 @@ public:
 
     [[nodiscard]] const votess::Tessellation& domain() const { return domain_; }
     [[nodiscard]] double seconds() const { return seconds_; }
-    [[nodiscard]] std::uint64_t temporary_bytes() const { return waiting_ ? waiting_->bytes() : 0; }
+    [[nodiscard]] std::uint64_t temporary_bytes() const { return pending_ ? pending_->bytes() : 0; }
 
 private:
     void add_seconds(Progress::Clock::time_point began) {
         seconds_ += std::chrono::duration<double>(Progress::Clock::now() - began).count();
     }
 
-    // Numbers of `count` rows, as many as there are for each; ids as narrow as those of a result in memory.
+    // Returns the arrays of `count` rows. Ids are as narrow as those of a result in memory.
     ResultPiece piece_of(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
         ResultPiece piece;
         const auto cells = [&](const auto& all, std::size_t each = 1) {
@@ -281,17 +281,17 @@ private:
     }
 
     void write(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
-        Input input = beside_.read(count);
+        Input input = extras_.read(count);
         ResultPiece piece = piece_of(rows, begin, count);
         piece.ids = input.ids;
-        piece.has_ids = beside_.has_ids();
+        piece.has_ids = extras_.has_ids();
         std::vector<InputColumn> carried = take_carried(arguments_, input);
         const std::vector<double> masses = masses_of(arguments_, input);
         const auto volumes = masses.empty() ? std::span<const double>() : rows.volumes.subspan(begin, masses.size());
         fill_density(arguments_, masses, volumes, carried);
-        if (waiting_) waiting_->add(masses, volumes, piece.wide_duplicate_of);
+        if (pending_) pending_->add(masses, volumes, piece.wide_duplicate_of);
         const auto arrays = result_arrays(piece, arguments_.wanted, carried);
-        density_number_ = arrays.size() - 1;  // the last one, where there is a density
+        density_number_ = arrays.size() - 1;  // with --density the last array
         for (std::size_t a = 0; a < arrays.size(); ++a) {
             const ResultArray& array = arrays[a];
             const std::uint64_t all = array.of_entries ? head_.entries : head_.seeds + (array.name == "indptr" ? 1 : 0);
@@ -309,10 +309,10 @@ private:
 
     const Arguments& arguments_;
     InputPieces& pieces_;
-    Beside& beside_;
+    RowExtras& extras_;
     std::string folder_;
     const DomainFrom& domain_from_;
-    std::optional<WaitingMasses> waiting_;
+    std::optional<PendingMasses> pending_;
     std::size_t density_number_ = 0;
     votess::StreamHead head_;
     votess::Tessellation domain_;
@@ -324,9 +324,10 @@ private:
 };
 
 std::uint64_t memory_for_library(std::uint64_t memory) {
-    const std::uint64_t taken = resident_bytes() + beside_library, least = taken + votess::StreamOptions::least_memory;
+    const std::uint64_t taken = resident_bytes() + bytes_for_pieces,
+                        least = taken + votess::StreamOptions::least_memory;
     if (memory >= least) return memory - taken;
-    throw bad_input("--memory " + std::to_string(memory) + " is too little: clvotess itself takes about " +
+    throw bad_input("--memory " + std::to_string(memory) + " is too little: clvotess needs about " +
                     std::to_string(taken / 1'000'000) + "M, give at least " + std::to_string(least / 1'000'000 + 1) +
                     "M");
 }
@@ -343,22 +344,22 @@ void read_memory(const std::optional<std::string>& memory, const std::optional<s
 
 void check_streamed(const Arguments& arguments) {
     const auto refuse = [](const std::string& what, const std::string& why) {
-        throw bad_input("--memory and " + what + " do not go together: " + why);
+        throw bad_input("--memory does not work with " + what + ": " + why);
     };
     const votess::Options& options = arguments.options;
     const bool cpu = options.device == "auto" || options.device == "cpu";
-    if (!cpu) refuse("--device " + options.device, "blocks are clipped by the CPU, leave the device out");
+    if (!cpu) refuse("--device " + options.device, "it runs on the CPU; leave the device out");
     for (const std::string& path : arguments.outputs)
         if (!path.ends_with(".h5") && !path.ends_with(".hdf5"))
-            refuse("-o " + path, "rows are written in pieces into .h5 only, name it .h5");
+            refuse("-o " + path, "pieces can only be written to .h5; name the file .h5");
     if (arguments.wanted.vertices || arguments.wanted.faces)
-        refuse("vertices or faces", "cells of several blocks share vertices, leave them out");
+        refuse("vertices or faces", "cells of several blocks share vertices; leave them out");
     if (options.min_face > 0 || options.min_area > 0)
-        refuse("--min-face or --min-area", "that needs the faces of all cells at once, leave it out");
+        refuse("--min-face or --min-area", "it needs the faces of all cells at once; leave it out");
     if (options.duplicates == votess::Duplicates::error)
         refuse("--duplicates error",
-               "duplicates are known at the end only, leave it out and look at duplicate_of in the output");
-    if (arguments.picture) refuse("--image", "a picture needs all cells at once, leave it out");
+               "duplicates are known only at the end; leave it out and read duplicate_of in the output");
+    if (arguments.picture) refuse("--image", "a picture needs all cells at once; leave it out");
 }
 
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
@@ -379,9 +380,9 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
             progress.name(std::string(text));
     };
     const std::string folder = scratch_folder(arguments);
-    Beside beside(arguments, folder);
-    Source source(arguments, *pieces, beside);
-    Sink sink(arguments, *pieces, beside, folder, domain_from);
+    RowExtras extras(arguments, folder);
+    Source source(arguments, *pieces, extras);
+    Sink sink(arguments, *pieces, extras, folder, domain_from);
     Summary summary;
     try {
         const votess::StreamResult result = votess::tessellate_stream(
@@ -391,7 +392,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
         if (summary.failure().empty()) sink.finish();
         summary.stats = result.stats;
         summary.streamed = {result.blocks, result.largest_block, result.asked_cells,
-                            result.temporary_bytes + beside.bytes() + sink.temporary_bytes()};
+                            result.temporary_bytes + extras.bytes() + sink.temporary_bytes()};
     } catch (const votess::Error& error) {
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;

@@ -1,4 +1,4 @@
-// --memory: points larger than memory, from a file that is read in pieces into one that is written in pieces.
+// --memory: points larger than memory, read and written in pieces.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,14 @@
 
 namespace clvotess {
 
-// The values of --memory and --temporary. Throws Failure.
+// Reads --memory and --temporary. Throws Failure.
 void read_memory(const std::optional<std::string>& memory, const std::optional<std::string>& temporary,
                  Arguments& arguments);
 
-// After reading the arguments: refuses what cannot be had in pieces. Throws Failure.
+// Throws Failure for arguments that do not work in pieces.
 void check_streamed(const Arguments& arguments);
 
-// Writes the outputs unless verification fails, and returns what there is to tell, but for the time in all.
+// Writes the outputs unless verification fails. Returns the summary without its total time.
 [[nodiscard]] Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began);
 
 }  // namespace clvotess

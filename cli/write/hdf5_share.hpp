@@ -1,4 +1,4 @@
-// One HDF5 file that several processes write together, each a share of the rows of each array.
+// One HDF5 file that several processes write together. Each holds a share of the rows of each array.
 #pragma once
 
 #include <hdf5.h>
@@ -15,9 +15,9 @@
 namespace clvotess {
 
 struct SharedArray {
-    ResultArray own;          // this share
-    std::uint64_t first = 0;  // row of the whole that it begins with
-    std::uint64_t rows = 0;   // of the whole
+    ResultArray own;          // the share of this process
+    std::uint64_t first = 0;  // its first row in the whole
+    std::uint64_t rows = 0;   // in the whole
 };
 
 struct Hdf5Share {
@@ -26,12 +26,12 @@ struct Hdf5Share {
     std::vector<SharedArray> arrays;
     const votess::Tessellation& domain;
     const std::vector<Attribute>& attributes;
-    // Does the work of this process and throws where that of any failed.
+    // Calls the work of this process, and throws if it fails in any process.
     std::function<void(const std::function<void()>&)> together;
-    std::function<Failure(int)> failure;  // what to throw, of errno
+    std::function<Failure(int)> failure;  // returns the exception for an errno
 };
 
-// All processes call it, with equal names, types, numbers of rows, domains and attributes.
+// Collective. Names, types, total rows, domains and attributes must be equal in all processes.
 void write_hdf5_share(const Hdf5Share& share);
 
 }  // namespace clvotess

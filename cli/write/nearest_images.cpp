@@ -24,10 +24,10 @@ NearestImages::NearestImages(std::span<const double> points, const votess::Tesse
     edges_ = {cells.cell()->a, cells.cell()->b, cells.cell()->c};
     for (std::size_t k = 0; k < 3; ++k) {
         reach_[k] = cells.periodic()[k] ? 2 : 0;
-        // Where the domain ends the edge only says where along the others a place is: best across them.
+        // An edge without period only helps to find coordinates along the others: use the normal of these.
         if (!cells.periodic()[k]) edges_[k] = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
     }
-    for (std::size_t k = 0; k < 3; ++k) {  // rows that give the coordinates along the edges
+    for (std::size_t k = 0; k < 3; ++k) {  // rows that map a vector to coordinates along the edges
         inverse_[k] = cross(edges_[(k + 1) % 3], edges_[(k + 2) % 3]);
         const double volume = dot(inverse_[k], edges_[k]);
         for (double& x : inverse_[k]) x /= volume;
@@ -44,7 +44,8 @@ Point NearestImages::image(std::size_t i, const Point& inside) const {
     return seed;
 }
 
-// The nearest image is near the rounded coordinates along the edges, but in a skew box not always just there.
+// Tries the images around the rounded coordinates along the edges, because in a skewed box rounding may miss the
+// nearest.
 Point NearestImages::nearest_in_lattice(Point seed, const Point& inside) const {
     const Point apart{inside[0] - seed[0], inside[1] - seed[1], inside[2] - seed[2]};
     Point rounded{};

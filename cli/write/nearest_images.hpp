@@ -1,4 +1,4 @@
-// In a periodic domain a cell lies where its seed is taken to, inside the box; the input may say it elsewhere.
+// Images of seeds inside a periodic box. The input may place seeds outside, but cells lie inside.
 #pragma once
 
 #include <array>
@@ -11,17 +11,17 @@ using Point = std::array<double, 3>;
 
 class NearestImages {
 public:
-    // points: 3N, which with `cells` must outlive this.
+    // points: 3N. Both arguments must outlive the object.
     NearestImages(std::span<const double> points, const votess::Tessellation& cells);
 
-    // The image of seed i whose cell holds `inside`: of all its images the nearest, as its own images cut a cell.
+    // Returns the image of seed i that is nearest to `inside`, a place in its cell.
     [[nodiscard]] Point image(std::size_t i, const Point& inside) const;
 
 private:
     [[nodiscard]] Point nearest_in_lattice(Point seed, const Point& inside) const;
 
     std::span<const double> points_;
-    Point side_{};  // 0 along an axis that is not periodic
+    Point side_{};  // 0 along an axis without period
     bool triclinic_ = false;
     std::array<int, 3> reach_{};  // steps tried along each edge
     std::array<Point, 3> edges_{}, inverse_{};

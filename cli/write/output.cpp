@@ -15,8 +15,8 @@ namespace {
 struct Kind {
     std::string_view extension;
     void (*write)(OutputFile&, const OutputData&);
-    bool mesh;     // holds the polygons of the faces
-    bool carries;  // columns of the input
+    bool mesh;     // holds polygons of faces
+    bool carries;  // holds columns of the input
 };
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
@@ -33,7 +33,8 @@ constexpr std::array<Kind, 9> kinds{{{".txt", write_text, false, true},
                                      {".obj", write_obj, true, false},
                                      {".glb", write_glb, true, false}}};
 
-// Text also goes to stdout, and to a device or a pipe without a known extension. Null when there is no such kind.
+// Returns the kind of an output, or null. Text is the kind of stdout, and of a device or pipe without a known
+// extension.
 const Kind* kind_of(const std::string& path) {
     const std::string extension = extension_of(path);
     const auto* const kind = std::ranges::find(kinds, std::string_view(extension), &Kind::extension);
@@ -58,7 +59,7 @@ bool is_colored(const std::string& path) {
     return kind && kind->write == write_glb;
 }
 
-// A dataset of HDF5 keeps the last part of its path.
+// The name of a dataset of HDF5 is the last part of its path.
 std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs, std::vector<InputColumn> columns) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
         std::string& name = columns[c].name;
@@ -66,7 +67,7 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
         const auto twice = std::ranges::find(columns.begin(), columns.begin() + static_cast<std::ptrdiff_t>(c), name,
                                              &InputColumn::name);
         if (twice != columns.begin() + static_cast<std::ptrdiff_t>(c)) {
-            throw bad_input("the column " + in_quotes(name) + " would go into the output twice: name it once");
+            throw bad_input("the column " + in_quotes(name) + " is requested twice: name it once");
         }
         for (const std::string& path : outputs) {
             const Kind* const kind = kind_of(path);
@@ -74,7 +75,7 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
                 kind->write == write_vtu ? is_vtu_array(name) : kind->write != write_text && is_result_array(name);
             if (kind->carries && taken) {
                 throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +
-                                ", which has an array of that name: rename it");
+                                ", which has an array of that name: rename the column");
             }
         }
     }

@@ -1,4 +1,4 @@
-// What -o names. All files are complete before the first of them appears under its name.
+// The outputs of -o. All files are complete before the first gets its name.
 #pragma once
 
 #include <span>
@@ -15,21 +15,21 @@ namespace clvotess {
 
 class OutputFile;
 
-// Before any work: folders that exist and can be written, no file twice, none that is one of the inputs, which may be
+// Throws Failure when a folder is missing or not writable, or when a path occurs twice or is an input. Inputs may be
 // empty or "-".
 void check_paths(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
-// That the module is there, and that the path names no device or pipe.
+// Throws Failure when the module of HDF5 is missing, or when the path is a device or pipe.
 void check_hdf5(const std::string& path);
 
-// The same, and known extensions.
+// Checks extensions, then as check_hdf5() and check_paths(). Throws Failure.
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
 [[nodiscard]] bool is_text_output(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
 [[nodiscard]] bool is_colored(const std::string& path);
 
-// Adds to `want` the arrays that a file of this extension holds; text is asked by its format.
+// Adds to `want` the arrays that a mesh file of this extension needs. The needs of text depend on its format.
 void add_output_needs(const std::string& path, votess::Want& want);
 
 struct OutputData {
@@ -37,18 +37,18 @@ struct OutputData {
     const votess::Tessellation& tessellation;
     const votess::Want& wanted;  // arrays for .npz and .h5; the tessellation may hold more
     const TextFormat& format;
-    std::span<const double> radii;  // for %r; empty when there are none
+    std::span<const double> radii;  // for %r; may be empty
     const DomainFrom& domain_from;
-    const std::vector<InputColumn>& carried;  // columns of the input, behind what each file holds of a cell
-    const Coloring& coloring;                 // of .glb
-    bool says_sizes = false;                  // on stderr, of a file that may be large, before it is written
+    const std::vector<InputColumn>& carried;  // columns of the input, after the arrays of the cells
+    const Coloring& coloring;                 // for .glb
+    bool reports_size = false;                // print the size of a .glb on stderr before it is written
 };
 
-// What .npz and .h5 hold once: the units of the input, domain_from, periodic_from and version.
+// Returns the attributes of .npz and .h5: units of the input, domain_from, periodic_from and version.
 [[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from);
 
-// Columns that go from the input into the output, and the density. Throws Failure when a file has an array of that name
-// itself.
+// Returns the carried columns with their names in the output. Throws Failure when a name occurs twice or is that of an
+// array of the file.
 [[nodiscard]] std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs,
                                                        std::vector<InputColumn> columns);
 
@@ -57,7 +57,7 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
 void write_vtu(OutputFile& file, const OutputData& data);
-[[nodiscard]] bool is_vtu_array(std::string_view name);  // of cells, that .vtu always holds
+[[nodiscard]] bool is_vtu_array(std::string_view name);  // whether .vtu always holds an array of that name
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);

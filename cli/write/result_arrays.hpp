@@ -1,4 +1,4 @@
-// The arrays of a result as .npz and .h5 hold them: names, types and shapes in one place.
+// The arrays of a result in .npz and .h5: names, types and shapes.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@ struct ResultArray {
     std::string_view name;
     NumberType type{};
     std::size_t columns = 1;  // 1: shape (rows,), else (rows, columns)
-    std::string_view bytes;   // of the library's memory, row-major
-    bool of_entries = false;  // of rows, one for each neighbor; else one for each cell
+    std::string_view bytes;   // in the library's memory, row-major
+    bool of_entries = false;  // one row for each neighbor; else for each cell
 
     [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
 };
@@ -41,33 +41,32 @@ template <typename Number>
     return {name, type_of<Number>(), columns, bytes, false};
 }
 
-// Returns the arrays that `wanted` names, status, duplicate_of when there are duplicates, ids when there are any, and
-// the columns that are carried. They are valid as long as what `data` refers to.
+// Returns the arrays of `wanted`, status, duplicate_of if there are duplicates, ids if there are any, and the carried
+// columns. They are views into `data`.
 [[nodiscard]] std::vector<ResultArray> result_arrays(const OutputData& data);
 
-// A piece of a result, under the names that Tessellation has; duplicate_of and shifts are empty where the whole has
-// none.
+// A piece of a result, with the names of Tessellation. duplicate_of and shifts are empty where the whole has none.
 struct ResultPiece {
     std::span<const std::int64_t> ids;
     std::span<const std::int64_t> indptr;  // n+1
     std::span<const std::int32_t> indices;
-    std::span<const std::int64_t> wide_indices;  // instead, where these are too few bits
+    std::span<const std::int64_t> wide_indices;  // used instead when `wide`
     std::span<const std::int8_t> shifts;
     std::span<const double> face_areas, face_normals, volumes, centroids, surface_areas, security_radii;
     std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;
     std::span<const votess::CellStatus> status;
     std::span<const std::int32_t> duplicate_of;
     std::span<const std::int64_t> wide_duplicate_of;
-    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false;  // of the whole
+    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false;  // properties of the whole
 };
 [[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
                                                      const std::vector<InputColumn>& carried);
 
-// Whether an array of .npz or .h5 may have that name.
+// Returns whether .npz and .h5 may hold an array of that name.
 [[nodiscard]] bool is_result_array(std::string_view name);
 
-// The domain: box (2, 3), periodic (3,), of a triclinic one cell (3, 3) and origin (3,), and the walls (M, 4) that cut
-// a box. In .h5 all but the walls are attributes of the root.
+// The domain: box (2, 3), periodic (3,); for a triclinic domain cell (3, 3) and origin (3,); walls (M, 4) if any. In
+// .h5 all except the walls are attributes of the root.
 class DomainArrays {
 public:
     explicit DomainArrays(const votess::Tessellation& cells);
@@ -82,16 +81,15 @@ private:
     std::vector<ResultArray> arrays_;
 };
 
-// An output whose arrays come some rows at a time.
+// An output whose arrays are written in pieces.
 class StreamedFile {
 public:
     virtual ~StreamedFile() = default;
-    // The next array, with so many rows in all; those of `first` are its first ones. Arrays in the order of
-    // result_arrays().
+    // Adds an array of `rows` rows in total, and writes its first ones. Arrays follow the order of result_arrays().
     virtual void add(const ResultArray& first, std::uint64_t rows) = 0;
-    // Rows of array `number` from `row` on.
+    // Writes rows of array `number`, from `row` on.
     virtual void write(std::size_t number, std::uint64_t row, const ResultArray& rows) = 0;
-    // What a file holds once.
+    // Writes the domain and attributes, and closes the file.
     virtual void finish(const votess::Tessellation& domain, const std::vector<Attribute>& attributes) = 0;
 };
 

@@ -9,15 +9,16 @@
 namespace clvotess {
 
 struct FormatPiece {
-    char code = 0;        // one of those of TextFormat::codes; 0: the literal text
-    std::string literal;  // printed as it is
+    char code = 0;        // one of TextFormat::codes; 0: literal text
+    std::string literal;  // printed unchanged
 };
 
 class TextFormat {
 public:
     static constexpr std::string_view codes = "ixyzqrwpPomgEesFAaftlnvcC";
 
-    // like_voropp: six digits a number, and no row for a seed without a cell. Throws Failure on an unknown code.
+    // like_voropp: six digits for each number, and no row for a seed without a cell. Throws Failure for an unknown
+    // code.
     explicit TextFormat(std::string_view format, bool like_voropp = false);
 
     [[nodiscard]] bool like_voropp() const noexcept { return like_voropp_; }

@@ -1,4 +1,4 @@
-// HDF5: the arrays of .npz as datasets at the root. The library writes to the temporary file by its name.
+// HDF5: the arrays of .npz as datasets at the root. HDF5 opens the temporary file by its path.
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -44,7 +44,7 @@ hid_t hdf5_type(NumberType type) {
     }
 }
 
-// The default driver looks for the name of a file behind a link, and an unnamed file has none. This one just opens it.
+// Returns access by the driver stdio. The default driver resolves the name of a file, and an unnamed file has none.
 Hdf5Handle access_by_stdio() {
     Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
     if (!access.valid() || H5Pset_fapl_stdio(access.id()) < 0)
@@ -58,10 +58,10 @@ public:
         : Hdf5Writer(output.path_for_library(), access_by_stdio().id(),
                      [&output](int error) { return output.write_failure(error); }) {}
 
-    // access: how the library opens the file. failure: what to throw, of errno.
+    // access: how HDF5 opens the file. failure: returns the exception for an errno.
     Hdf5Writer(const std::string& path, hid_t access, std::function<Failure(int)> failure)
         : failure_(std::move(failure)) {
-        // Equal results give equal files: no times of creation.
+        // No times of creation, so that equal results give equal files.
         const Hdf5Handle creation(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
         file_ = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access), H5Fclose};
@@ -89,11 +89,11 @@ public:
         return set;
     }
 
-    // The rows of the array, which are those of the dataset from `first` on.
+    // Writes the rows of the array into the dataset, from row `first` on.
     void write(const Hdf5Handle& set, const ResultArray& array, hsize_t first) {
         const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
         const int rank = array.columns == 1 ? 1 : 2;
-        constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C is heard between pieces
+        constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C works between pieces
         const std::size_t row_bytes = size_of(array.type) * array.columns;
         const hsize_t piece = piece_bytes / row_bytes;
         for (hsize_t row = 0; row < array.rows(); row += piece) {
@@ -124,7 +124,7 @@ public:
     void add_domain(const votess::Tessellation& tessellation) {
         const DomainArrays domain(tessellation);
         for (const ResultArray& array : domain.all()) {
-            if (array.name == "walls") {  // attributes hold 64 kB at most
+            if (array.name == "walls") {  // an attribute holds at most 64 kB
                 add(array);
             } else {
                 add_attribute(array);
@@ -176,8 +176,7 @@ void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const s
     writer.finish();
 }
 
-// All arrays are made, and the room in the file for each, before more than some rows of any are there: so the file is
-// the same as if it were written at once.
+// Creates all datasets before it writes more rows than the first ones. So the file equals one that is written at once.
 class StreamedHdf5 : public StreamedFile {
 public:
     explicit StreamedHdf5(OutputFile& file) : writer_(file) {}
@@ -226,7 +225,7 @@ void write_hdf5_share(const Hdf5Share& share) {
     share.together([&] { finish_file(*writer, share.domain, share.attributes); });
 }
 
-// A dataset `grid`; the domain, the method and the names of the columns are attributes of the root.
+// Writes a dataset `grid`. The domain, the method and the names of the columns are attributes of the root.
 void write_grid_hdf5(OutputFile& file, const GridOutput& grid) {
     begin_hdf5();
     Hdf5Writer writer(file);

@@ -1,4 +1,4 @@
-// .vtu, .ply, .obj and .glb, written by the library.
+// .vtu, .ply, .obj and .glb, written by votess_write_mesh().
 #include <votess/votess.h>
 
 #include <array>
@@ -17,8 +17,8 @@ namespace {
 
 struct Target {
     OutputFile& file;
-    bool says_size;
-    std::exception_ptr error;  // what the callback threw
+    bool reports_size;
+    std::exception_ptr error;  // thrown in the callback
 };
 
 std::string megabytes(std::uint64_t bytes) {
@@ -28,9 +28,9 @@ std::string megabytes(std::uint64_t bytes) {
 int take(const votess_bytes* bytes, void* user) {
     Target& target = *static_cast<Target*>(user);
     try {
-        if (target.says_size)
+        if (target.reports_size)
             std::fprintf(stderr, "%s takes %s\n", target.file.description().c_str(), megabytes(bytes->total).c_str());
-        target.says_size = false;
+        target.reports_size = false;
         target.file.write({static_cast<const char*>(bytes->data), bytes->count});
         return 1;
     } catch (...) {
@@ -39,7 +39,7 @@ int take(const votess_bytes* bytes, void* user) {
     }
 }
 
-// Fills in all but colors and columns. The arrays stay those of the tessellation.
+// Returns a view of the tessellation, without colors and columns.
 votess_mesh mesh_of(const votess::Tessellation& cells) {
     votess_mesh mesh{};
     mesh.struct_size = sizeof mesh;
@@ -58,8 +58,8 @@ votess_mesh mesh_of(const votess::Tessellation& cells) {
     return mesh;
 }
 
-void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool says_size = false) {
-    Target target{file, says_size, nullptr};
+void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool reports_size = false) {
+    Target target{file, reports_size, nullptr};
     const votess_status status = votess_write_mesh(&mesh, format, take, &target);
     if (target.error) std::rethrow_exception(target.error);
     if (status == VOTESS_OK) return;
@@ -118,7 +118,7 @@ void write_glb(OutputFile& file, const OutputData& data) {
     const std::vector<std::uint8_t> colors = votess::value_colors(options);
     votess_mesh mesh = mesh_of(data.tessellation);
     mesh.colors = colors.data();
-    write(file, mesh, ".glb", data.says_sizes);
+    write(file, mesh, ".glb", data.reports_size);
 }
 
 }  // namespace clvotess

@@ -1,4 +1,4 @@
-// NumPy's .npz: a zip archive of .npy members, uncompressed, so that it can be read and written at the speed of memory.
+// NumPy's .npz: a zip archive of .npy members, uncompressed for speed.
 #include <array>
 #include <string>
 
@@ -40,7 +40,7 @@ void write_npz(OutputFile& file, const OutputData& data) {
             add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
             continue;
         }
-        std::string letters;  // a text of NumPy has four bytes for each
+        std::string letters;  // NumPy's text has four bytes a letter
         for (const char c : std::get<std::string>(value)) letters += {c, '\0', '\0', '\0'};
         add(name, "<U" + std::to_string(letters.size() / 4), "()", letters);
     }

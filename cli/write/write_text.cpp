@@ -1,4 +1,4 @@
-// Text rows, streamed through a buffer of fixed size.
+// Text rows, written through a buffer of fixed size.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -95,7 +95,7 @@ private:
         }
     }
 
-    // Lists with an entry for each face stand in the order of %n.
+    // Lists with an entry for each face follow the order of %n.
     void put_of_faces(char code, std::size_t i) {
         order_row(i);
         switch (code) {
@@ -146,13 +146,13 @@ private:
         return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
     }
 
-    // Id of the neighbor, or number of the wall, behind an entry of indices. The ids of probes are not those of seeds.
+    // Returns the id of a neighbor, or the number of a wall, for an entry of indices. Probes list seeds by index.
     [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
         const std::int32_t j = cells_.indices()[entry];
         return j < 0 || cells_.probed() ? j : id_of(static_cast<std::size_t>(j));
     }
 
-    // order_: the entries of row i, walls first, then by id; indices alone are in that order already.
+    // Fills order_ with the entries of row i: walls first, then by id. Without ids, indices are already in that order.
     void order_row(std::size_t i) {
         if (ordered_) return;
         ordered_ = true;
@@ -179,7 +179,7 @@ private:
         return cells_.vertices().data() + 3 * static_cast<std::size_t>(index);
     }
 
-    // Number of a mesh vertex among those of the cell, which ascend.
+    // Returns the number of a mesh vertex among those of the cell, which ascend.
     [[nodiscard]] std::size_t local_number(Polygon vertices, std::int32_t index) const {
         return static_cast<std::size_t>(std::ranges::lower_bound(vertices, index) - vertices.begin());
     }
@@ -194,7 +194,7 @@ private:
         return length;
     }
 
-    // Inside the cell; of none if there is no cell.
+    // Returns a point inside the cell; NaN if there is no cell.
     [[nodiscard]] Point mean_vertex(std::size_t i) const {
         Point sum{};
         const Polygon vertices = vertices_of(i);
@@ -212,7 +212,7 @@ private:
         });
     }
 
-    // The numbers are those of the cell's vertices in %p and %P, clockwise seen from outside as Voro++ has them.
+    // Numbers count the cell's vertices in %p and %P. The order is clockwise seen from outside, as in Voro++.
     void put_polygon(std::size_t i, Polygon corners) {
         const Polygon vertices = vertices_of(i);
         buffer_.put('(');
@@ -223,7 +223,7 @@ private:
         buffer_.put(')');
     }
 
-    // As many edges meet in a vertex of a polyhedron as faces.
+    // Counts faces, because equally many edges and faces meet at a vertex of a polyhedron.
     void put_vertex_orders(std::size_t i) {
         const Polygon vertices = vertices_of(i);
         counts_.assign(vertices.size(), 0);
@@ -233,7 +233,7 @@ private:
         put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
     }
 
-    // How many faces have 0, 1, 2, ... edges.
+    // Writes how many faces have 0, 1, 2, ... edges.
     void put_size_table() {
         counts_.clear();
         for (const std::size_t entry : order_) {
@@ -250,7 +250,7 @@ private:
     NearestImages seeds_;
     std::span<const double> areas_;
     std::vector<std::size_t> order_, counts_;
-    bool ordered_ = false;  // whether order_ is that of the row at hand
+    bool ordered_ = false;  // whether order_ belongs to the current row
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// HDF5's numbers for open things, closed when they go out of scope.
+// Owners of HDF5 identifiers, which close them at the end of their scope.
 #pragma once
 
 #include <hdf5.h>
@@ -23,7 +23,7 @@ public:
 
     [[nodiscard]] bool valid() const noexcept { return id_ >= 0; }
     [[nodiscard]] hid_t id() const noexcept { return id_; }
-    // Whether it went well: what is written may reach the disk only now.
+    // Closes the object and returns whether that succeeded. Data may reach the file only now.
     [[nodiscard]] bool close() noexcept {
         const hid_t id = std::exchange(id_, H5I_INVALID_HID);
         return id < 0 || close_(id) >= 0;
@@ -34,7 +34,7 @@ private:
     Close close_ = nullptr;
 };
 
-// No messages of its own on stderr; no work of its own at exit, where it would go on writing a file that failed.
+// Turns off HDF5's messages on stderr, and its work at exit, where it would continue to write a failed file.
 inline void begin_hdf5() {
     H5dont_atexit();
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -1,5 +1,5 @@
-// HDF5 lies in a module, clvotess_hdf5, which is loaded when a file needs it: its library brings thirty others, whose
-// loading would take most of the time of a short run.
+// The module clvotess_hdf5, which holds all calls of HDF5. It is loaded when a file needs it: HDF5 brings thirty other
+// libraries, and loading them would dominate a short run.
 #pragma once
 
 #include <cstddef>
@@ -16,7 +16,7 @@ class OutputFile;
 class StreamedFile;
 struct ReadRequest;
 
-// What the module offers, under its own name. It calls functions of the program, which exports them.
+// The functions of the module. They call functions that the program exports.
 struct Hdf5Module {
     Input (*read)(const std::string& path, const ReadRequest& request);
     std::unique_ptr<InputPieces> (*open)(const std::string& path, const ReadRequest& request, std::size_t rows);

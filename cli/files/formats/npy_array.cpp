@@ -12,7 +12,7 @@
 namespace clvotess {
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "arrays are read as they lie in the file");
+static_assert(std::endian::native == std::endian::little, "arrays are read without conversion");
 
 constexpr const char* ends_early = "the file ends too early";
 
@@ -49,7 +49,7 @@ std::string NpyArray::shape_text() const {
 }
 
 void NpyArray::parse_header(std::string_view dict) {
-    // The text after `'key':`, blanks skipped.
+    // Returns the text after `'key':`, without blanks in front.
     const auto value_of = [&](std::string_view key) {
         for (const char quote : {'\'', '"'}) {
             const std::string name = quote + std::string(key) + quote;
@@ -115,7 +115,7 @@ void NpyArray::check_size(std::size_t item_size) const {
                 " bytes follow");
 }
 
-// Through a small buffer, so that the array is never in memory twice.
+// Reads through a small buffer, so that the array is never in memory twice.
 template <typename Number, typename Take>
 void NpyArray::next(std::uint64_t count, Take take) {
     std::vector<Number> buffer(std::min<std::uint64_t>(count, std::uint64_t{1} << 16));

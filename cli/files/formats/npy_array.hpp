@@ -1,5 +1,5 @@
-// One array of NumPy's .npy layout, versions 1 to 3: magic, version, length of the header, header (a Python dict), raw
-// array. From any source of bytes: a file, a member of an archive.
+// One array in NumPy's .npy layout, versions 1 to 3: magic, version, header length, header (a Python dict), raw array.
+// The source of bytes is a file or a member of an archive.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,7 @@
 
 namespace clvotess {
 
-// `size` bytes, taken front to back by `read`, which throws when there are fewer. `skip` passes over some, where it is
-// given.
+// A source of `size` bytes, read front to back. `read` throws when fewer remain. `skip` may be missing.
 struct ByteSource {
     std::uint64_t size = 0;
     std::function<void(void* to, std::uint64_t count)> read;
@@ -33,17 +32,16 @@ public:
         return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8" || type_ == "|u1" || type_ == "|b1";
     }
 
-    // Once: the values in row-major order, the type being float64 or float32. With `stride` and `offset` value k goes
-    // to to[offset + stride k].
+    // Reads all values of a float64 or float32 array, in row-major order. Value k goes to to[offset + stride k]. Call
+    // it once.
     void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
-    // Once: rows begin to end of an (N, 3) array of floats. The source must skip.
+    // Reads the rows begin to end of an (N, 3) array of floats. The source must skip. Call it once.
     void read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
-    // Instead of all at once: the next rows of points, so many if there are. Throws Failure where the array is stored
-    // column by column.
+    // Reads the next rows of points, up to a number. Throws Failure for an array that is stored column by column.
     void read_next(std::uint64_t rows, std::vector<double>& to);
-    // Once: the type being a whole number.
+    // Reads all values of an array of whole numbers. Call it once.
     [[nodiscard]] std::vector<std::int64_t> read_whole();
-    // Refuses what is no (N, 3) array of floats.
+    // Throws Failure unless the array is (N, 3) of floats.
     void check_points() const;
 
 private:
@@ -64,11 +62,11 @@ private:
     bool column_major_ = false;
     std::vector<std::uint64_t> shape_;
     std::uint64_t count_ = 1;
-    std::uint64_t bytes_ = 0;  // behind the header
+    std::uint64_t bytes_ = 0;  // after the header
     std::uint64_t done_ = 0;   // rows read by read_rows()
 };
 
-// What stands before the numbers of an array in C order: type "<i4", shape "(5,)".
+// Returns the header of an array in C order. type: such as "<i4"; shape: such as "(5,)".
 [[nodiscard]] std::string npy_header(std::string_view type, const std::string& shape);
 
 }  // namespace clvotess

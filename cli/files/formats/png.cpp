@@ -16,7 +16,7 @@ void check_png() {}
 std::string to_png(const votess::Picture& picture) {
     bool opaque = true;
     for (std::size_t i = 3; i < picture.pixels.size(); i += 4) opaque = opaque && picture.pixels[i] == 255;
-    std::vector<std::uint8_t> pixels;  // without opacity where it says nothing
+    std::vector<std::uint8_t> pixels;  // without alpha where all pixels are opaque
     for (std::size_t i = 0; i < picture.pixels.size(); ++i) {
         if (!opaque || i % 4 != 3) pixels.push_back(picture.pixels[i]);
     }

@@ -1,4 +1,4 @@
-// PNG files, through libpng.
+// PNG files, written by libpng.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@ namespace clvotess {
 
 // Throws Failure when this program was built without libpng.
 void check_png();
-// The bytes of a PNG file.
+// Returns the bytes of a PNG file.
 [[nodiscard]] std::string to_png(const votess::Picture& picture);
 
 }  // namespace clvotess

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t see_zip64 = 0xffffffff;
 constexpr std::uint64_t best_ratio = 1032;  // of deflate
 
-// Little-endian fields of a record that begins at `at`.
+// The little-endian fields of a record that begins at `at`.
 class Fields {
 public:
     Fields(std::string_view bytes, std::uint64_t at, std::uint64_t size, const std::string& name) : name_(name) {
@@ -62,7 +62,7 @@ Directory find_directory(std::string_view bytes, const std::string& name) {
     return {record64.u64(48), record64.u64(32)};
 }
 
-// Size, packed size and offset of an entry, out of its zip64 field where they do not fit 32 bits.
+// Reads size, packed size and offset of an entry. They are in its zip64 field where they exceed 32 bits.
 void take_zip64(const Fields& extra, std::size_t extra_size, std::array<std::uint64_t, 3>& values) {
     for (std::size_t at = 0; at + 4 <= extra_size;) {
         const std::size_t id = extra.u16(at), size = extra.u16(at + 2);
@@ -82,7 +82,8 @@ void take_zip64(const Fields& extra, std::size_t extra_size, std::array<std::uin
     }
 }
 
-// Refuses members that share bytes, by which a small archive could hold much. Each is its header and its data.
+// Throws Failure for members that share bytes, which would let a small archive unpack to much. A member is its header
+// and its data.
 void check_apart(std::vector<std::pair<std::uint64_t, std::uint64_t>> ranges, const std::string& name) {
     std::ranges::sort(ranges);
     for (std::size_t k = 1; k < ranges.size(); ++k) {

@@ -1,4 +1,4 @@
-// The members of a zip archive: stored or deflated, zip64 where it occurs.
+// The members of a zip archive: stored or deflated, with zip64.
 // Format: PKWARE APPNOTE.TXT 6.3, sections 4.3 and 4.5.3; RFC 1951 for deflate.
 #pragma once
 
@@ -15,14 +15,14 @@ struct ZipMember {
     std::string name;
     bool deflated = false;
     std::uint32_t crc = 0;
-    std::uint64_t size = 0;   // of what it holds
-    std::string_view packed;  // as it lies in the archive
+    std::uint64_t size = 0;   // unpacked, bytes
+    std::string_view packed;  // bytes in the archive
 };
 
-// bytes: the whole archive, which must outlive the members. Throws Failure; `name` is for messages.
+// Returns the members of an archive, whose bytes must outlive them. Throws Failure. name: for messages.
 [[nodiscard]] std::vector<ZipMember> list_members(std::string_view bytes, const std::string& name);
 
-// What a member holds, front to back. The last bytes are given only when the checksum is right.
+// Returns a reader of the contents of a member, front to back. It throws Failure at the end for a wrong checksum.
 [[nodiscard]] ByteSource open_member(const ZipMember& member, const std::string& name);
 
 }  // namespace clvotess

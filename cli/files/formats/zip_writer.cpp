@@ -14,12 +14,12 @@ constexpr unsigned version_plain = 20;
 constexpr unsigned version_zip64 = 45;
 constexpr unsigned made_by_unix = 3 << 8;
 constexpr unsigned utf8_names = 1 << 11;
-constexpr unsigned first_dos_date = (0 << 9) | (1 << 5) | 1;  // 1980-01-01: equal results give equal files
+constexpr unsigned first_dos_date = (0 << 9) | (1 << 5) | 1;  // 1980-01-01, so that equal results give equal files
 constexpr unsigned zip64_extra = 1;
 constexpr std::uint32_t regular_file_mode = 0100644u << 16;
 constexpr std::uint64_t see_zip64 = 0xffffffff;
 
-// Little-endian fields of a record.
+// The little-endian fields of a record.
 class Record {
 public:
     Record& u16(std::uint64_t value) { return append(value, 2); }
@@ -40,7 +40,7 @@ private:
 };
 
 std::uint32_t crc_of(std::span<const std::string_view> parts) {
-    constexpr std::size_t piece = std::size_t{64} << 20;  // Ctrl-C is heard between pieces
+    constexpr std::size_t piece = std::size_t{64} << 20;  // Ctrl-C works between pieces
     uLong crc = crc32_z(0, nullptr, 0);
     for (std::string_view part : parts) {
         while (!part.empty()) {
@@ -107,7 +107,7 @@ void ZipWriter::finish() {
         const std::uint64_t record_begin = position_;
         end.u32(0x06064b50).u64(44).u16(made_by_unix | version_zip64).u16(version_zip64).u32(0).u32(0);
         end.u64(count).u64(count).u64(directory_size).u64(directory_begin);
-        end.u32(0x07064b50).u32(0).u64(record_begin).u32(1);  // where the record above lies
+        end.u32(0x07064b50).u32(0).u64(record_begin).u32(1);  // offset of the record above
     }
     end.u32(0x06054b50).u16(0).u16(0).u16(count).u16(count).u32(directory_size);
     end.u32(long_directory ? see_zip64 : directory_begin).u16(0);

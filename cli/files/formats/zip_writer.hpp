@@ -1,4 +1,4 @@
-// An archive of uncompressed members, written front to back; zip64 where a size or an offset needs it.
+// Writes an archive of uncompressed members, front to back, with zip64 where a size or offset needs it.
 // Format: PKWARE APPNOTE.TXT 6.3, sections 4.3 and 4.5.3.
 #pragma once
 
@@ -14,10 +14,10 @@ class OutputFile;
 
 class ZipWriter {
 public:
-    // largest32: sizes and offsets from here on take zip64; smaller than the format's own limit for tests only.
+    // largest32: sizes and offsets from this value on use zip64. Tests set a smaller value than the format's limit.
     explicit ZipWriter(OutputFile& file, std::uint64_t largest32 = 0xffffffff) : file_(file), largest32_(largest32) {}
 
-    // The member's bytes are the parts, one after the other.
+    // Adds a member, whose bytes are the parts in order.
     void add(const std::string& name, std::span<const std::string_view> parts);
     void finish();
 

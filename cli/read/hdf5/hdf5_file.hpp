@@ -1,4 +1,4 @@
-// What is read of an HDF5 file: datasets of numbers, attributes of the groups of a snapshot.
+// Reads an HDF5 file: datasets of numbers, and attributes of the groups of a snapshot.
 #pragma once
 
 #include <algorithm>
@@ -44,7 +44,7 @@ public:
     [[nodiscard]] bool has_columns(hsize_t count) const {
         return extent_.size() == 2 && extent_[1] == count && is_float();
     }
-    // One or a row of them for each point.
+    // Returns whether there is a number, or a row of numbers, for each point.
     [[nodiscard]] bool is_numbers() const {
         const bool rows = extent_.size() == 2 && extent_[1] > 0 && extent_[1] <= max_columns;
         return (extent_.size() == 1 || rows) && (is_float() || is_whole());
@@ -59,8 +59,7 @@ public:
     void append_to(std::vector<Number>& to) const {
         append_to(to, 0, rows());
     }
-    // Rows from `first` on, behind what `to` holds. In pieces, so that Ctrl-C is heard and HDF5 converts through a
-    // small buffer.
+    // Appends rows from `first` on. It reads in pieces, so that Ctrl-C works and HDF5 converts through a small buffer.
     template <typename Number>
     void append_to(std::vector<Number>& to, std::uint64_t first, std::uint64_t rows) const {
         check_storage();
@@ -98,7 +97,7 @@ public:
 
 private:
 public:
-    // What it takes when it is read.
+    // Returns the bytes in memory after reading.
     [[nodiscard]] double bytes() const {
         double bytes = sizeof(double);
         for (const hsize_t extent : extent_) bytes *= static_cast<double>(extent);
@@ -106,15 +105,15 @@ public:
     }
 
 private:
-    // A broken extent must not take memory, nor may parts that were never written read as zeros.
+    // Throws Failure for an extent that the file cannot hold, or for parts that were never written.
     void check_storage() const {
         const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
         if (!plist.valid()) throw error("has no readable layout");
         if (H5Pget_layout(plist.id()) == H5D_VIRTUAL) {
-            throw error("is virtual, only names what other files hold: give the first of those files");
+            throw error("is virtual and refers to other files: give the first of these");
         }
-        if (H5Pget_external_count(plist.id()) > 0) throw error("lies in external files, which is not supported");
-        constexpr std::uint64_t best_ratio = 1032;  // of deflate, the packer in use
+        if (H5Pget_external_count(plist.id()) > 0) throw error("is in external files, which is not supported");
+        constexpr std::uint64_t best_ratio = 1032;  // of deflate, the usual filter
         const bool packed = H5Pget_nfilters(plist.id()) > 0;
         const std::uint64_t stored = H5Dget_storage_size(set_.id());
         double bytes = static_cast<double>(type_size_);
@@ -125,7 +124,7 @@ private:
         if (H5Pget_layout(plist.id()) == H5D_CHUNKED) check_chunk(plist.id());
     }
 
-    // HDF5 unpacks a chunk as a whole, also one that is larger than the dataset.
+    // Throws Failure for a large chunk. HDF5 unpacks whole chunks, even if they are larger than the dataset.
     void check_chunk(hid_t plist) const {
         std::array<hsize_t, H5S_MAX_RANK> sides{};
         const int rank = H5Pget_chunk(plist, H5S_MAX_RANK, sides.data());
@@ -144,7 +143,7 @@ private:
 
 class Hdf5File {
 public:
-    // A FIFO is refused before it is opened, which would wait for its writer.
+    // Refuses a FIFO before opening it, which would wait for a writer.
     explicit Hdf5File(const std::string& path) : path_(path) {
         std::error_code problem;
         if (std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem))
@@ -158,12 +157,12 @@ public:
 
     // Throws Failure when the datasets together are too large for the file.
     void check_unpacked(double bytes) const {
-        constexpr double most = 0x1p63;
-        clvotess::check_unpacked(size_, static_cast<std::uint64_t>(std::min(bytes, most)), path_);
+        constexpr double max = 0x1p63;
+        clvotess::check_unpacked(size_, static_cast<std::uint64_t>(std::min(bytes, max)), path_);
     }
 
     [[nodiscard]] bool has(const std::string& dataset) const {
-        std::string part;  // each link on the way must exist, or HDF5 calls it an error
+        std::string part;  // HDF5 reports an error unless each link on the way exists
         for (std::size_t at = 0; at <= dataset.size(); ++at) {
             if (at < dataset.size() && dataset[at] != '/') continue;
             part = dataset.substr(0, at);
@@ -177,8 +176,7 @@ public:
         return {file_.id(), dataset, path_ + ": dataset " + in_quotes(dataset)};
     }
 
-    // Returns the paths of all datasets. Throws Failure when groups are nested too deep: HDF5 itself would take a time
-    // that grows with the square of the depth.
+    // Returns the paths of all datasets. Throws Failure for deeply nested groups, where HDF5 takes quadratic time.
     [[nodiscard]] std::vector<std::string> datasets() const {
         Walk walk{.failed = {}, .names = {}, .seen = {}, .path = {}, .depth = 0};
         H5O_info_t root{};
@@ -190,7 +188,7 @@ public:
         return walk.names;
     }
 
-    // Numbers of an attribute of the group Header; empty when it is not there.
+    // Returns the numbers of an attribute of the group Header; empty without it.
     [[nodiscard]] std::vector<double> header(const char* name) const {
         return has("Header") ? attribute("Header", name) : std::vector<double>();
     }
@@ -202,14 +200,14 @@ public:
         const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
         const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
         const H5T_class_t kind = type.valid() ? H5Tget_class(type.id()) : H5T_NO_CLASS;
-        constexpr hssize_t most = 64;
-        if (count < 1 || count > most || (kind != H5T_FLOAT && kind != H5T_INTEGER)) return {};
+        constexpr hssize_t max_count = 64;
+        if (count < 1 || count > max_count || (kind != H5T_FLOAT && kind != H5T_INTEGER)) return {};
         std::vector<double> values(static_cast<std::size_t>(count));
         if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
         return values;
     }
 
-    // Returns Unit... and what else scales the numbers of a snapshot, out of the groups Header and Units.
+    // Returns the attributes of Header and Units that scale the numbers of a snapshot.
     [[nodiscard]] std::vector<Attribute> units() const {
         std::vector<Attribute> all;
         for (const char* const group : {"Header", "Units"}) {
@@ -238,12 +236,12 @@ private:
     struct Walk {
         std::string failed;
         std::vector<std::string> names;
-        std::set<haddr_t> seen;  // objects, which hard links may join to a ring
-        std::string path;        // of the group that is listed, with a slash at its end
+        std::set<haddr_t> seen;  // objects; hard links may form a circle
+        std::string path;        // of the current group, with a slash at its end
         int depth = 0;
     };
 
-    // Called by HDF5, which no exception may pass.
+    // Called by HDF5, so it must not throw.
     static herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* to) noexcept {
         Walk& walk = *static_cast<Walk*>(to);
         try {
@@ -254,8 +252,8 @@ private:
             if (!walk.seen.insert(object.addr).second) return 0;
             if (object.type == H5O_TYPE_DATASET) walk.names.push_back(walk.path + name);
             if (object.type != H5O_TYPE_GROUP) return 0;
-            if (walk.depth == deepest_group) {
-                walk.failed = "groups are nested more than " + std::to_string(deepest_group) + " deep";
+            if (walk.depth == max_depth) {
+                walk.failed = "groups are nested more than " + std::to_string(max_depth) + " deep";
                 return -1;
             }
             const Hdf5Handle inner(H5Gopen2(group, name, H5P_DEFAULT), H5Gclose);

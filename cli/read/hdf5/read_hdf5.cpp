@@ -1,4 +1,4 @@
-// HDF5: a dataset (N, 3) of floats, and the snapshots of cosmological codes, whose datasets are spread over files.
+// HDF5: a dataset (N, 3) of floats, and snapshots of cosmological codes, whose datasets may be spread over files.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -18,15 +18,15 @@
 namespace clvotess {
 namespace {
 
-// Group of a dataset, with the slash at its end; "" for the root.
+// Returns the group of a dataset, with a slash at its end; "" for the root.
 std::string group_of(const std::string& path) {
     const auto slash = path.rfind('/');
     return slash == std::string::npos ? "" : path.substr(0, slash + 1);
 }
 
-// A file, and how far it has been read.
+// A file and its read position.
 struct Part {
-    std::optional<Hdf5File> file;  // none for the first, which stays open
+    std::optional<Hdf5File> file;  // null for the first, which stays open
     std::optional<Hdf5Dataset> points, ids;
     std::vector<Hdf5Dataset> columns;
     std::uint64_t next = 0;
@@ -34,7 +34,7 @@ struct Part {
 
 class Hdf5Pieces : public InputPieces {
 public:
-    // rows: so many in a piece.
+    // rows: of a piece.
     Hdf5Pieces(const std::string& path, const ReadRequest& request, std::uint64_t rows)
         : request_(request), rows_(rows), first_(first_snapshot_file(path)) {
         name_ = request_.dataset.empty() ? find_points(first_) : without_slash(request_.dataset);
@@ -43,8 +43,8 @@ public:
         const std::vector<double> announced = first_.header("NumFilesPerSnapshot");
         if (announced.empty() || !(announced[0] > 1)) return;
         const auto name = split_snapshot_name(first_.path());
-        constexpr double most = 1e6;
-        if (!name || !(announced[0] <= most)) {
+        constexpr double max_files = 1e6;
+        if (!name || !(announced[0] <= max_files)) {
             throw bad_input(first_.path() + ": one of " + to_text(announced[0]) +
                             " files of a snapshot, but it is not named like NAME.0.hdf5");
         }
@@ -69,7 +69,7 @@ public:
         return append(piece, rows_);
     }
 
-    // All of the share that is asked for, at once.
+    // Reads the whole requested share.
     Input all() {
         const Share& share = request_.share;
         if (share.parts > 1) {
@@ -91,7 +91,7 @@ private:
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
 
-    // Files of clvotess itself state all of their domain.
+    // Reads the domain of a file that clvotess wrote.
     static FileDomain domain_of(const Hdf5File& file) {
         const std::vector<double> axes = file.attribute("/", "periodic");
         if (axes.size() == 3) {
@@ -109,7 +109,7 @@ private:
         return domain;
     }
 
-    // A snapshot states the sides of its box, which begins at 0; whether it is periodic it does not say.
+    // Reads the box of a snapshot, which begins at 0. Snapshots do not state whether it is periodic.
     static std::optional<votess::Box> box_of(const Hdf5File& file) {
         const std::vector<double> size = file.header("BoxSize");
         if (size.size() != 1 && size.size() != 3) return std::nullopt;
@@ -146,13 +146,13 @@ private:
                          (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list));
     }
 
-    // What is wrong with the points append() will say.
+    // append() reports errors of the points.
     [[nodiscard]] std::uint64_t rows_of(const Hdf5File& file) const {
         return file.has(name_) ? file.open(name_).rows() : 0;
     }
 
-    // The next points of the file that is being read, or of the next one, as far as they are in the share.
-    bool append(Input& to, std::uint64_t most) {
+    // Reads the next points of the share, from the current file or the next one.
+    bool append(Input& to, std::uint64_t max_rows) {
         while (!part_ || part_->next == part_->points->rows()) {
             if (opened_ == files_) {
                 finish();
@@ -160,7 +160,7 @@ private:
             }
             open(opened_++);
         }
-        const std::uint64_t here = part_->next, passed = std::min(most, part_->points->rows() - here);
+        const std::uint64_t here = part_->next, passed = std::min(max_rows, part_->points->rows() - here);
         const std::uint64_t skipped = std::clamp(begin_, read_, read_ + passed) - read_,
                             rows = std::clamp(end_, read_, read_ + passed) - read_ - skipped;
         const std::uint64_t first = here + skipped;
@@ -174,7 +174,7 @@ private:
         return true;
     }
 
-    // A file of a snapshot may lack particles of the type that is asked for.
+    // A file of a snapshot may lack particles of the requested type.
     void open(std::uint64_t number) {
         part_.reset();
         std::optional<Hdf5File> later;
@@ -215,7 +215,7 @@ private:
         if (snapshot_) check_total(first_);
     }
 
-    // Beside the points, or at the root; empty when it is at neither place.
+    // Returns the path of a dataset in the group of the points or at the root; empty if it is in neither.
     [[nodiscard]] std::string find_column(const std::string& column, const Hdf5File& file) const {
         const std::string beside = group_of(name_) + column;
         const std::string path = file.has(beside) ? beside : without_slash(column);
@@ -231,10 +231,10 @@ private:
             if (other.starts_with(group) && other.find('/', group.size()) == std::string::npos)
                 add_name(list, other.substr(group.size()));
         throw bad_input(file.path() + ": no dataset " + in_quotes(column) +
-                        ", neither beside the points nor at the root; beside them are " + list);
+                        ", neither in the group of the points nor at the root; the group has " + list);
     }
 
-    // The columns that the run names, and all others beside the points if it says so.
+    // Finds the requested columns; with all_columns also the others in the group of the points.
     [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
         std::vector<InputColumn> columns;
         for (const std::string& name : request_.columns) {
@@ -255,7 +255,7 @@ private:
         return columns;
     }
 
-    // ParticleIDs beside the points of a snapshot, ids beside those of others.
+    // Finds ParticleIDs in a snapshot, ids in other files.
     void find_ids(const Hdf5File& file, std::uint64_t rows) {
         for (const char* const name : {"ParticleIDs", "ids"}) {
             const std::string path = group_of(name_) + name;
@@ -267,7 +267,7 @@ private:
         }
     }
 
-    // Index of the type in PartType<index>/...; nothing for other names.
+    // Returns the index in PartType<index>/...; nothing for other names.
     [[nodiscard]] std::optional<std::size_t> particle_type() const {
         constexpr std::string_view start = "PartType";
         if (!name_.starts_with(start) || name_.size() <= start.size() + 1 || name_[start.size() + 1] != '/') return {};
@@ -295,13 +295,13 @@ private:
     ReadRequest request_;
     std::uint64_t rows_;
     Hdf5File first_;
-    std::optional<SnapshotName> snapshot_;  // where there are several files
+    std::optional<SnapshotName> snapshot_;  // for several files
     std::uint64_t files_ = 1;
     std::string name_;                                                           // of the points
-    std::vector<InputColumn> columns_;                                           // empty ones
-    std::uint64_t opened_ = 0, read_ = 0;                                        // files and points
+    std::vector<InputColumn> columns_;                                           // without values
+    std::uint64_t opened_ = 0, read_ = 0;                                        // numbers of files and points
     std::uint64_t begin_ = 0, end_ = std::numeric_limits<std::uint64_t>::max();  // of the share
-    bool found_ = false;                                                         // in any file
+    bool found_ = false;                                                         // whether any file has points
     std::optional<bool> with_ids_;
     std::optional<Part> part_;
 };

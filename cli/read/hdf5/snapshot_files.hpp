@@ -7,7 +7,7 @@
 
 namespace clvotess {
 
-// A name such as snap_010.3.hdf5, taken apart.
+// The parts of a name such as snap_010.3.hdf5.
 struct SnapshotName {
     std::string base;        // snap_010
     std::uint64_t part = 0;  // 3
@@ -18,10 +18,10 @@ struct SnapshotName {
     }
 };
 
-// Returns nothing when the name has no number before its extension.
+// Returns the parts of a name; nothing without a number before the extension.
 [[nodiscard]] std::optional<SnapshotName> split_snapshot_name(const std::string& path);
 
-// The file to open for what the user gave: the file itself, or the first of the snapshot whose base it is.
+// Returns the file to open for a path: the file itself, or the first file of the snapshot with that base.
 [[nodiscard]] std::string first_snapshot_file(const std::string& path);
 
 }  // namespace clvotess

@@ -13,13 +13,13 @@ namespace clvotess {
 struct LammpsBox {
     std::array<double, 3> lower{}, upper{};
     double xy = 0, xz = 0, yz = 0;
-    // LAMMPS takes a box as periodic unless its script says otherwise; dumps may state boundaries, data files cannot.
+    // LAMMPS boxes are periodic by default. Dumps may state boundaries, data files cannot.
     std::array<bool, 3> periodic{true, true, true};
     DomainSource periodic_from = DomainSource::assumed;
 
     [[nodiscard]] bool tilted() const noexcept { return xy != 0 || xz != 0 || yz != 0; }
 
-    // Dumps write the bounds of the tilted box; its edges begin and end where the tilts have been taken off.
+    // Converts the bounds of a tilted box, which dumps state, to the ends of its edges.
     void take_off_bounds() noexcept {
         lower[0] -= std::min({0.0, xy, xz, xy + xz});
         upper[0] -= std::max({0.0, xy, xz, xy + xz});
@@ -27,7 +27,7 @@ struct LammpsBox {
         upper[1] -= std::max(0.0, yz);
     }
 
-    // One line, empty when the box can be a domain.
+    // Returns why the box cannot be a domain; empty if it can.
     [[nodiscard]] std::string problem() const {
         for (std::size_t k = 0; k < 3; ++k) {
             if (!std::isfinite(lower[k]) || !std::isfinite(upper[k]) || !(lower[k] < upper[k])) {

@@ -8,8 +8,8 @@
 namespace clvotess {
 namespace {
 
-// Columns of the Atoms section, by the manual of LAMMPS (read_data); three whole numbers, the image flags, may follow.
-// Where the manual and the program write another number of columns, both are read.
+// Columns of the section Atoms, by the manual of LAMMPS (read_data). Three image flags may follow. Where manual and
+// program differ in the number of columns, both are accepted.
 struct Style {
     std::string_view name, columns;
 };
@@ -60,13 +60,13 @@ AtomColumns made_of(std::string_view columns) {
     return result;
 }
 
-// The style that an accelerated one, as full/kk, is a variant of.
+// Returns the style without the suffix of an accelerated variant, such as full/kk.
 std::string_view plain_style(std::string_view name) {
     return name.ends_with("/kk") ? name.substr(0, name.size() - 3) : name;
 }
 
-// Behind id, type, x, y, z come the other columns of each sub-style, each name once. When sub-styles are not named or
-// not known, or do not make up the row, only the place of the coordinates is sure.
+// Returns the columns of style hybrid: id, type, x, y, z, then the other columns of each sub-style, each name once. If
+// sub-styles are missing, unknown or do not fit the row, only the coordinates are known.
 AtomColumns columns_of_hybrid(const Words& hint, std::size_t size) {
     AtomColumns result = made_of(basic_columns);
     bool all_known = hint.size() > 1;
@@ -90,7 +90,7 @@ AtomColumns columns_of_hybrid(const Words& hint, std::size_t size) {
 
 AtomColumns columns_of_style(const Words& hint, std::size_t size, const LineReader& lines) {
     const std::string_view name = plain_style(hint[0]);
-    // Style tdpd adds any number of concentrations.
+    // Style tdpd ends with any number of concentrations.
     if (name == "hybrid" || name == "tdpd") {
         const std::size_t least = made_of(basic_columns).names.size();
         if (size < least) {

@@ -1,4 +1,4 @@
-// LAMMPS data files: a header with the number of atoms and the box, then sections; of these only Atoms is read.
+// LAMMPS data files: a header with the number of atoms and the box, then sections. Only the section Atoms is read.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t spin_columns = 9;
 
-// Compared as bits, which are in order even where a number is none.
+// Compared as bits, which also orders NaN.
 using Triple = std::array<std::uint64_t, 3>;
 
 bool has_equal_pair(std::vector<Triple>& triples) {
@@ -45,7 +45,7 @@ public:
                 const std::string_view comment = line.substr(std::min(mark + 1, line.size()));
                 split_words(comment, hint);
                 take_names(comment, true);
-                if (named_ || !knows_style(hint)) hint.clear();  // a comment about anything
+                if (named_ || !knows_style(hint)) hint.clear();  // an unrelated comment
                 return read_atoms(hint);
             }
             read_header();
@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    // `N atoms`, `lo hi xlo xhi`, `xy xz yz xy xz yz`. Other lines and sections are passed over.
+    // Reads `N atoms`, `lo hi xlo xhi`, `xy xz yz xy xz yz`. Skips other lines and sections.
     void read_header() {
         const std::size_t n = words_.size();
         if (n == 2 && words_[1] == "atoms") {
@@ -81,7 +81,7 @@ private:
         }
     }
 
-    // Keeps the words when they name columns, in a line before the rows or behind `Atoms #`.
+    // Stores the words if they name columns, in a line before the rows or after `Atoms #`.
     void take_names(std::string_view line, bool commented) {
         names_text_ = lower_case(line);
         Words names;
@@ -90,8 +90,8 @@ private:
         names_commented_ = commented;
     }
 
-    // The columns of rows of `size` words, by the words behind `Atoms #`, by names, else by the number of columns.
-    // A comment that does not fit the rows was none about columns.
+    // Returns the columns of rows of `size` words: by the words after `Atoms #`, by names, else by their number. A
+    // comment that does not fit the rows is ignored.
     [[nodiscard]] AtomColumns columns_of(const Words& hint, std::size_t size) const {
         const bool fits = named_ && (size == named_->names.size() || size == named_->names.size() + 3);
         if (named_ && !fits && !names_commented_) {
@@ -109,8 +109,8 @@ private:
         return columns.names.back().empty() ? *named_ : columns;
     }
 
-    // What was taken for image flags may be coordinates at the end of the row, or the values of style spin. But image
-    // flags are equal for some atoms, places for none; and spin's four values follow z.
+    // Throws Failure if the assumed image flags may be coordinates or values of style spin. Image flags are equal for
+    // some atoms, coordinates for none. The four values of spin follow z.
     void check_guess(const std::vector<double>& points, std::vector<Triple>& flags) const {
         std::vector<Triple> places(flags.size());
         for (std::size_t i = 0; i < places.size(); ++i) {
@@ -120,7 +120,7 @@ private:
         throw lines_.error("which columns are the coordinates is not sure: " + std::string(ask_for_style));
     }
 
-    // A diameter can be had as `radius`, its half: a column more, behind those of the file.
+    // Adds a column `radius` after those of the file: half of the diameter.
     void find_wanted(const AtomColumns& columns, Input& input) {
         Words names = columns.names;
         const auto diameter = std::ranges::find(names, "diameter");
@@ -151,7 +151,7 @@ private:
         input.points.reserve(3 * count);
         input.ids.reserve(count);
         AtomColumns columns;
-        std::vector<Triple> flags;  // of guessed columns
+        std::vector<Triple> flags;  // with guessed columns
         std::size_t row_size = 0;
         while (input.ids.size() < count) {
             std::string_view line;
@@ -209,10 +209,10 @@ private:
     std::string names_text_;
     std::optional<AtomColumns> named_;  // points into names_text_
     bool names_commented_ = false;
-    bool four_whole_ = false;  // the last four columns of rows as long as those of style spin
+    bool four_whole_ = false;  // the last four columns, in rows as long as those of style spin
     std::optional<ColumnPlaces> wanted_;
     std::size_t diameter_ = 0;
-    std::optional<std::size_t> half_;  // the column of its half, when it is wanted
+    std::optional<std::size_t> half_;  // column of the radius, if requested
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// LAMMPS dumps in text: frames of `ITEM:` blocks. The box of the frame, with its tilt and its periodic axes, becomes
-// the domain.
+// LAMMPS dumps in text: frames of `ITEM:` blocks. The box of the frame, with tilt and periodic axes, becomes the
+// domain.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace clvotess {
 namespace {
 
-// Where the coordinates are: columns of x, y, z, and how they are written.
+// The columns of x, y, z, and their scaling.
 struct Place {
     std::array<std::size_t, 3> columns{};
     bool scaled = false;
