@@ -163,7 +163,7 @@ class Html(unittest.TestCase):
             self.assertIn("62", t._repr_html_())
         with mock.patch("pyvotess.export.html._rows", side_effect=RuntimeError):
             self.assertIn("Tessellation", t._repr_html_())
-        with mock.patch("pyvotess.export.html._MOST_POLYGONS", 3):
+        with mock.patch("pyvotess.export.html._MAX_POLYGONS", 3):
             self.assertNotIn("<svg", t._repr_html_())
 
 

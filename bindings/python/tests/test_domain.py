@@ -168,7 +168,7 @@ class Domains(unittest.TestCase):
             ("one for each axis", {"periodic": (True, False)}),
             ("cell has shape", {"cell": (1, 2, 3)}),
             ("one plane", {"cell": ((1, 0, 0), (2, 0, 0), (0, 0, 1))}),
-            ("origin goes with cell", {"origin": (0, 0, 0)}),
+            ("origin needs cell", {"origin": (0, 0, 0)}),
             ("box and cell", {"box": UNIT, "cell": np.eye(3)}),
             ("a periodic axis needs a box", {"periodic": True}),
             ("a periodic axis needs a box", {"periodic": "z"}),

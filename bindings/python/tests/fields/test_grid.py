@@ -29,9 +29,9 @@ class Totals(unittest.TestCase):
         grid = vt.Diagram(points, box=UNIT_BOX, periodic=True).to_grid(masses, 16, "dtfe")
         np.testing.assert_allclose(grid.mean(), masses.sum(), rtol=1e-12)
 
-    def test_seeds_without_a_tetrahedron_are_told(self):
+    def test_seeds_without_a_tetrahedron_warn(self):
         plane = uniform(40, seed=5) * (1, 1, 0) + (0, 0, 0.5)
-        with self.assertWarnsRegex(UserWarning, "mass of 40 seeds, of 40: they are in no"):
+        with self.assertWarnsRegex(UserWarning, "mass of 40 of 40 seeds, which are in no"):
             grid = vt.Diagram(plane, box=UNIT_BOX).to_grid(np.ones(40), 2, "dtfe")
         self.assertTrue((grid == 0).all())
 
