@@ -1,4 +1,4 @@
-"""Diagram.to_grid(): totals, projections, closed forms, and what a user may give."""
+"""Diagram.to_grid(): totals, projections, closed forms, arguments."""
 
 import unittest
 import warnings
@@ -39,7 +39,7 @@ class Totals(unittest.TestCase):
         diagram = vt.Diagram(uniform(200, seed=6), box=((0, 0, 0), (1, 2, 3)))
         values = uniform(200, seed=7)[:, 0]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # mass without a place
+            warnings.simplefilter("ignore")  # omitted mass
             for method in METHODS:
                 whole = diagram.to_grid(values, (4, 6, 5), method)
                 for axis in range(3):
