@@ -306,7 +306,7 @@ typedef struct votess_column {
     uint8_t bytes;       // of a number: 4 or 8 for 'f', else 1, 2, 4 or 8
 } votess_column;
 
-// The mesh of N cells. Arrays are laid out as those of a result with VOTESS_WANT_FACES, and stay the caller's.
+// The mesh of N cells. Arrays have the layout of a result with VOTESS_WANT_FACES, and belong to the caller.
 typedef struct votess_mesh {
     uint32_t struct_size;                // sizeof(votess_mesh)
     uint32_t column_count;               // for .vtu
@@ -330,10 +330,10 @@ typedef struct votess_mesh {
 typedef struct votess_bytes {
     const void* data;
     size_t count;    // bytes
-    uint64_t total;  // bytes of the whole file; 0 when not known before its end
+    uint64_t total;  // bytes of the whole file; 0 if unknown before its end
 } votess_bytes;
 
-// Takes the next piece of a file, valid during the call. Returns nonzero to go on, 0 to stop.
+// Takes the next piece of a file, valid during the call. Returns nonzero to continue, 0 to stop.
 typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 
 // Writes a mesh as a file, piece by piece. format: ".vtu" polyhedra with columns, without empty cells, ascending by
