@@ -4,8 +4,8 @@
     check_house.py SOURCE [--include FILE=HEADER]...
 
 The table of folders in engine/README.md lists which folders a folder of the engine may include: only folders above it, so
-that no include runs up. cli/ and bindings/ include nothing of the engine. The imports of pyvotess form no circle. All files that state the version state the same.
---include adds an include that does not exist, to see the check fail.
+that no include runs up. cli/ and bindings/ include nothing of the engine. The imports of pyvotess form no circle. All files
+that state the version state the same. --include adds an include that does not exist, to see the check fail.
 """
 import argparse
 import ast

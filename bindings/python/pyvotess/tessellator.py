@@ -57,7 +57,7 @@ def tessellate(
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside is an error.
     periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
-        ``shifts`` tells the image of each neighbor. x, y, z mean the edges of a ``cell``.
+        ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
         Default: a box is not periodic, a cell is along all edges.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
