@@ -1,4 +1,4 @@
-// Finds the word that a mistyped one may stand for.
+// Finds the word that a mistyped one may mean.
 #pragma once
 
 #include <optional>

@@ -1,4 +1,4 @@
-"""What every test of clvotess stands on: a run of the program in an empty folder of its own."""
+"""Base of the tests of clvotess: runs the program in an empty folder."""
 
 import json
 import os
@@ -13,7 +13,7 @@ import numpy as np
 
 CLI = os.environ.get("VOTESS_CLI", "clvotess")
 ROOT = Path(__file__).resolve().parents[2]
-HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}  # a loader that finds no driver
+HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}  # the loader finds no driver
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
@@ -39,7 +39,7 @@ def random_points(count, seed=7):
 def text_of(points, separator=" "):
     return "".join(separator.join(repr(float(x)) for x in row) + "\n" for row in points)
 
-# A shell that starts this in the background has it ignore Ctrl-C, and so would every program started here.
+# A shell makes background processes ignore Ctrl-C, which programs started here would inherit.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -50,7 +50,7 @@ class CliTest(unittest.TestCase):
         self.folder = Path(folder.name)
 
     def assertListEqual(self, list1, list2, msg=None):
-        """The first difference only: unittest's own comparison of long lists takes hours."""
+        """Compares lists up to the first difference. unittest's own comparison of long lists takes hours."""
         for i, (one, two) in enumerate(zip(list1, list2)):
             self.assertFalse(one != two, f"element {i}: {one!r} != {two!r} {msg or ''}")
         self.assertEqual(len(list1), len(list2), msg)
@@ -78,7 +78,7 @@ class CliTest(unittest.TestCase):
         return done
 
     def preloading(self, function):
-        """An environment where this C++ function takes the place of the library's."""
+        """Returns an environment in which this C++ function replaces that of the library."""
         compiler = shutil.which(os.environ.get("CXX", "c++"))
         if SANITIZED or not compiler or b"libvotess.so" not in Path(shutil.which(CLI)).read_bytes():
             self.skipTest("needs a compiler and a shared libvotess without sanitizer")
@@ -93,7 +93,7 @@ class CliTest(unittest.TestCase):
         return dict(os.environ, LD_PRELOAD=str(library))
 
     def refuse(self, *arguments, says=(), stdin="", code=2):
-        """Runs a bad call: the exit code, one line on stderr that names the place, nothing on stdout, no new file."""
+        """Runs a bad call. Asserts exit code, one line on stderr with these texts, empty stdout, no new file."""
         before = self.files()
         done = self.run_cli(*arguments, stdin=stdin, code=code)
         self.assertRegex(done.stderr, r"\Aclvotess: [^\n]+\n\Z", arguments)
@@ -104,7 +104,7 @@ class CliTest(unittest.TestCase):
         return done.stderr
 
     def rows(self, *arguments, **options):
-        """Runs with text on stdout; the rows."""
+        """Runs with text on stdout and returns the rows."""
         done = self.run_cli(*arguments, "-q", "-o", "-", **options)
         self.assertEqual(done.stderr, "")
         return done.stdout.splitlines()

@@ -43,7 +43,7 @@ class Files(CliTest):
         self.assertEqual(len((self.folder / "out.txt").read_text().splitlines()), 6)
 
     def test_links_to_files_that_are_still_to_be_made(self):
-        """The link stays one, its target is made; relative to the folder of the link, and through a chain of links."""
+        """A link stays a link, and its target is written: relative to the folder of the link, and through a chain."""
         (self.folder / "there").mkdir()
         for name, target in [("a.txt", "real.txt"), ("b.npz", "there/b"), ("c.txt", "there/c1.txt"),
                              ("there/c1.txt", "../c2.txt"), ("d.vtu", str(self.folder / "there" / "d"))]:
@@ -117,7 +117,7 @@ class Files(CliTest):
                 self.assertIn("clvotess: cannot write to stdout: No space", done.stderr.splitlines()[-1])
 
     def test_disk_that_fills_up(self):
-        # A limit on the size of files stands in for a small disk; its signal is ignored, so that write() fails.
+        # A limit on the size of files simulates a full disk. Its signal is ignored, so that write() fails.
         def limit():
             import resource
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
@@ -134,7 +134,7 @@ class Files(CliTest):
         process.stdout.close()
         message = process.stderr.read().decode()
         process.stderr.close()
-        self.assertEqual((process.wait(60), message), (128 + signal.SIGPIPE, ""))  # as head leaves others
+        self.assertEqual((process.wait(60), message), (128 + signal.SIGPIPE, ""))  # as after head
         self.assertEqual(self.files(), [])
 
     def test_closed_stdout_does_not_spoil_files(self):
@@ -163,13 +163,13 @@ class Files(CliTest):
         self.assertEqual(self.files(), [])
 
     def test_interrupt_while_writing(self):
-        os.mkfifo(self.folder / "pipe")  # without a reader: opening it waits
+        os.mkfifo(self.folder / "pipe")  # without a reader, so opening it waits
         process = self.start("--random", "1000", "-q", "-o", "out.txt", "-o", "pipe", stderr=subprocess.PIPE)
         self.interrupt(process, lambda: self.open_files(process) and time.sleep(0.3) is None)
         self.assertEqual(self.files(), ["pipe"])
 
     def open_files(self, process):
-        """How many files in the folder the process has open, also without a name."""
+        """Returns the number of files in the folder that the process has open, also without a name."""
         count = 0
         for link in Path(f"/proc/{process.pid}/fd").glob("*"):
             with contextlib.suppress(OSError):
@@ -183,7 +183,7 @@ class Files(CliTest):
         return False
 
     def test_killed(self):
-        """SIGKILL leaves the folder as it was, when all files but one are complete and at any other moment."""
+        """SIGKILL leaves the folder unchanged, when all files except one are complete, and at random moments."""
         if not self.has_unnamed_files():
             self.skipTest("this file system has no unnamed files")
         names = ["out.txt", "out.npz", "out.glb"] + ([] if SANITIZED else ["out.h5"])
@@ -215,7 +215,7 @@ class Files(CliTest):
             process.wait()
             self.assertEqual(self.files(), sorted([*names, "pipe"]))
             new = [(self.folder / name).stat().st_size > 3 for name in names]
-            self.assertEqual(new, sorted(new, reverse=True))  # published in this order, all whole or old
+            self.assertEqual(new, sorted(new, reverse=True))  # published in this order, each whole or old
 
     SHIM = r"""
         #define _GNU_SOURCE
@@ -262,7 +262,7 @@ class Files(CliTest):
         """
 
     def test_power_loss(self):
-        """The bytes reach the disk before the file has its name, the name before the run ends."""
+        """The bytes are synced before the file gets its name, the name before the run ends."""
         compiler = shutil.which(os.environ.get("CC", "cc"))
         if SANITIZED or not compiler:
             self.skipTest("needs a C compiler and no sanitizer")
@@ -304,11 +304,11 @@ class Files(CliTest):
         self.assertEqual(self.files(), ["out.h5", "out.npz", "out.txt"])
 
     def count_lasting(self, seconds):
-        """How many points keep one thread busy for about this long."""
+        """Returns a number of points that keeps one thread busy for about this time."""
         return int(20000 * seconds / self.json("--random", "20000", "-t", "1")["seconds"]["total"])
 
     def progress_of(self, *arguments):
-        """What a terminal on stderr is shown."""
+        """Returns the output on stderr to a terminal."""
         terminal, stderr = pty.openpty()
         process = self.start(*arguments, stdout=subprocess.DEVNULL, stderr=stderr)
         os.close(stderr)

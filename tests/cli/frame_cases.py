@@ -1,4 +1,4 @@
-"""Frames of .xyz, the extended layout, POSCAR, and text packed by gzip; and the domains that files state."""
+"""Frames of .xyz, extended XYZ, POSCAR, text packed by gzip, and domains that files state."""
 
 import gzip
 import re
@@ -49,7 +49,7 @@ class FrameFiles(ReaderTest):
         self.run_cli(name, "--weights", "forces_2")
         self.refuse(name, "--weights", "species", says="'H'")
         self.refuse(name, "--weights", "q", says=["'q'", "forces_3"])
-        # Axes without lengths.
+        # Periodic axes without lengths.
         name = file('pbc="T F T"')
         self.refuse(name, says=["periodic", "--periodic none"])
         self.assertEqual(self.json(name, "--periodic", "none")["domain"]["from"], "default")
@@ -107,7 +107,7 @@ class FrameFiles(ReaderTest):
 
 
 class Regressions(CliTest):
-    """Files of data/ whose lists were once asymmetric."""
+    """Files of data/ that once gave asymmetric lists."""
 
     def test_verify(self):
         for name, options in [("spacing_1e-8_periodic.xyz", ["--box", "0,0,0,1,1,1", "--periodic"]),
@@ -132,7 +132,7 @@ class FileDomains(CliTest):
             self.assertEqual(self.rows(name, "--format", "%n %v"), expected)
             self.assertRegex(self.run_cli(name).stdout,
                              f"(?m)^domain +box 0,0,0 to 2,1,1.5, periodic {axes}; stated$")
-        # What the user says goes before what the file says.
+        # Options override the file.
         self.assertEqual(self.rows(name, *box), self.rows("a.npy", *box))
         self.assertEqual(self.rows(name, "--periodic", "x"), self.rows("a.npy", *box, "--periodic", "x"))
         self.assertEqual(self.rows(name, "--periodic", "none"), self.rows("a.npy", *box))
@@ -147,7 +147,7 @@ class FileDomains(CliTest):
         self.assertEqual(self.rows("a.data"), self.rows("a.npy", "--box", "0,0,0,1,1,1", "--periodic"))
 
     def test_sources(self):
-        """What a file does not state, but a rule of its format supplies, is assumed."""
+        """A property that a rule of the format supplies is assumed."""
         corpus = ROOT / "tests/fuzz/readers/corpus"
         for kind, name, sources, axes in [
                 ("lammps_dump/flags", "a.dump", "stated stated", "xy"), ("lammps_dump/no_flags", "a.dump", "stated assumed", "xyz"),
@@ -181,7 +181,7 @@ class FileDomains(CliTest):
         self.assertEqual(self.rows(name, "--format", "%n"), expected)
         self.assertRegex(self.run_cli(name).stdout, "(?m)^domain +cell 2,0,0 .*, periodic abc; stated$")
         self.assertEqual(self.rows(name, "--periodic", "--format", "%n"), expected)
-        # A slab: by the boundaries of the file, or by the user, whom a data file needs for that.
+        # A slab: by the boundaries of the file, or by an option, which a data file needs.
         slab = self.rows("a.npy", *cell, "--periodic", "xy", "--list-walls", "--format", "%n %v")
         self.assertNotEqual(slab, self.rows("a.npy", *cell, "--list-walls", "--format", "%n %v"))
         self.assertEqual(self.rows(name, "--periodic", "xy", "--list-walls", "--format", "%n %v"), slab)
@@ -208,7 +208,7 @@ class FileDomains(CliTest):
         np.testing.assert_allclose(got, points, rtol=0, atol=1e-14)
 
     def test_relative_codes_of_points_beyond_the_box(self):
-        """%c and %p are relative to where the point lies inside the box, as in Voro++."""
+        """%c and %p are relative to the point wrapped into the box, as in Voro++."""
         edges = np.array([[2.0, 0, 0], [0.5, 1.0, 0], [-0.9, 0.4, 1.5]])
         for domain, lattice in [(["--box", "0,0,0,2,1,1.5", "--periodic"], np.diag([2, 1, 1.5])),
                                 (["--box=-5,0,0,5,1,1.5", "--periodic", "yz"], np.diag([0, 1, 1.5])),

@@ -1,4 +1,4 @@
-"""HDF5 in and out, with h5py as the other side."""
+"""HDF5 input and output, written and read back by h5py."""
 
 import json
 import os
@@ -23,7 +23,7 @@ except ImportError:
 
 class Hdf5Test(ReaderTest):
     def save(self, name, attributes=(), **arrays):
-        """A file of these datasets, `a__b` being b in the group a; attributes of the group Header."""
+        """Writes a file of these datasets; `a__b` is b in the group a. Attributes go to the group Header."""
         with h5py.File(self.folder / name, "w") as file:
             for path, array in arrays.items():
                 file[path.replace("__", "/")] = array
@@ -33,7 +33,7 @@ class Hdf5Test(ReaderTest):
 
 
 class Hdf5Module(CliTest):
-    """The module that brings HDF5 is loaded for files that need it, and missed with a clear word."""
+    """The HDF5 module is loaded on demand, and a missing module gives a clear message."""
 
     def test_other_runs_do_without_it(self):
         traced = subprocess.run([shutil.which(CLI)], env={**os.environ, "LD_TRACE_LOADED_OBJECTS": "1"}, text=True,
@@ -80,7 +80,7 @@ class Hdf5Files(Hdf5Test):
         self.assert_points("two.h5", points, "--dataset", "a")
         for name in ["g/b", "/g/b"]:
             self.assert_points("two.h5", 2 * points, "--dataset", name, ids=range(399, -1, -1))
-        self.assert_column("two.h5", points[:, 0] / 9, "r", "--dataset", "g/b")  # beside the points first
+        self.assert_column("two.h5", points[:, 0] / 9, "r", "--dataset", "g/b")  # first in the group of the points
         self.assert_column("two.h5", points[:, 1], "/r", "--dataset", "a")
         with h5py.File(self.folder / "packed.h5", "w") as file:
             file.create_dataset("points", data=np.zeros((20000, 3)) + 0.5, chunks=(512, 3), compression="gzip",
@@ -150,7 +150,7 @@ class Hdf5Files(Hdf5Test):
         self.assertRegex(self.run_cli("snap_010", *wish).stdout, "(?m)^input +5 files of a snapshot$")
         self.refuse("snap_010.3.hdf5", *wish, says=["first", "'snap_010.0.hdf5'"])
         self.refuse("snap_010", "--dataset", "PartType2/Coordinates", says="PartType2/Coordinates")
-        # BoxSize is the box, which --periodic repeats.
+        # BoxSize is the box; --periodic makes it periodic.
         for options, axes in [([], "not periodic"), (["--periodic"], "periodic xyz"), (["--periodic", "y"], "periodic y")]:
             source = "box stated, periodicity " + ("option" if options else "default")
             self.assertRegex(self.run_cli("snap_010", *wish, *options).stdout,
@@ -197,7 +197,7 @@ class Hdf5Files(Hdf5Test):
                 self.assertEqual((self.folder / "out.h5").read_bytes(), (self.folder / "out.hdf5").read_bytes())
 
     def test_nested(self):
-        """Groups 3,000 deep, and a ring of links: no time and no memory."""
+        """Groups 3,000 deep, and a circle of links, take neither time nor memory."""
         points = random_points(5)
         with h5py.File(self.folder / "deep.h5", "w", libver="latest") as file:
             group = file
@@ -225,7 +225,7 @@ class Hdf5Files(Hdf5Test):
                 np.testing.assert_array_equal(a[name], c[name], name)
 
     def test_a_snapshot_told_alone(self):
-        """The domain, ids and units stand in the output, which then states them in turn."""
+        """The output holds domain, ids and units, and states them when it is read."""
         points = random_points(2000) * 100
         self.snapshot("snap", 2, points, BoxSize=100.0, UnitLength_in_cm=3.085678e21, HubbleParam=0.7)
         self.run_cli("snap", "--dataset", "PartType1/Coordinates", "--periodic", "xz", "-o", "out.h5", "-o", "out.npz",
@@ -270,15 +270,15 @@ class Hdf5Files(Hdf5Test):
 
 @unittest.skipUnless(h5py, "NO h5py: HDF5 FILES ARE NOT TESTED (Debian: python3-h5py)")
 class Streamed(Hdf5Test):
-    """--memory: the file that a run in memory writes."""
+    """--memory: the file equals that of a run in memory."""
 
     def least(self, *arguments, stdin=""):
-        """Memory for blocks of some thousand points, beside what clvotess itself takes in this run."""
+        """Returns a value of --memory for blocks of some thousand points, in addition to clvotess itself."""
         said = self.run_cli(*arguments, "--memory", "1M", stdin=stdin, code=2).stderr
         return f"{int(re.search('is too little: .* give at least ([0-9]+)M', said)[1]) + 1}M"
 
     def assertSame(self, *arguments, stdin="", blocks=3, **options):
-        """Whole files are equal."""
+        """Asserts that whole files are equal."""
         self.run_cli(*arguments, "-x", "cpu", "-o", "whole.h5", stdin=stdin, **options)
         streamed = [*arguments, "-o", "streamed.h5"]
         told = self.json(*streamed, "--memory", self.least(*streamed, stdin=stdin), stdin=stdin, **options)
@@ -309,7 +309,7 @@ class Streamed(Hdf5Test):
         self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
 
     def test_text(self):
-        """A catalogue of ragged shape, with ids and columns that travel."""
+        """A catalogue with clusters, ids and carried columns."""
         rng = np.random.default_rng(4)
         directions = rng.normal(size=(15000, 3)) + (0, 0, 2)
         points = directions * (rng.random((15000, 1)) ** 0.3 / np.linalg.norm(directions, axis=1)[:, None])
@@ -345,7 +345,7 @@ class Streamed(Hdf5Test):
                     says="snap.2.hdf5")
 
     def test_failed_verification(self):
-        # What the library would say about wrong rows.
+        # The library's report for wrong rows.
         environment = self.preloading(
             "#include <votess/stream.hpp>\n"
             "votess::StreamResult votess::tessellate_stream(StreamSource&, StreamSink& sink, const Options&,"
@@ -379,7 +379,7 @@ class Streamed(Hdf5Test):
                     says="point 8765: y = 3 is outside the box")
 
     def test_stopped(self):
-        """Ctrl-C, and a disk that is full, leave nothing behind."""
+        """Ctrl-C and a full disk leave no files."""
         (self.folder / "temporary").mkdir()
         for seconds in [0, 0.6]:
             with self.start("--random", 2000000, "--memory", "400M", "-o", "out.h5", "--temporary", "temporary",

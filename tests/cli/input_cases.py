@@ -1,4 +1,4 @@
-"""Where points come from: text, .npy, stdin, --random; what is refused."""
+"""Input: text, .npy, stdin, --random, and refused files."""
 
 import io
 import os
@@ -10,7 +10,7 @@ from cli_test import CUBE, CliTest, random_points, text_of
 
 class Source(CliTest):
     def assert_reads(self, name, content, expected, ids=None):
-        """A file gives these points, read back bit by bit, in this order."""
+        """Asserts that a file gives exactly these points, in this order."""
         self.put(name, content)
         rows = [row.split() for row in self.rows(name, "--format", "%i %q")]
         self.assertEqual([[float(x) for x in row[1:]] for row in rows], [list(map(float, p)) for p in expected])
@@ -44,7 +44,7 @@ class Source(CliTest):
         self.assert_reads("a.csv", '# made by hand\n\n"ID";"X";"Y";"Z"\n9;1;2;3\n8;4;5;6\n', [[1, 2, 3], [4, 5, 6]],
                           [9, 8])
         self.assert_reads("a.csv", "x,y,z\n", [])
-        # Names say where the columns are; others are passed over, or taken as values.
+        # Names locate the columns. Others are skipped, or read as values.
         self.assert_reads("a.csv", "x,y,z,id\n1,2,3,4\n", [[1, 2, 3]], [4])
         many = self.put("a.csv", 'mass,"Z",name_is_1,y,ID,x\n0.5,3,7,2,9,1\n0.25,6,7,5,8,4\n')
         self.assert_reads("a.csv", (self.folder / many).read_text(), [[1, 2, 3], [4, 5, 6]], [9, 8])
@@ -57,7 +57,7 @@ class Source(CliTest):
         self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
 
     def test_csv_names_are_all_or_none(self):
-        """No line of names is passed over: it names x, y and z once each and every column of the rows."""
+        """A line of names must name x, y and z once each, and every column of the rows."""
         for names, says in [("a,b,c", "lacks 'x'"), ("pos x,pos y,pos z", "lacks 'x'"), ("x,b,c", "lacks 'y'"),
                             ("id,a,b,c", "lacks 'x'"), ("a b c", "lacks 'x'"), ("x,x,y,z", "'x' more than once"),
                             ("x,y,z,Z", "'z' more than once"), ("id,x,y,z,ID", "'id' more than once")]:
@@ -68,7 +68,7 @@ class Source(CliTest):
         self.assert_reads("a.csv", "m,x,y,z,m\n1,2,3,4,5\n", [[2, 3, 4]])
         self.refuse(self.put("a.csv", "x,y,z\n1,2,3,4\n"), says=["a.csv:2:", "4 columns, the line of names 3"])
         self.refuse(self.put("a.csv", "x,y,z,m\n1,2,3\n"), says=["a.csv:2:", "3 columns, the line of names 4"])
-        # Commas part names, so that names may hold blanks.
+        # Commas separate names, which may contain blanks.
         self.assert_reads("a.csv", '"my mass" , X; y ,z # units\n7,1,2,3\n', [[1, 2, 3]])
         self.assertEqual(self.rows("a.csv", "--radii", "my mass", "--format", "%r"), ["7"])
         self.assert_reads("a.csv", "x y  z\n1 2 3\n", [[1, 2, 3]])
@@ -147,7 +147,7 @@ class Source(CliTest):
         self.assertEqual(self.rows("-", stdin=CUBE), self.rows("a.txt"))
         self.assertEqual(self.rows("-", stdin=""), [])
         self.refuse("-", "-o", "out.txt", stdin="1 2 3\n1 2\n", says=["stdin:2:", "2 columns"])
-        long_text = text_of(random_points(40000))  # several times the first buffer
+        long_text = text_of(random_points(40000))  # larger than the first buffer
         self.assertEqual(len(self.rows("-", stdin=long_text)), 40000)
 
     def test_bad_rows_name_file_and_line(self):
@@ -166,7 +166,7 @@ class Source(CliTest):
                                     ("1 2 " + "y" * 5000 + "\n", 1, "yyy...'")]:
             for name in ["a.txt", "a.xyz"]:
                 if name == "a.xyz" and content == "1\n":
-                    continue  # the classic layout
+                    continue  # the plain format
                 with self.subTest(content=content, name=name):
                     self.put(name, content)
                     self.refuse(name, "-o", "out.txt", says=[f"{name}:{line}: ", says])
@@ -228,7 +228,7 @@ class Source(CliTest):
         self.assertTrue(np.all((values[:, :3] >= 0) & (values[:, :3] < 1)))
         self.assertLess(np.max(np.abs(values[:, :3].mean(axis=0) - 0.5)), 0.03)
         self.assertAlmostEqual(values[:, 3].sum(), 1, places=12)
-        # SplitMix64 from state 1, known from its reference code: the same on every machine.
+        # SplitMix64 from state 1, by its reference code: equal on every machine.
         self.assertEqual(self.splitmix(1, 3), [float(x) for x in rows[0].split()[:3]])
         self.assertEqual(rows, self.rows("--random", "2000", "--rng-seed", "1", "--format", "%q %v"))
         self.assertEqual(self.rows("--random", "1", "--rng-seed", 2**64 - 1, "--format", "%q")[0].split(),

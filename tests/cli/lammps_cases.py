@@ -112,7 +112,7 @@ class LammpsFiles(ReaderTest):
         self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "diameter")
         self.assert_column("a.lmp", [0.1 * i for i in range(1, 26)], "3")
 
-    # What stands between the id and the coordinates, and behind these, as the manual and the sources of LAMMPS say.
+    # Columns between the id and the coordinates, and after them, by the manual and the sources of LAMMPS.
     STYLES = [("eff", "1 2.0 0 0.5", ""), ("electron", "1 3.0 0 0.5", ""), ("line", "1 1 1 0.5", ""),
               ("tri", "2 1 1 0.5", ""), ("sph", "1 1000.0 0 0.5", ""), ("meso", "1 1000.0 0 0.5", ""),
               ("smd", "1 1 0.5 1.5 0.25 0.125 9 8 7", ""), ("mesont", "1 1 2 1.5 6.785 20.0 0", ""),
@@ -122,7 +122,7 @@ class LammpsFiles(ReaderTest):
               ("full/kk", "1 1 0.5", ""), ("spin", "1", " 0 0 1 2"), ("dipole", "1 0.5", " 0 1 0")]
 
     def test_data_styles(self):
-        """Coordinates that are whole numbers too, which no check of image flags would notice."""
+        """Coordinates may be whole numbers too, which no check of image flags can tell apart."""
         for points in [random_points(25) * [2, 1, 2] - [0, 0, 1], np.indices((3, 3, 3)).reshape(3, -1).T * 1.0]:
             lines = [" ".join(f"{x:g}" if x == int(x) else repr(x) for x in map(float, row)) for row in points]
             for style, before, after in self.STYLES:
@@ -131,8 +131,8 @@ class LammpsFiles(ReaderTest):
                     with self.subTest(style=style, before=before, flags=flags):
                         self.put("a.data", self.data(rows, f"  # {style}"))
                         self.assert_points("a.data", points, "--box=-9,-9,-9,9,9,9", ids=range(1, len(points) + 1))
-                        # Without the style these are refused, but for those where the coordinates have a common place
-                        # (in style dipole whole numbers may be those of style spin).
+                        # Without the style these are refused, except where the coordinates have a common place (whole
+                        # numbers of style dipole may be those of style spin).
                         self.put("a.data", self.data(rows))
                         if style == "full/kk" or (style == "dipole" and not flags and "." in lines[0]):
                             self.assert_points("a.data", points, "--box=-9,-9,-9,9,9,9", ids=range(1, len(points) + 1))
@@ -179,7 +179,7 @@ class LammpsFiles(ReaderTest):
             self.put("a.data", self.data(rows, hint).replace(f"Atoms{hint}\n\n", f"Atoms{hint}\n\n{head}\n"))
 
         sphere = [f"{i} 1 0.25 1.0 {line}" for i, line in enumerate(lines, 1)]
-        # The style and the names agree; or a comment is none about columns.
+        # The style agrees with the names, or the comment is unrelated.
         for hint, head in [(" # sphere", "id type diameter density x y z"), (" # sphere", "# id type x y z"),
                            (" # sphere", "# the spheres, x y z last"), ("", "# seven words: where x y z are"),
                            (" # sphere", "# id type d rho x y z"), (" # sphere", "id type d rho x y z")]:

@@ -44,7 +44,7 @@ class MeshFiles(ReaderTest):
         return faces
 
     def check_grid(self, name, volumes, box_volume, first_id=0):
-        """Watertight, oriented cells whose volumes are those of the library, by `id`, and fill the box."""
+        """Asserts watertight, oriented cells that fill the box and have these volumes, by `id`."""
         grid = self.grid(name)
         volumes = np.asarray(volumes)
         self.assertEqual(grid.GetNumberOfCells(), np.count_nonzero(volumes))
@@ -60,7 +60,7 @@ class MeshFiles(ReaderTest):
             faces = self.polygons(grid, cell)
             edges = [edge for face in faces for edge in zip(face, face[1:] + face[:1])]
             self.assertEqual(len(set(edges)), len(edges))
-            self.assertEqual({(b, a) for a, b in edges}, set(edges))  # each edge once in either direction
+            self.assertEqual({(b, a) for a, b in edges}, set(edges))  # each edge once in each direction
             corners = {v for face in faces for v in face}
             self.assertEqual(len(corners) - len(edges) // 2 + len(faces), 2)
             ids = vtkIdList()
@@ -110,7 +110,7 @@ class MeshFiles(ReaderTest):
             reader.SetFileName(str(self.folder / name))
             reader.Update()
             mesh = reader.GetOutput()
-            # VTK keeps float32 here.
+            # VTK stores float32 here.
             np.testing.assert_allclose(vtk_to_numpy(mesh.GetPoints().GetData()), arrays["vertices"], rtol=0, atol=1e-6)
             self.assertEqual(mesh.GetNumberOfPolys(), len(once))
             ids = vtkIdList()
@@ -131,10 +131,10 @@ class MeshFiles(ReaderTest):
 
 
 class GltfFiles(ReaderTest):
-    """What clvotess adds to the writer of the library, which the Python tests cover."""
+    """Size and colors of .glb. The Python tests cover the writer of the library."""
 
     def vertices(self, name):
-        """Color and cell of each vertex of a .glb file, (V, 4) uint8 and (V,) int."""
+        """Returns color and cell of each vertex of a .glb file, (V, 4) uint8 and (V,) int."""
         content = (self.folder / name).read_bytes()
         size = struct.unpack_from("<I", content, 12)[0]
         head = json.loads(content[20:20 + size])
@@ -163,7 +163,7 @@ class GltfFiles(ReaderTest):
         of_cell = np.empty(50)
         of_cell[cells] = colors[:, 0]
         np.testing.assert_array_equal(of_cell[cells], colors[:, 0])
-        self.assertTrue((np.diff(of_cell) >= 0).all())  # as the mass; a byte tells few dark colors apart
+        self.assertTrue((np.diff(of_cell) >= 0).all())  # like the mass; a byte has few dark colors
         self.assertGreater(len(np.unique(of_cell)), 35)
         for column in ["volume", "neighbors", "area", "x", "index"]:
             self.run_cli("p.npz", "--color", column, "-o", "a.glb")

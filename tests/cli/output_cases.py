@@ -55,13 +55,13 @@ class TextOutput(CliTest):
                                 for i, row in enumerate(CUBE_NEIGHBORS)])
         rows = self.rows("a.txt", "--box", CUBE_BOX, "--format", "%n", "--list-walls")
         self.assertEqual(rows[0], "-5 -3 -1 " + " ".join(map(str, sorted(ids[j] for j in CUBE_NEIGHBORS[0]))))
-        # Arrays are about rows: indices, not ids.
+        # Arrays hold indices of rows, not ids.
         self.run_cli("a.txt", "--box", CUBE_BOX, "-o", "out.npz")
         with np.load(self.folder / "out.npz") as arrays:
             self.assertEqual(arrays["indices"].tolist(), sum(CUBE_NEIGHBORS, []))
 
     def test_areas(self):
-        # A seed beside two others, whose ids are the other way round than their rows.
+        # A seed between two others whose ids and rows have opposite orders.
         self.put("a.txt", "7 0.5 0.5 0.5\n9 2 0.5 0.5\n8 0.5 2.5 0.5\n")
         box = ["--box", "0,0,0,4,4,1"]
         rows = self.rows("a.txt", *box, "--format", "%n|%f")
@@ -91,7 +91,7 @@ class TextOutput(CliTest):
         with np.load(self.folder / "out.npz") as arrays:
             np.testing.assert_array_equal(values[:, 6], arrays["volumes"])
             np.testing.assert_array_equal(values[:, 7:], arrays["centroids"] - points)
-        for row in rows:  # the fewest digits: as many as Python's repr has
+        for row in rows:  # the fewest digits, as in Python's repr
             for text in row:
                 self.assertEqual(self.digits(text), self.digits(repr(float(text))))
 
@@ -103,7 +103,7 @@ class TextOutput(CliTest):
 
     @staticmethod
     def lists_of_faces(row):
-        """Of a row with all codes: for each neighbor what the lists of faces say, the polygon as its corners."""
+        """Returns for each neighbor in a row with all codes the entries of its face, with coordinates of corners."""
         corners = TextOutput.brackets(row["P"])
         faces = {}
         columns = [row["n"].split(), row["e"].split(), row["a"].split(), row["f"].split(),
@@ -118,13 +118,13 @@ class TextOutput(CliTest):
         return [[float(x) for x in group.split(",")] for group in re.findall(r"\(([^)]*)\)", text)]
 
     def assert_same_polygon(self, mine, other):
-        """The same corners in the same sense, whichever comes first."""
+        """Asserts the same corners in the same direction, from any start."""
         mine, other = np.array(mine), np.array(other)
         self.assertEqual(mine.shape, other.shape)
         self.assertLess(min(np.abs(np.roll(mine, k, axis=0) - other).max() for k in range(len(mine))), 2e-5)
 
     def voropp(self, *arguments):
-        """Runs Voro++ on the file v in the unit box; its rows."""
+        """Runs Voro++ on the file v in the unit box and returns its rows."""
         program = shutil.which("voro++")
         if not program:
             self.skipTest("no voro++")
@@ -153,7 +153,7 @@ class TextOutput(CliTest):
         for code in "xyzqrmEFvcC":
             np.testing.assert_allclose(np.array(row[code].split(), float), np.array(their[code].split(), float),
                                        rtol=1e-4, atol=2e-6, err_msg=code)
-        for code in "pP":  # their order of vertices is another
+        for code in "pP":  # the order of vertices differs
             vertices, their_vertices = np.array(self.brackets(row[code])), np.array(self.brackets(their[code]))
             apart = np.abs(vertices[:, None] - their_vertices[None]).max(axis=2)
             self.assertLess(apart.min(axis=1).max(), 2e-5, code)
@@ -166,7 +166,7 @@ class TextOutput(CliTest):
             one = their_faces[neighbor]
             self.assertEqual(face[1], one[1])
             np.testing.assert_allclose([face[0], face[2]], [one[0], one[2]], rtol=1e-4, atol=1e-5)
-            if one[2] > 1e-4:  # theirs of tiny faces are noise
+            if one[2] > 1e-4:  # in Voro++ those of tiny faces are noise
                 np.testing.assert_allclose(face[3], one[3], atol=1e-4)
             self.assert_same_polygon(face[4], one[4])
 
@@ -188,7 +188,7 @@ class TextOutput(CliTest):
             self.assertEqual(row[4].split(), sorted(their[4].split(), key=int))
 
     def test_codes_of_faces(self):
-        # A cube: what every code must say is known. With ids whose order is not that of the rows.
+        # A cube, where every code is known, with ids in another order than the rows.
         self.put("a.txt", "".join(f"{9 - i} {row}\n" for i, row in enumerate(CUBE.splitlines())))
         form = "%n|%a|%A|%e|%E|%o|%m|%g|%F|%r|%C|%P|%p|%l|%t"
         for i, text in enumerate(self.rows("a.txt", "--box", CUBE_BOX, "--format", form)):
@@ -210,16 +210,16 @@ class TextOutput(CliTest):
                 face = corners[[int(v) for v in polygon]] - center
                 np.testing.assert_array_equal(face.mean(axis=0), np.array(normal) / 2)  # outward
                 turn = np.cross(face[1] - face[0], face[2] - face[1])
-                np.testing.assert_array_equal(-turn, normal)  # clockwise seen from outside, as Voro++ has it
+                np.testing.assert_array_equal(-turn, normal)  # clockwise seen from outside, as in Voro++
                 if int(neighbor) >= 0:
                     other = np.array(CUBE.splitlines()[9 - int(neighbor)].split(), float)
                     np.testing.assert_array_equal(other - center, normal)
-        # A cell that is not there has empty lists and no size.
+        # A seed without a cell has empty lists and size 0.
         self.put("d.txt", "0 0 0\n1 1 1\n0 0 0\n")
         self.assertEqual(self.rows("d.txt", "--format", form)[2], "||||0||0|0|0|0.5|nan nan nan||||")
 
     def test_faces_list_walls(self):
-        # Without polygons the rows hold no walls, unless asked for.
+        # Without polygons the rows list walls only by --list-walls.
         self.put("a.txt", CUBE)
         for form, walls in [("%n", False), ("%n %f %l %s %F", False), ("%n %w %p", False), ("%n %t", True),
                             ("%n %o", True)]:
@@ -227,7 +227,7 @@ class TextOutput(CliTest):
             self.assertEqual(row.startswith("-5 -3 -1"), walls, form)
 
     def test_rows_longer_than_usual(self):
-        # One seed inside a sphere of many: a row of thousands of neighbors.
+        # One seed inside a sphere of others has thousands of neighbors.
         count = 3000
         i = np.arange(count) + 0.5
         z, angle = 1 - 2 * i / count, np.pi * (1 + 5**0.5) * i
@@ -240,10 +240,10 @@ class TextOutput(CliTest):
 
 
 class VoroppCommand(CliTest):
-    """clvotess --voro++, beside the program where it is installed."""
+    """clvotess --voro++, compared with voro++ if it is installed."""
 
     def both(self, *arguments, radii=False, count=300, beyond=False):
-        """Rows of either program by id, after the same command line."""
+        """Returns the rows of both programs by id, for the same command line."""
         points = random_points(count, 21) * (1.2 if beyond else 1)
         columns = [points] + ([0.02 + points[:, :1] / 50] if radii else [])
         rows = [f"{i + 7} {' '.join(map(repr, row))}\n" for i, row in enumerate(np.hstack(columns).tolist())]
@@ -337,7 +337,7 @@ class ArrayOutput(CliTest):
                             (["--want=faces"], ["indptr", "indices", "vertices", "cell_vertex_indptr",
                                                 "cell_vertex_indices", "face_offsets", "face_vertices", "status"])]:
             self.assertEqual(sorted(self.load("--random", "50", *want)), sorted([*names, "box", "periodic", "version", "domain_from", "periodic_from"]))
-        # Text that needs more adds it.
+        # Text adds the arrays that it needs.
         self.run_cli("--random", "50", "--want", "volumes", "-o", "cells.txt", "--format", "%n %c %w")
         self.assertEqual(len((self.folder / "cells.txt").read_text().splitlines()), 50)
 
@@ -355,7 +355,7 @@ class ArrayOutput(CliTest):
             subprocess.run([unzip, "-tq", str(self.folder / "out.npz")], check=True, capture_output=True)
 
     def test_zip64(self):
-        """The same code with the limit at 100 bytes instead of 4 GiB, so that every kind of record occurs."""
+        """Runs the code with a limit of 100 bytes instead of 4 GiB, so that every kind of record occurs."""
         compiler = shutil.which(os.environ.get("CXX", "c++"))
         if not compiler:
             self.skipTest("no compiler")
@@ -382,7 +382,7 @@ class ArrayOutput(CliTest):
         subprocess.run(["./driver"], cwd=self.folder, check=True)
         content = (self.folder / "out.npz").read_bytes()
         self.assertEqual(content.count(b"PK\x06\x06"), 1)
-        # The local header of "large", which zipfile and numpy.load do not look at.
+        # The local header of "large", which zipfile and numpy.load do not read.
         at = 30 + len("small") + 99
         fields = struct.unpack_from("<IHHHHHIIIHH5sHHQQ", content, at)
         self.assertEqual((fields[0], fields[1], *fields[7:]),

@@ -1,4 +1,4 @@
-"""--image: a PNG file that other programs read, of the size asked for, with what is asked for in it."""
+"""--image: a PNG file of the requested size and content."""
 
 import os
 import struct
@@ -10,7 +10,7 @@ from cli_test import HIDDEN, CliTest, random_points
 
 
 def read_png(path):
-    """(height, width, 3) uint8, after the PNG specification: chunks, zlib, one filter a row."""
+    """Returns (height, width, 3) uint8, by the PNG specification: chunks, zlib, one filter for each row."""
     data = path.read_bytes()
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, packed, header = 8, b"", None
@@ -41,7 +41,7 @@ def read_png(path):
 
 
 def colored(image):
-    """Where the picture is neither background nor gray, as text and lines are."""
+    """Returns where the picture is colored: not background, text or lines."""
     wide = image.astype(np.int64)
     return wide.max(axis=2) - wide.min(axis=2) > 40
 
@@ -70,7 +70,7 @@ class Pictures(CliTest):
                 self.assertGreater(np.abs(other.astype(int) - plain.astype(int)).mean(), 1)
 
     def test_slice(self):
-        # One color a cell, constant along z: a slice by z shows stripes along y, one by x a single color.
+        # Each cell has one color, constant along z: a slice by z shows stripes along y, a slice by x one color.
         points = np.stack([np.arange(8) + 0.5, np.full(8, 4.0), np.full(8, 4.0)], axis=1)
         self.put("row.npy", points)
         box = ["--box", "0,0,0,8,8,8"]

@@ -1,4 +1,4 @@
-"""Questions to seeds that get no cells: --locate, --probe, --interpolate and --to-grid."""
+"""Queries among seeds: --locate, --probe, --interpolate and --to-grid."""
 
 import re
 import resource
@@ -13,7 +13,7 @@ from cli_test import CUBE, CUBE_BOX, SANITIZED, CliTest, random_points, text_of
 
 
 class Locate(CliTest):
-    """--locate: which cell holds each point of another file."""
+    """--locate: the cell that contains each point of another file."""
 
     def expected(self, points, queries):
         return ((queries[:, None, :] - points[None, :, :]) ** 2).sum(axis=2).argmin(axis=1)
@@ -70,12 +70,12 @@ class Locate(CliTest):
 
 
 class Probe(CliTest):
-    """--probe: the cells that the points of another file would have, each against a run with that point added."""
+    """--probe: the cell of each point of another file, compared with a run with that point added."""
 
     BOX = ["--box", "0,0,0,1,1,1"]
 
     def check(self, points, queries, *options, columns=()):
-        """columns: of the points and of the queries, as radii in the last column."""
+        """columns: radii of the points and of the queries, written as last columns."""
         rows = [np.hstack(row) for row in zip((points, queries), columns)] if columns else (points, queries)
         self.put("p.txt", text_of(rows[0]))
         self.put("q.txt", text_of(rows[1]))
@@ -135,7 +135,7 @@ class Probe(CliTest):
         self.put("p.txt", "".join(f"{100 + i} {row}\n" for i, row in enumerate(text_of(points).splitlines())))
         self.put("q.txt", "".join(f"{-i} {row}\n" for i, row in enumerate(text_of(queries).splitlines())))
         asked = ["p.txt", *self.BOX, "--probe", "q.txt"]
-        # Ids of rows are those of the queries, neighbors are points by their index.
+        # Rows have the ids of the queries. Neighbors are indices of points.
         done = self.run_cli(*asked, "-o", "a.npz", "-o", "a.txt", "-o", "a.vtu", "--format", "%i %q %s %n", "--want", "neighbors")
         self.assertEqual(done.stdout, "probed 4 queries among 40 seeds, 1 at the place of a seed\n")
         with np.load(self.folder / "a.npz") as file:
@@ -209,7 +209,7 @@ class Interpolate(CliTest):
         self.put("moved.txt", text_of(self.queries + (1, 0, -2)))
         np.testing.assert_allclose(np.array(self.rows(*asked, "moved.txt", "--periodic"), float),
                                    np.array(self.rows(*asked, "q.txt", "--periodic"), float), rtol=1e-9)
-        # Queries have radius 0 unless their file says otherwise.
+        # Queries without the column have radius 0.
         radii = np.full((400, 1), 0.01)
         self.put("r.csv", "x,y,z,a,b,r\n" + text_of(np.hstack((self.points, self.fields, radii)), ","))
         self.put("qr.csv", "x,y,z,r\n" + text_of(np.hstack((self.queries, np.full((60, 1), 0.01))), ","))
@@ -325,10 +325,10 @@ class ToGrid(CliTest):
 
 
 class Stops(CliTest):
-    """Ctrl-C during a query, and threads that the system does not give."""
+    """Ctrl-C during a query, and threads that the system does not provide."""
 
     def stop(self, *arguments):
-        # A signal that comes before the query catches it ends the program at once: later, then.
+        # A signal before the query catches it ends the program at once, so it is sent later.
         for wait in (0.05, 0.5, 1.5):
             status, error, seconds = self.interrupted(wait, *arguments)
             self.assertLess(seconds, 3)
@@ -338,7 +338,7 @@ class Stops(CliTest):
         self.assertEqual(error, "clvotess: stopped, no file was written\n")
 
     def interrupted(self, wait, *arguments):
-        """Exit status, stderr and seconds from the signal to the end; the signal comes after it could be caught."""
+        """Returns exit status, stderr and seconds from the signal to the end. The signal is sent when it can be caught."""
         process = self.start("--random", 2000, "-t", 1, "-q", *arguments, stderr=subprocess.PIPE)
         self.addCleanup(process.kill)
         caught = 0

@@ -1,4 +1,4 @@
-"""Files of every kind that clvotess reads: written by NumPy, h5py or by hand, whole and damaged."""
+"""Files of every kind that clvotess reads, written by NumPy, h5py or by hand, intact and damaged."""
 
 import contextlib
 import gzip
@@ -18,12 +18,12 @@ import numpy as np
 from cli_test import CLI, ROOT, SANITIZED, CliTest, random_points, text_of
 
 MEMORY_LIMIT = [] if SANITIZED or not shutil.which("prlimit") else ["prlimit", f"--as={2**33}"]
-FUZZ = int(os.environ.get("VOTESS_FUZZ_FILES", "1"))  # how many times as many damaged files
+FUZZ = int(os.environ.get("VOTESS_FUZZ_FILES", "1"))  # factor for the number of damaged files
 
 
 class ReaderTest(CliTest):
     def read(self, name, *arguments):
-        """The points and the ids that a file gives."""
+        """Returns the points and the ids of a file."""
         rows = [row.split() for row in self.rows(name, *arguments, "--format", "%i %q")]
         return np.array([row[1:] for row in rows], float).reshape(-1, 3), [int(row[0]) for row in rows]
 
@@ -33,13 +33,13 @@ class ReaderTest(CliTest):
         self.assertEqual(got_ids, list(range(len(points))) if ids is None else list(ids), name)
 
     def assert_column(self, name, values, column, *arguments):
-        """What --radii takes out of a file, as %r prints it."""
+        """Asserts the values that --radii reads from a file, as %r prints them."""
         rows = self.rows(name, "--radii", column, *arguments, "--format", "%r")
         np.testing.assert_array_equal(np.array(rows, float), values, name)
 
     def damage_program(self, name, tries=20 * FUZZ):
-        """No damage to a file crashes the program: exit code 0 or 2, one line at most. For readers that stand on foreign
-        code, which runs in a process of its own; tests/fuzz/readers/ feeds all of them."""
+        """Asserts that damaged files give exit code 0 or 2, with at most one line. This is for readers that use foreign
+        code, which runs in a separate process; tests/fuzz/readers/ tests all readers."""
         content = (self.folder / name).read_bytes()
         cuts = sorted({0, 1, len(content) - 1} | {len(content) * k // tries for k in range(tries)})
         cases = [(f"cut to {cut}", content[:cut]) for cut in cuts]
@@ -50,7 +50,7 @@ class ReaderTest(CliTest):
             damaged[at] ^= 1 << generator.randrange(8) if k % 2 else 0xFF
             cases.append((f"byte {at}", bytes(damaged)))
         refused = 0
-        environment = dict(os.environ, ASAN_OPTIONS="detect_leaks=0")  # of foreign code
+        environment = dict(os.environ, ASAN_OPTIONS="detect_leaks=0")  # in foreign code
         for what, damaged in cases:
             (self.folder / name).write_bytes(damaged)
             done = subprocess.run([*MEMORY_LIMIT, CLI, name, "-q", "-t", "1", "-x", "cpu"], cwd=self.folder,
@@ -59,7 +59,7 @@ class ReaderTest(CliTest):
             self.assertIn(done.returncode, [0, 2], f"{name}, {what}: {message}")
             self.assertRegex(message, r"\A(clvotess: [^\n]+\n)?\Z", what)
             refused += done.returncode == 2
-        self.assertGreater(refused, tries // 2)  # a cut may take away what nobody needs, such as a line end
+        self.assertGreater(refused, tries // 2)  # a cut may remove only unneeded bytes, such as a line end
 
 
 class ArrayFiles(ReaderTest):
@@ -83,13 +83,13 @@ class ArrayFiles(ReaderTest):
                 save(self.folder / "r.npz", points=points, radii=points[:, 0] / 50, k=np.arange(500))
                 self.assert_column("r.npz", points[:, 0] / 50, "radii")
                 self.assert_column("r.npz", np.arange(500), "k")
-        # Large enough for several pieces of zlib and of the widening.
+        # Large enough for several pieces of zlib and of the conversion.
         many = random_points(50000).astype("f4")
         np.savez_compressed(self.folder / "many.npz", points=np.asfortranarray(many))
         self.assert_points("many.npz", many)
-        # What clvotess writes it reads back, zip64 or not.
+        # clvotess reads its own files, with and without zip64.
         self.run_cli("--random", 300, "-o", "own.npz", "-o", "own.h5", "--want", "centroids,security_radii")
-        for name in ("own.npz", "own.h5"):  # the word is no name of an array
+        for name in ("own.npz", "own.h5"):  # the word is not the name of an array
             self.refuse(name, "--weights", "radii", says=["'radii'", "security_radii"])
         with np.load(self.folder / "own.npz") as arrays:
             self.assert_points("own.npz", arrays["centroids"])
@@ -125,7 +125,7 @@ class ArrayFiles(ReaderTest):
         self.refuse(self.put("b.npz", b"1 2 3\n"), says="not a zip")
 
     def test_npz_damaged(self):
-        """The numbers themselves are guarded by their checksum."""
+        """A checksum protects the numbers."""
         points = random_points(60)
         for save in [np.savez, np.savez_compressed]:
             save(self.folder / "a.npz", points=points, ids=np.arange(60), r=points[:, 0])
@@ -138,7 +138,7 @@ class ArrayFiles(ReaderTest):
 
 class PlyFiles(ReaderTest):
     def ply(self, kind, properties, rows, before=("", b"")):
-        """A file of one element vertex, behind another element."""
+        """Writes a file with the element vertex after another element."""
         head = f"ply\nformat {kind} 1.0\ncomment by hand\n{before[0]}element vertex {len(rows)}\n"
         head += "".join(f"property {t} {name}\n" for t, name in properties) + "element face 0\n"
         head += "property list uchar int vertex_indices\nend_header\n"
@@ -166,7 +166,7 @@ class PlyFiles(ReaderTest):
                 self.assert_column("a.ply", np.arange(50) / 128, "r")
                 self.put("a.ply", self.ply(kind, [("float", a) for a in "xyz"], points.astype("f4").tolist()))
                 self.assert_points("a.ply", points.astype("f4"))
-                # Another element with a list in front of the vertices.
+                # Another element with a list before the vertices.
                 order = ">" if "big" in kind else "<"
                 lists = (b"3 1 2 3 0.5\n0 0.5\n" if kind == "ascii" else
                          b"".join(struct.pack(f"{order}H{n}if", n, *range(n), 0.5) for n in [3, 0]))
@@ -204,10 +204,10 @@ class PlyFiles(ReaderTest):
 
 
 class HostileFiles(ReaderTest):
-    """Files and pipes that would take memory or time without end, and what people take for other formats."""
+    """Files and pipes that could take memory or time without end, and files of other formats."""
 
     def test_numbers(self):
-        """Python's float rounds right; ours must, however long the text."""
+        """Numbers are rounded correctly, as by Python's float, for texts of any length."""
         generator = random.Random(1)
 
         def digits(most):
@@ -257,11 +257,11 @@ class HostileFiles(ReaderTest):
                 process.terminate()
                 process.wait(timeout=20)
                 self.assertIn(process.returncode, [-signal.SIGTERM, 128 + signal.SIGTERM], arguments)
-                self.assertLess(time.monotonic() - began, 5, arguments)  # 0.2 s where the machine is not busy
+                self.assertLess(time.monotonic() - began, 5, arguments)  # 0.2 s on an idle machine
         with self.start("-", "--memory", "500M", stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:
             try:
                 began = None
-                while process.poll() is None:  # rows without end
+                while process.poll() is None:  # endless rows
                     process.stdin.write(b"\n" * 100000)
                     if began is None:
                         began = time.monotonic()
@@ -309,7 +309,7 @@ class HostileFiles(ReaderTest):
     def test_counts_that_wrap(self):
         self.put("POSCAR", "c\n1\n1 0 0\n0 1 0\n0 0 1\n" + "1099511627776 " * 70000 + "1\nDirect\n0 0 0\n")
         self.refuse("POSCAR", says="add up to more than")
-        huge = 2**64 // 3 + 1  # three of them are 2 more than fit
+        huge = 2**64 // 3 + 1  # three of them overflow by 2
         for name, content in [("a.xyz", f"{huge}\n\nH 0 0 0\n"), ("a.xyz", f"{2**64}\n\nH 0 0 0\n"),
                               ("a.ply", f"ply\nformat ascii 1.0\nelement vertex {huge}\nproperty float x\nproperty float y\n"
                                         "property float z\nend_header\n0 0 0\n")]:
@@ -335,18 +335,18 @@ class HostileFiles(ReaderTest):
 
 
 class Columns(ReaderTest):
-    """--copy and --density, out of every kind of file."""
+    """--copy and --density, from every kind of file."""
 
     OWN = {"box", "periodic", "cell", "origin", "version", "domain_from", "periodic_from", "units", "indptr", "indices", "shifts", "volumes", "status", "ids"}
 
     def carried(self, *arguments):
-        """What an .npz holds beside the result."""
+        """Returns the columns in an .npz in addition to the result."""
         self.run_cli(*arguments, "-o", "out.npz")
         with np.load(self.folder / "out.npz") as arrays:
             return {name: arrays[name] for name in arrays.files if name not in self.OWN}, arrays["volumes"]
 
     def assert_carried(self, name, expected, *options):
-        """The columns one by one, in another order, all at once, and as density."""
+        """Asserts the columns one by one, in another order, all at once, and as density."""
         for names in [list(expected), list(expected)[::-1], ["all"]]:
             got, _ = self.carried(name, "--copy", ",".join(names), *options)
             self.assertEqual(set(got), set(expected), name)
@@ -422,7 +422,7 @@ class Columns(ReaderTest):
         self.assertEqual(sorted(ids), list(range(25)))
         for name, values in [("mass", mass), ("flow", points[:, :2] * 3), ("density", rows[:, 5])]:
             np.testing.assert_array_equal(array(name, "<f8"), values[ids])
-        # A cell without a volume has no density; a file of no points has empty columns.
+        # A cell without a volume has no density. A file without points has empty columns.
         self.put("two.csv", "x,y,z,m\n0,0,0,2\n0,0,0,3\n1,1,1,4\n")
         rows = self.rows("two.csv", "--density", "m", "--format", "%i")
         self.assertEqual([row.split()[1] == "nan" for row in rows], [False, True, False])
@@ -431,7 +431,7 @@ class Columns(ReaderTest):
         self.assertEqual(self.rows("none.csv", "--density", "m", "--copy", "m", "--radii", "m"), [])
 
     def test_density_of_duplicates(self):
-        """The seed that keeps the cell gets the mass of all seeds at its place, also of those a period away."""
+        """The seed that keeps the cell gets the mass of all equal seeds, also of those a period away."""
         rng = np.random.default_rng(5)
         places = np.round(random_points(40) * 1024) / 1024
         which = np.concatenate((np.arange(40), rng.integers(0, 40, 60)))[rng.permutation(100)]

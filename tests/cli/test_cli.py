@@ -1,7 +1,7 @@
-"""What clvotess promises on its command line, line by line.
+"""The command line of clvotess.
 
-VOTESS_CLI names the program. Most tests run it in an empty folder of their own and look at exit code, stdout, stderr
-and the files that are left. Answers are compared with plain arithmetic here, and with Voro++ where it is installed.
+VOTESS_CLI names the program. Most tests run it in an empty folder and check exit code, stdout, stderr and files. Results
+are compared with plain arithmetic, and with Voro++ if it is installed.
 """
 
 import shutil

@@ -1,4 +1,4 @@
-"""The kinds of files that clvotess reads and writes, beyond text and .npy, each with another program on the other side.
+"""Files that clvotess reads and writes, except text and .npy, each checked with another program.
 
 VOTESS_CLI names the program.
 """

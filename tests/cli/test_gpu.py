@@ -1,4 +1,4 @@
-"""clvotess on Vulkan devices: what -x chooses, and that files do not depend on it.
+"""clvotess on Vulkan devices: the choice of -x, and equal files for all devices.
 
 These tests run under the validation layer, which finds misuse of Vulkan.
 """
@@ -17,7 +17,7 @@ __all__ = ["Devices"]
 
 
 def inputs(scale):
-    """The inputs that users bring, by name."""
+    """Typical inputs by name."""
     random = np.random.default_rng(3)
     centers, sigmas, which = random.random((50, 3)), random.uniform(0.01, 0.05, 50), random.integers(0, 50, scale)
     side = np.arange(round(scale ** (1 / 3)), dtype=float)
@@ -86,7 +86,7 @@ class Devices(CliTest):
         self.assertGreater(seconds["open"], seconds["upload"])
         self.assertEqual(self.json("--random", 2000, "-x", "cpu")["seconds"]["open"], 0)
         stages = sum(value for name, value in seconds.items() if name != "total")
-        # A busy machine takes time away between the stages; the bounds tell seconds from other units, no more.
+        # A busy machine loses time between stages, so the bounds only distinguish seconds from other units.
         self.assertLess(stages, 2 * seconds["total"])
         self.assertGreater(stages, 0.1 * seconds["total"])
 

@@ -172,7 +172,7 @@ class Usage(CliTest):
             self.assertIn(word, text)
         for page in [usual, text]:
             self.assertLessEqual(max(map(len, page.splitlines())), 100)
-        # The example runs as it stands, with fewer points.
+        # The example runs unchanged, with fewer points.
         example = next(line for line in text.splitlines() if line.startswith("  clvotess --random 1e6"))
         example = example.strip().replace("1e6", "1e3").replace("clvotess", f'"{CLI}"', 1)
         subprocess.run(example, shell=True, cwd=self.folder, check=True, capture_output=True)
@@ -298,9 +298,9 @@ class Usage(CliTest):
             self.assertEqual((summary["verified"], summary["verified_cells"]), (True, 5000))
         for want in ["volumes", "volumes,faces"]:
             self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout,
-                             "(?m)^verified +yes, 500 of 500 cells tried against every point$")
+                             "(?m)^verified +yes, 500 of 500 cells checked against every point$")
         with np.load(self.folder / "out.npz") as arrays:
-            self.assertNotIn("indices", arrays.files)  # computed for the check, not asked for
+            self.assertNotIn("indices", arrays.files)  # computed for the check, not requested
 
     def test_exit_codes_of_library_errors(self):
         for error, code in [("invalid_argument", 2), ("unsupported", 2), ("out_of_memory", 1), ("internal", 1),
@@ -327,7 +327,7 @@ class Usage(CliTest):
             self.assertEqual(done.stderr, f"clvotess: {told}\n")
 
     def test_failed_verification(self):
-        # What the library would say about a wrong result.
+        # The library's report for a wrong result.
         environment = self.preloading(
             "votess::VerifyReport votess::verify(const Tessellation&, std::span<const double>, const VerifyOptions&)"
             "{ return {false, \"seed 3 lists 5\\nbut not back\", {}, 7}; }\n")

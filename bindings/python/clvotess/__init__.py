@@ -8,18 +8,18 @@ from pathlib import Path
 
 
 def _program() -> Path:
-    """The program that lies in the package pyvotess."""
+    """Returns the path of the program in the package pyvotess."""
     package = importlib.util.find_spec("pyvotess")
     name = "clvotess.exe" if os.name == "nt" else "clvotess"
     for folder in (package.submodule_search_locations if package else None) or ():
         program = Path(folder) / "bin" / name
         if program.is_file():
             return program
-    raise SystemExit("clvotess: the program is missing from the package pyvotess: install it anew by pip")
+    raise SystemExit("clvotess: the program is missing from the package pyvotess: install it again with pip")
 
 
 def main() -> None:
-    """Becomes the program, with the arguments of this process."""
+    """Replaces this process by the program, with the same arguments."""
     program = str(_program())
     if os.name == "nt":
         raise SystemExit(subprocess.call([program, *sys.argv[1:]]))

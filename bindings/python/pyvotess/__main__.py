@@ -1,4 +1,4 @@
-"""python -m pyvotess: where the parts of an installed package lie, for builds of other programs."""
+"""python -m pyvotess: prints where the parts of an installed package are, for builds of other programs."""
 
 import argparse
 from pathlib import Path
@@ -10,9 +10,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m pyvotess", description=__doc__)
     group = parser.add_mutually_exclusive_group(required=True)
     for part, text in (
-        ("cmake-dir", "what -Dvotess_DIR= takes, for find_package(votess)"),
+        ("cmake-dir", "value of -Dvotess_DIR= for find_package(votess)"),
         ("include-dir", "folder of the C and C++ headers"),
-        ("library", "the file of libvotess that is used"),
+        ("library", "file of the loaded libvotess"),
         ("version", "the version"),
     ):
         group.add_argument(f"--{part}", action="store_const", const=part, dest="part", help=text)
@@ -24,7 +24,7 @@ def main() -> None:
     else:
         folder = Path(__file__).resolve().parent / ("lib/cmake/votess" if part == "cmake-dir" else "include")
         if not folder.is_dir():
-            parser.error(f"there is no {folder}: it comes with `pip install`, not with a source tree")
+            parser.error(f"there is no {folder}: run `pip install`; a source tree lacks it")
         print(folder)
 
 

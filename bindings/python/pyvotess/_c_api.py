@@ -1,4 +1,4 @@
-"""The C interface of votess as ctypes sees it: constants, structs and one table of signatures (votess/votess.h)."""
+"""The C interface of votess for ctypes: constants, structs and a table of signatures (votess/votess.h)."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ class ErrorCode(IntEnum):
     CANCELLED = 3
     UNSUPPORTED = 4
     INTERNAL = 5
-    DEVICE_LOST = 6  #: the device stopped answering or its driver failed
-    INVALID_USE = 7  #: a Tessellator that is at work in another call
-    STORAGE = 8  #: temporary files of :func:`tessellate_stream` cannot be written, or their disk has no room
-    NO_THREADS = 9  #: the system gives fewer threads than were requested
+    DEVICE_LOST = 6  #: the device stopped responding or its driver failed
+    INVALID_USE = 7  #: the Tessellator is in use by another call
+    STORAGE = 8  #: temporary files of :func:`tessellate_stream` cannot be written, for example on a full disk
+    NO_THREADS = 9  #: the system provides fewer threads than requested
 
 
 class CellStatus(IntEnum):
-    """One byte per cell. A finished run holds only ``CERTIFIED``, ``DUPLICATE``, ``EMPTY`` and ``OUTSIDE``."""
+    """One byte for each cell. Results hold only ``CERTIFIED``, ``DUPLICATE``, ``EMPTY`` and ``OUTSIDE``."""
 
     CERTIFIED = 0  #: proven complete, every sign certain
     NEEDS_EXACT = 1  #: a sign could not be certified in floating point
     PLANE_OVERFLOW = 2  #: more planes than the engine's storage holds
     VERTEX_OVERFLOW = 3  #: more vertices than the engine's storage holds
     CANDIDATES_EXHAUSTED = 4  #: the candidate list ended before the security radius
-    DUPLICATE = 5  #: same coordinates as a seed of lower index, which keeps the cell; this one is empty
+    DUPLICATE = 5  #: empty: a seed of lower index has the same coordinates and keeps the cell
     EMPTY = 6  #: the cell has no interior
     OUTSIDE = 7  #: the seed lies outside the domain
 
@@ -71,7 +71,7 @@ GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 WantWord = Literal[
     "neighbors", "volumes", "centroids", "counts", "areas", "normals", "surfaces", "radii", "vertices", "faces"
 ]
-#: What want takes, as ``votess_want_of`` knows it: words, and the arrays that they stand for.
+#: Names that ``want`` accepts: words, and the arrays in their groups.
 WantName = Literal[
     WantWord,
     "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts",
@@ -86,7 +86,7 @@ GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value
 
-# Callbacks leave out their last argument, the user's pointer: in C the caller clears arguments away.
+# Callbacks omit their last argument, the user's pointer; the calling convention of C allows it.
 ProgressCallback = CFUNCTYPE(c_int, c_double)
 LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
 
@@ -203,7 +203,7 @@ class Bytes(ctypes.Structure):
 
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
-# Handles travel as void pointers. Arrays are returned as addresses (c_void_p), which NumPy wraps.
+# Handles are void pointers. Arrays are addresses (c_void_p), which NumPy wraps.
 _HANDLE = c_void_p
 _ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
 
@@ -313,7 +313,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
 
 
 def declare(library: ctypes.CDLL, names: Iterable[str] = tuple(SIGNATURES)) -> None:
-    """Sets the signatures of these functions; AttributeError when the library lacks one."""
+    """Sets the signatures of these functions. Raises AttributeError when the library lacks one."""
     for name in names:
         function = getattr(library, name)
         function.restype, function.argtypes = SIGNATURES[name]

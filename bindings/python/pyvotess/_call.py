@@ -1,4 +1,4 @@
-"""Calls of the library: errors, handles, arrays in its memory, and runs that can be interrupted and show how far they are."""
+"""Calls of the library: errors, handles, arrays in its memory, callbacks, and the display of progress."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-#: Called some ten times a second with the fraction done, 0 to 1. Return False to stop the run; None goes on.
+#: Called about ten times a second with the fraction done, 0 to 1. Returns False to stop the run; None continues.
 Progress = Callable[[float], Optional[bool]]
 
 
 class VotessError(RuntimeError):
-    """A failed run that is not the fault of the input. ``code`` says why."""
+    """A run failed, and the input is not the cause. ``code`` is the reason, an :class:`ErrorCode`."""
 
     def __init__(self, message: str, code: ErrorCode) -> None:
         super().__init__(message, code)
@@ -55,7 +55,7 @@ class Handle:
         self._free = free  # kept here: module globals may be gone when the interpreter ends
 
     def free(self) -> None:
-        # Out of reach first: the handler of a signal may raise right after the call, and this be called again.
+        # Cleared first: a signal handler may raise right after the call, and free() may be called again.
         pointer, self.pointer = self.pointer, ctypes.c_void_p()
         if pointer:
             self._free(pointer)
@@ -68,7 +68,7 @@ class Handle:
 
 
 class _Memory:
-    """What NumPy needs to wrap an array of the library. It becomes the base of the ndarray and keeps the owner alive."""
+    """Wraps an array of the library for NumPy. It becomes the base of the ndarray and keeps the owner alive."""
 
     def __init__(self, owner: Handle, address: int, shape: Tuple[int, ...], dtype: np.dtype[Any]) -> None:
         self._owner = owner
@@ -88,7 +88,7 @@ def array_of(
     prefix: str = "votess_result_",
     library: ctypes.CDLL = lib,
 ) -> npt.NDArray[Any]:
-    """Read-only view, without a copy, of ``<prefix><name>``; shape (length,) or (length / columns, columns)."""
+    """Returns a read-only view of ``<prefix><name>``, without a copy, of shape (length,) or (length / columns, columns)."""
     length = ctypes.c_size_t()
     address = getattr(library, prefix + name)(result.pointer, ctypes.byref(length))
     shape = (length.value // columns, columns) if columns else (length.value,)
@@ -100,14 +100,14 @@ def array_of(
 
 
 class Callbacks:
-    """What the library calls while one of its functions runs. The block raises the first error of these callbacks.
+    """Callbacks for one call of the library. The block raises their first error.
 
     >>> with Callbacks() as callbacks:
     ...     status = lib.function(..., callbacks.progress(progress))
     >>> raise_on_failure(status)
 
-    Errors of signal handlers are among them: Python runs handlers between its own instructions in the main thread, and
-    so in a callback while the library runs. ctypes would print the error and return any number to the library.
+    This includes errors of signal handlers, which Python runs in the main thread between its own instructions, so in a
+    callback while the library runs. Without this class ctypes would print the error and return an arbitrary number.
     """
 
     def __init__(self) -> None:
@@ -130,7 +130,7 @@ class Callbacks:
                 del raised  # the traceback holds this frame
 
     def guarded(self, prototype: Any, work: Callable[[Any], int], stop: int) -> Any:
-        """Returns a callback that calls ``work`` with the first argument, or returns ``stop`` after an error."""
+        """Returns a callback that calls ``work`` with the first argument. After an error it returns ``stop``."""
         answers = self._answers(work, stop)
         next(answers)
         callback = prototype(answers.send)
@@ -138,7 +138,7 @@ class Callbacks:
         return callback
 
     def _answers(self, work: Callable[[Any], int], stop: int) -> Generator[int, Any, None]:
-        # Not a function: it would be entered, where handlers of signals run, before its try.
+        # A generator, because a signal handler may run when a function is entered, before its try.
         answer = stop
         try:
             while True:
@@ -153,9 +153,9 @@ class Callbacks:
             yield stop
 
     def progress(self, progress: Optional[Progress]) -> Any:
-        """Returns the progress callback for the library, which calls ``progress`` and lets signal handlers run.
+        """Returns the progress callback for the library: it calls ``progress`` and lets signal handlers run.
 
-        NULL where there is nothing to do.
+        It is NULL when neither is needed.
         """
         if progress is None and not self._gets_signals:
             return _c_api.ProgressCallback()
@@ -168,16 +168,16 @@ class Callbacks:
 
 
 def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out: Any, progress: Any) -> None:
-    """Calls ``function(*arguments, options, out)`` with the progress of a :func:`showing`."""
+    """Calls ``function(*arguments, options, out)`` with ``progress``, from :func:`showing`."""
     with Callbacks() as callbacks:
         options.progress = callbacks.progress(progress)
         status = function(*arguments, ctypes.byref(options), out)
     raise_on_failure(status)
 
 
-# What progress=True shows: a bar of tqdm where it is installed, else a line on stderr.
+# Display of progress=True: a bar of tqdm if it is installed, else a line on stderr.
 class _Line:
-    """Writes the percentage over the last one, only when it has changed."""
+    """Overwrites the percentage when it changes."""
 
     def __init__(self) -> None:
         self._shown = -1
@@ -206,7 +206,7 @@ class _Bar:
 
 @contextlib.contextmanager
 def showing(progress: Union[None, bool, Progress]) -> Iterator[Optional[Progress]]:
-    """Yields what the run is to call. TypeError when ``progress`` is neither a bool nor callable."""
+    """Yields the progress function of a run, or None. Raises TypeError unless ``progress`` is a bool or callable."""
     if progress is None or progress is False:
         yield None
         return

@@ -1,4 +1,4 @@
-"""What users give, checked and brought to the form that the library reads."""
+"""Checks arguments of users and converts them to the form that the library reads."""
 
 from __future__ import annotations
 
@@ -20,9 +20,12 @@ if TYPE_CHECKING:
 
 
 def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
-    """C-contiguous float64, or float32 as it is; no copy when it is one already. Refuses what would change a value."""
+    """Returns the values as C-contiguous float64 or float32, without a copy if they are that already.
+
+    Raises ValueError where the conversion would change a value.
+    """
     if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values: remove them first, e.g. numpy.ma.compress_rows({name})")
+        raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
     try:
         array = np.asarray(values)
     except ValueError as error:
@@ -37,7 +40,7 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
             index = tuple(int(i) for i in np.argwhere(inexact)[0])
             place = "".join(f"[{i}]" for i in index)
             raise ValueError(
-                f"{name}{place} is {array[index]}: integers beyond 2**53 are not all exact in float64; give float64"
+                f"{name}{place} is {array[index]}: float64 cannot hold all integers beyond 2**53; give float64"
             )
     dtype = np.float32 if array.dtype == np.float32 else np.float64
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
@@ -68,7 +71,7 @@ def as_count(value: Any, name: str, bits: int) -> int:
 
 
 def as_want(want: Union[str, Iterable[_c_api.WantName]]) -> int:
-    """The bits of these words and names of arrays; the library adds what they imply."""
+    """Returns the bits of these words and names of arrays. The library adds the arrays that they imply."""
     names = want if isinstance(want, str) else list(want)
     if not isinstance(names, str):
         for name in names:
@@ -92,7 +95,7 @@ def as_text(text: Any, name: str) -> bytes:
     if not isinstance(text, str):
         raise TypeError(f"{name} must be a str, not {type(text).__name__}")
     if "\0" in text:
-        raise ValueError(f"{name} is {text!r}: it must hold no zero character")
+        raise ValueError(f"{name} is {text!r}: remove the zero character")
     return text.encode()
 
 
@@ -104,7 +107,7 @@ def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Fl
 
 
 def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
-    """A number for each of ``count`` points or queries."""
+    """Returns (count,) float64, one number for each point or query."""
     array = as_float64_or_float32(values, name).astype(np.float64)
     if array.shape != (count,):
         raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
@@ -118,7 +121,7 @@ def as_vector(values: Any, name: str) -> Float64Array:
 def _as_periodic(periodic: Any) -> Tuple[bool, bool, bool]:
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
-            raise ValueError(f"periodic is {periodic!r}: name axes, such as 'xyz' or 'xy'")
+            raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy'")
         return ("x" in periodic, "y" in periodic, "z" in periodic)
     if np.ndim(periodic) == 0:
         return (bool(periodic),) * 3
@@ -130,7 +133,7 @@ def _as_periodic(periodic: Any) -> Tuple[bool, bool, bool]:
 
 @dataclass(frozen=True)
 class Domain:
-    """The domain as :func:`tessellate` takes it."""
+    """The arguments of :func:`tessellate` that define the domain."""
 
     box: Any = None
     periodic: Any = None
@@ -147,7 +150,10 @@ class Domain:
         return self.box is not None or self.cell is not None
 
     def fill(self, options: _c_api.Options, count: int) -> List[Any]:
-        """Puts the domain of ``count`` points into the options; returns what has to live as long as these are used."""
+        """Sets the domain in the options. Returns arrays that must live as long as the options are used.
+
+        ``count``: number of points.
+        """
         if self.box is not None:
             lower, upper = as_box(self.box)
             options.has_box = 1
@@ -163,7 +169,7 @@ class Domain:
             options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
         if self.origin is not None:
             if self.cell is None:
-                raise ValueError("origin goes with cell only: a box has its corners")
+                raise ValueError("origin needs cell: the corners of a box define its place")
             options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
         options.outside = as_word(self.outside, "outside", _c_api.OUTSIDE)
         kept: List[Any] = []

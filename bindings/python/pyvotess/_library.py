@@ -19,16 +19,16 @@ if sys.platform == "win32":
 elif sys.platform == "darwin":
     _FILE_NAMES = ("libvotess.dylib",)
 else:
-    # The number in the name: until 1.0 a minor version may change the interface.
+    # Until 1.0 the name has the minor version, which may change the interface.
     _NUMBER = VERSION.rsplit(".", 1)[0] if VERSION.startswith("0.") else VERSION.split(".")[0]
     _FILE_NAMES = ("libvotess.so", "libvotess.so." + _NUMBER)
 
-# Builds with a sanitizer start only with its run-time library loaded first; VOTESS_LIBRARY can name them.
+# Sanitizer builds need their run-time library loaded first. VOTESS_LIBRARY can name them.
 _SKIPPED_BUILDS = ("asan", "tsan")
 
 
 def _folders() -> List[Path]:
-    """Where to look, best first: in this package, then, in a source tree, its builds with release first."""
+    """Returns the folders to search: this package, then the builds of a source tree, release first."""
     package = Path(__file__).resolve().parent
     folders = [package / "lib"]
     source = package.parents[2] if len(package.parents) > 2 else package
@@ -40,7 +40,7 @@ def _folders() -> List[Path]:
 
 
 def find() -> str:
-    """Path or name of the library to load. ImportError, naming the places, when there is none."""
+    """Returns the path or name of the library. Raises ImportError, which lists the searched places."""
     named = os.environ.get("VOTESS_LIBRARY")
     if named:
         return named
@@ -64,9 +64,9 @@ def _numbers(version: str) -> Tuple[int, ...]:
 
 
 def check(library: ctypes.CDLL, name: str) -> None:
-    """ImportError unless the library suits this package: version and sizes of the structs, before anything is used.
+    """Raises ImportError unless version and struct sizes of the library fit this package.
 
-    Same major version and a minor version that is no older; before 1.0 the minor version must be the same.
+    The major version must be equal, and the minor version not older; before 1.0 it must be equal too.
     """
     _c_api.declare(library, ("votess_version_string", "votess_sizeof_options", "votess_sizeof_stats"))
     found = library.votess_version_string().decode()
@@ -81,16 +81,16 @@ def check(library: ctypes.CDLL, name: str) -> None:
         (_c_api.Options, library.votess_sizeof_options()),
         (_c_api.Stats, library.votess_sizeof_stats()),
     ):
-        # A newer library may have added fields at the end of a struct; it never has fewer.
+        # A newer library may have more fields at the end of a struct, never fewer.
         if size < ctypes.sizeof(struct):
             raise ImportError(
                 f"{name} has {size} bytes for {struct.__doc__} where pyvotess {VERSION} has {ctypes.sizeof(struct)}: "
-                "it is another votess; install the same version of both."
+                "install the same version of both."
             )
 
 
 def load() -> Tuple[ctypes.CDLL, str]:
-    """The library, checked and with its signatures set, and the path or name that it was loaded from."""
+    """Returns the checked library with its signatures, and its path or name."""
     name = find()
     try:
         library = ctypes.CDLL(name)

@@ -39,7 +39,7 @@ def new_options(
 
 
 def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
-    """The words of ``want`` that the options come to."""
+    """Returns the words of ``want`` for all arrays that the options imply."""
     implied = ctypes.c_uint32()
     raise_on_failure(lib.votess_options_implied_want(ctypes.byref(options), ctypes.byref(implied)))
     return tuple(word for word, bit in _c_api.WANT_BITS.items() if implied.value & bit)
@@ -57,7 +57,7 @@ def tessellate_points(
     min_face: float,
     min_area: float,
 ) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...]]:
-    """Returns the library's result, the points as they were read, and the words of ``want`` that the result holds."""
+    """Returns the library's result, the (N, 3) points that it read, and the words of ``want`` that it holds."""
     array = as_points(points)
     options.want = as_want(want)
     options.min_face = float(min_face)

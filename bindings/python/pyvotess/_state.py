@@ -1,4 +1,4 @@
-"""What a result holds, read from the library's handle; and how it is pickled, without that handle."""
+"""The data of a result, read from the library's handle. It is pickled without the handle."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     UInt32Array = npt.NDArray[np.uint32]
     UInt8Array = npt.NDArray[np.uint8]
 
-#: The arrays of each word of want: name, type, columns (0: one number each).
+#: The arrays of each word of want: name, type, columns (0: a one-dimensional array).
 ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     "neighbors": (("indptr", np.int64, 0), ("indices", np.int32, 0)),
     "volumes": (("volumes", np.float64, 0),),
@@ -41,7 +41,7 @@ ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     ),
     "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
 }
-# These are empty where there is nothing to say.
+# Empty where they do not apply.
 _OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0))
 
 _Vector = ctypes.c_double * 3
@@ -49,7 +49,7 @@ _Vector = ctypes.c_double * 3
 
 @dataclass(frozen=True)
 class ResultData:
-    """All that a result holds. Arrays go by their names in the library, and are missing where there are none."""
+    """The data of a result. Arrays have their names in the library, and are missing if empty."""
 
     arrays: Dict[str, npt.NDArray[Any]]
     box: Float64Array
@@ -99,7 +99,7 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
 
 
 def locked(data: ResultData) -> ResultData:
-    """The same, whose arrays are read-only, as those in the library's memory are."""
+    """Makes the arrays read-only, like arrays in the library's memory, and returns ``data``."""
     singles = (getattr(data, field.name) for field in fields(data))
     for array in (*data.arrays.values(), *singles):
         if isinstance(array, np.ndarray):
@@ -108,7 +108,7 @@ def locked(data: ResultData) -> ResultData:
 
 
 def names_of(word: str) -> Tuple[str, ...]:
-    """The arrays of a word of want."""
+    """Returns the names of the arrays of a word of want."""
     return tuple(name for name, _, _ in ARRAYS[word])
 
 
@@ -117,20 +117,20 @@ _WORD_OF.update({name: word for word in ARRAYS for name in names_of(word)})
 
 
 def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None) -> AttributeError:
-    """The error where ``of`` lacks an attribute: it says what the array is called, and which want gives it."""
+    """Returns the error for a missing attribute: it names the array, and the word of want that adds it."""
     word = _WORD_OF.get(name, name)
     missing = wanted is not None and word in ARRAYS and word not in wanted
     put = f"put {word!r} into want, which was {wanted}"
     if missing and name in _WORD_OF:
         return AttributeError(f"{name} was not computed: {put}")
     text = f"{type(of).__name__!r} object has no attribute {name!r}"
-    if name in ARRAYS and name not in _WORD_OF:  # a word for arrays of other names
+    if name in ARRAYS and name not in _WORD_OF:  # a word for arrays with other names
         text += f": the name is {' or '.join(names_of(name))}" + (f"; {put}" if missing else "")
     return AttributeError(text)
 
 
 class Cells:
-    """What is known of N cells, those of seeds or of queries, in their order."""
+    """The cells of N seeds or queries, in their order."""
 
     def __init__(self, result: Handle, wanted: Tuple[str, ...]) -> None:
         self._wanted = wanted
@@ -140,11 +140,11 @@ class Cells:
         self.__dict__.update(state)
         locked(self._data)
 
-    if not TYPE_CHECKING:  # which would allow any name
+    if not TYPE_CHECKING:  # a type checker would accept any name
 
         def __getattr__(self, name: str) -> Any:
             if hasattr(type(self), name):
-                return object.__getattribute__(self, name)  # a property that has raised, and does it again
+                return object.__getattribute__(self, name)  # raises the error of the property again
             raise no_attribute(self, name, self.__dict__.get("_wanted"))
 
     def _check_wanted(self, name: str) -> None:
@@ -173,12 +173,12 @@ class Cells:
 
     @property
     def wanted(self) -> Tuple[str, ...]:
-        """The words of ``want``, without the names of single arrays, and with the words that these imply."""
+        """The words of ``want`` whose arrays the result holds, with the implied ones."""
         return self._wanted
 
     @property
     def neighbors(self) -> Lists:
-        """Neighbor lists, N rows: ascending ids, walls (negative) first."""
+        """Neighbor lists, N rows of ascending ids, walls (negative) first."""
         self._check_wanted("neighbors")
         return Lists(self.indptr, self.indices)
 
@@ -189,20 +189,20 @@ class Cells:
 
     @property
     def indices(self) -> Int32Array:
-        """(indptr[N],) int32, the rows of ``neighbors`` one after the other."""
+        """(indptr[N],) int32, the concatenated rows of ``neighbors``."""
         return self._array("indices")
 
     @property
     def volumes(self) -> Float64Array:
-        """(N,) float64, length unit cubed; 0 where there is no cell."""
+        """(N,) float64 volumes, length unit cubed; 0 for a seed without a cell."""
         return self._array("volumes")
 
     @property
     def face_areas(self) -> Float64Array:
-        """(indptr[N],) float64, length unit squared: of the face behind each entry of ``neighbors.indices``.
+        """(indptr[N],) float64 areas of faces, length unit squared, one for each entry of ``neighbors.indices``.
 
-        Those of walls only when the rows list walls. Row i is ``face_areas[indptr[i]:indptr[i+1]]``. The error is at
-        most 1e-10 of the area of the cell's whole surface, 1e-5 when ``stats.precision`` is "single".
+        Row i is ``face_areas[indptr[i]:indptr[i+1]]``. Walls are included if the rows list them. The error is at most
+        1e-10 of the surface area of the cell, 1e-5 if ``stats.precision`` is "single".
         """
         return self._array("face_areas")
 
@@ -213,41 +213,41 @@ class Cells:
 
     @property
     def face_normals(self) -> Float64Array:
-        """(indptr[N], 3) float64: outward unit normal of the face behind each entry of ``neighbors.indices``."""
+        """(indptr[N], 3) float64 outward unit normals of faces, one for each entry of ``neighbors.indices``."""
         return self._array("face_normals")
 
     @property
     def shifts(self) -> Optional[Int8Array]:
-        """(indptr[N], 3) int8: box vectors that carry each neighbor to where it touches; None unless periodic."""
+        """(indptr[N], 3) int8 numbers of box vectors from each neighbor to its image that touches; None unless periodic."""
         return self._data.arrays.get("shifts")
 
     @property
     def surface_areas(self) -> Float64Array:
-        """(N,) float64, area of the whole surface of each cell, walls included."""
+        """(N,) float64 surface areas of the cells, walls included, length unit squared."""
         return self._array("surface_areas")
 
     @property
     def security_radii(self) -> Float64Array:
-        """(N,) float64, twice the distance from the seed to the farthest vertex of its cell."""
+        """(N,) float64, twice the distance from each seed to the farthest vertex of its cell, length unit."""
         return self._array("security_radii")
 
     @property
     def vertices(self) -> Float64Array:
-        """(V, 3) float64.
+        """(V, 3) float64 coordinates.
 
-        Those of a Tessellation that are equal in exact arithmetic are one, shared by all cells that have it.
+        Cells of a Tessellation share vertices: those that are equal in exact arithmetic occur once.
         """
         return self._array("vertices")
 
     @property
     def cell_vertices(self) -> Lists:
-        """The vertices of each cell, ascending: N rows."""
+        """The vertices of each cell, N ascending rows."""
         self._check_wanted("cell_vertices")
         return Lists(self.cell_vertex_indptr, self.cell_vertex_indices)
 
     @property
     def cell_vertex_indptr(self) -> Int64Array:
-        """(N + 1,) int64, where the rows of ``cell_vertices`` begin and end."""
+        """(N + 1,) int64: row i of ``cell_vertices`` begins at ``cell_vertex_indptr[i]``."""
         return self._array("cell_vertex_indptr")
 
     @property
@@ -257,38 +257,38 @@ class Cells:
 
     @property
     def faces(self) -> Faces:
-        """The polygon behind each entry of ``neighbors.indices``, counterclockwise seen from outside the cell."""
+        """The polygons of the faces, one for each entry of ``neighbors.indices``, counterclockwise seen from outside."""
         self._check_wanted("faces")
         return Faces(self.face_offsets, self.face_vertices)
 
     @property
     def face_offsets(self) -> Int64Array:
-        """(indptr[N] + 1,) int64, where the polygons of ``faces`` begin and end."""
+        """(indptr[N] + 1,) int64: polygon k of ``faces`` begins at ``face_offsets[k]``."""
         return self._array("face_offsets")
 
     @property
     def face_vertices(self) -> Int32Array:
-        """(face_offsets[-1],) int32, rows of ``vertices``, polygon after polygon."""
+        """(face_offsets[-1],) int32, rows of ``vertices``, the concatenated polygons."""
         return self._array("face_vertices")
 
     @property
     def centroids(self) -> Float64Array:
-        """(N, 3) float64, centers of mass in the coordinates of the points; NaN where there is no cell."""
+        """(N, 3) float64 centers of mass, in the coordinates of the points; NaN for a seed without a cell."""
         return self._array("centroids")
 
     @property
     def face_counts(self) -> UInt32Array:
-        """(N,) uint32, faces of each cell, walls included."""
+        """(N,) uint32 numbers of faces, walls included."""
         return self._array("face_counts")
 
     @property
     def edge_counts(self) -> UInt32Array:
-        """(N,) uint32, edges of each cell."""
+        """(N,) uint32 numbers of edges."""
         return self._array("edge_counts")
 
     @property
     def vertex_counts(self) -> UInt32Array:
-        """(N,) uint32, vertices of each cell."""
+        """(N,) uint32 numbers of vertices."""
         return self._array("vertex_counts")
 
     @property
@@ -298,22 +298,22 @@ class Cells:
 
     @property
     def duplicate_of(self) -> Optional[Int32Array]:
-        """(N,) int32: index of the seed that keeps the cell, -1 when not a duplicate. None when there is none."""
+        """(N,) int32 index of the seed that keeps the cell, -1 for other seeds. None without duplicates."""
         return self._data.arrays.get("duplicate_of")
 
     @property
     def box(self) -> Float64Array:
-        """(2, 3) float64, lower and upper corner of the domain that was used; of a triclinic one the bounds."""
+        """(2, 3) float64, lower and upper corner of the domain; the bounds of a triclinic domain."""
         return self._data.box
 
     @property
     def periodic(self) -> Tuple[bool, bool, bool]:
-        """Whether the domain repeats along x, y, z, or along the edges of ``cell``."""
+        """Whether the domain is periodic along x, y, z, or along the edges of ``cell``."""
         return self._data.periodic
 
     @property
     def cell(self) -> Optional[Float64Array]:
-        """(3, 3) float64, the edges of a triclinic box, a row each; None for other domains."""
+        """(3, 3) float64, the edges of a triclinic box as rows; None for other domains."""
         return self._data.cell
 
     @property
@@ -323,48 +323,48 @@ class Cells:
 
     @property
     def walls(self) -> Float64Array:
-        """(M, 4) float64, rows nx, ny, nz, d of the walls n.x <= d that were given."""
+        """(M, 4) float64, rows nx, ny, nz, d of the given walls n.x <= d."""
         return self._data.walls
 
     @property
     def lists_walls(self) -> bool:
-        """Whether the rows hold wall ids."""
+        """Whether the rows list walls."""
         return self._data.lists_walls
 
     @property
     def stats(self) -> Stats:
-        """Counts and seconds per stage."""
+        """Statistics of the run."""
         return self._data.stats
 
     def voronoi_indices(self, edge_threshold: float = 0.0) -> Int64Array:
-        """(N, M) int64: column k counts the faces of k + 3 edges; M is the least that holds all. Needs "faces" in want.
+        """Returns (N, M) int64: column k counts the faces with k + 3 edges. Needs "faces" in want.
 
-        Edges shorter than ``edge_threshold`` do not count, and faces that are left with fewer than three neither.
-        Warns of faces far smaller than the mean, which a rounded lattice has: ``min_face`` drops them. The other faces
-        keep short edges beside them: give ``edge_threshold`` too.
+        Edges shorter than ``edge_threshold`` do not count; neither do faces with fewer than three remaining edges.
+        Warns about faces far smaller than the mean, as in a rounded lattice. ``min_face`` drops them; the other faces
+        keep short edges, which ``edge_threshold`` ignores.
         """
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(
                 f"{tiny} of {self.stats.faces} faces are smaller than 1e-9 of the mean face. If the points are a rounded "
-                "lattice, min_face=1e-6 drops them, and edge_threshold the short edges beside them",
+                "lattice, drop them with min_face=1e-6, and short edges with edge_threshold",
                 stacklevel=2,
             )
         return count_edges(self.neighbors, self.faces, self.vertices, edge_threshold)
 
 
 class SeedCells(Cells):
-    """The cells of N seeds. :class:`pyvotess.Tessellation` adds what is made of them."""
+    """The cells of N seeds. :class:`pyvotess.Tessellation` adds files, pictures and further computations."""
 
     def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
         super().__init__(result, wanted)
-        self._result: Optional[Handle] = result  # None once unpickled, until it is needed
+        self._result: Optional[Handle] = result  # None after unpickling, until needed
         self._points = points
         self._domain_given = domain_given
-        self._places: Optional[Float64Array] = None  # wrapped_points, kept where it was pickled
+        self._places: Optional[Float64Array] = None  # wrapped_points, stored in the pickle
 
     def __getstate__(self) -> Dict[str, Any]:
-        """The arrays go along, the library's object stays behind."""
+        """Returns the state with the arrays and without the library's object."""
         return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
 
     def _domain(self) -> str:
@@ -378,27 +378,27 @@ class SeedCells(Cells):
 
     @property
     def least_face(self) -> float:
-        """The area below which ``min_face`` or ``min_area`` has dropped faces; 0 when none were."""
+        """Area below which ``min_face`` or ``min_area`` dropped faces, length unit squared; 0 without either."""
         return self._data.least_face
 
     @property
     def weights(self) -> Optional[Float64Array]:
-        """(N,) float64, the weights of a power diagram, of radii their squares; None for a Voronoi diagram."""
+        """(N,) float64 weights of a power diagram, or squares of its radii; None for a Voronoi diagram."""
         return self._data.arrays.get("weights")
 
     @property
     def points(self) -> npt.NDArray[Any]:
-        """(N, 3) the points as they were read: the array given, if it needed no conversion. :meth:`verify` uses it."""
+        """(N, 3) the points: the given array, or a converted copy. :meth:`verify` uses it."""
         return self._points
 
     @property
     def wrapped_points(self) -> Float64Array:
-        """(N, 3) float64, a new array: where the points lie inside a periodic domain. :attr:`shifts` count from there."""
+        """(N, 3) float64, the points wrapped into a periodic domain, as a new array. :attr:`shifts` count from there."""
         if self._places is not None:
             return np.array(self._places)
         points = np.array(self._points, dtype=np.float64, order="C")
         if self._result is None:
-            return points  # of a domain without periods
+            return points  # the domain is not periodic
         places = np.empty_like(points)
         raise_on_failure(
             lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
@@ -406,13 +406,13 @@ class SeedCells(Cells):
         return places
 
 
-def same_arrays(ours: ResultData, anew: ResultData) -> str:
-    """The name of an array that differs, lists by any number, the others beyond what rounding explains; else empty."""
-    if ours.arrays.keys() != anew.arrays.keys():
-        return ", ".join(sorted(ours.arrays.keys() ^ anew.arrays.keys()))
+def differing_array(ours: ResultData, again: ResultData) -> str:
+    """Returns the name of an array that differs, or "". Floating-point arrays may differ by rounding."""
+    if ours.arrays.keys() != again.arrays.keys():
+        return ", ".join(sorted(ours.arrays.keys() ^ again.arrays.keys()))
     error = 1e-9 if ours.stats.precision == "double" else 1e-4
     for name, array in ours.arrays.items():
-        other = anew.arrays[name]
+        other = again.arrays[name]
         if array.dtype.kind != "f":
             if not np.array_equal(array, other):
                 return name

@@ -1,4 +1,4 @@
-"""Atoms of other packages, told by what their objects can do; none of these packages is imported."""
+"""Atoms of other packages, recognized by their attributes. None of these packages is imported."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
     Float64Array = npt.NDArray[np.float64]
 
-#: positions (N, 3), the three edges of the cell, its corner, and along which edges it repeats
+#: positions (N, 3), edges of the cell (3, 3), its corner (3,), and periodic flags
 _Parts = Tuple[Any, Any, Any, Any]
 
 
 def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
-    """Lengths a, b, c and the angles bc, ac, ab in degrees: a along x, b in the plane of x and y."""
+    """Returns edges (3, 3) for lengths a, b, c and angles bc, ac, ab in degrees: a along x, b in the plane of x and y."""
     a, b, c, bc, ac, ab = (float(x) for x in dimensions)
     # Right angles have a cosine of 0, which radians would miss.
     cos_bc, cos_ac, cos_ab = (0.0 if angle == 90 else float(np.cos(np.deg2rad(angle))) for angle in (bc, ac, ab))
@@ -53,17 +53,19 @@ def _parts_of(atoms: Any) -> _Parts:
 
 
 def from_ase(atoms: Any, **options: Any) -> Tessellation:
-    """Cells of atoms in their cell, periodic as the atoms say.
+    """Returns the cells of atoms, in the unit cell of the atoms and periodic along its periodic edges.
 
     Parameters
     ----------
-    atoms : ``ase.Atoms``; also a pymatgen Structure, an MDAnalysis Universe or group of atoms (periodic along all edges
-        when it has dimensions), an OVITO DataCollection. What they call the unit of length is that of the result.
-    options : of :func:`tessellate`, except points, cell and origin. ``periodic`` goes before what the atoms say;
-        ``box`` takes the place of their cell.
+    atoms : ``ase.Atoms``, a pymatgen Structure, an MDAnalysis Universe or AtomGroup (periodic along all edges if it has
+        dimensions), or an OVITO DataCollection. The result has their unit of length.
+    options : of :func:`tessellate`, except points, cell and origin. ``periodic`` overrides that of the atoms;
+        ``box`` replaces their cell.
 
-    Atoms without a cell get the box of :func:`tessellate` around them. Along an edge that does not repeat an atom
-    outside of the cell is an error, or dropped with ``outside="drop"``.
+    Atoms without a cell get the default box of :func:`tessellate`. An atom outside of the cell along an edge without
+    period is an error, or dropped with ``outside="drop"``.
+
+    Raises TypeError for objects of an unknown type, and ValueError for a cell that lacks an edge.
     """
     for name in ("cell", "origin"):
         if name in options:
@@ -74,7 +76,7 @@ def from_ase(atoms: Any, **options: Any) -> Tessellation:
         missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
         if missing:
             raise ValueError(
-                f"the cell of the atoms has no edge {missing[0]}: give it one, in ASE by atoms.center(vacuum=...)"
+                f"the cell of the atoms has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...)"
             )
         options.update(cell=edges, origin=origin)
     options.setdefault("periodic", repeats)

@@ -1,4 +1,4 @@
-"""Seeds that stay and are asked many times: cells of points, cells that points would have, fields of what seeds carry."""
+"""Queries among fixed seeds: the cell of a point, the cell of an added point, interpolated fields."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ def _address(array: Optional[npt.NDArray[Any]]) -> Optional[int]:
 
 
 class Probes(Cells):
-    """The cells that N queries would have, see :meth:`Diagram.probe`; rows follow the queries.
+    """The cells of N queries, in their order, see :meth:`Diagram.probe`.
 
-    Arrays are those of a :class:`Tessellation`, read-only too. But each cell is one among the seeds alone: cells of
-    queries that lie near each other overlap, and what is made of a whole diagram is not there.
+    Arrays are those of a :class:`Tessellation`, also read-only. Each cell is computed among the seeds alone, so cells of
+    close queries overlap, and methods for a whole diagram are missing.
     """
 
     def __repr__(self) -> str:
@@ -46,7 +46,7 @@ class Probes(Cells):
 
 
 class Diagram:
-    """Seeds, sorted and searched once; their cells are not built. It never changes, and any number of threads may ask it.
+    """A sorted, immutable set of seeds for queries. Cells are not computed. Any number of threads may query it.
 
     Parameters
     ----------
@@ -54,8 +54,8 @@ class Diagram:
     box, periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
         progress : as for :func:`tessellate`. Queries run on the CPU.
 
-    Each query takes ``progress`` too, as :func:`tessellate` does, and Ctrl-C stops it. A Diagram that was stopped in a
-    query answers the next one. Its own progress callback may not ask it.
+    Each query has a ``progress`` too, and Ctrl-C stops it. A Diagram stays usable after a stopped query. A progress
+    callback must not query the Diagram that calls it.
 
     Raises
     ------
@@ -94,7 +94,7 @@ class Diagram:
         return int(lib.votess_diagram_size(self._handle.pointer))
 
     def _ask(self, query: Any, progress: Union[None, bool, Progress], *arguments: Any) -> None:
-        """Runs a query of the library on a handle of these seeds that calls ``progress``."""
+        """Runs a query of the library, which calls ``progress``."""
 
         def call(options: Any, _out: None) -> int:
             view = Handle(lib.votess_diagram_free)
@@ -107,14 +107,13 @@ class Diagram:
     def locate(
         self, queries: npt.ArrayLike, progress: Union[None, bool, Progress] = None
     ) -> npt.NDArray[np.int32]:
-        """In whose cell each query lies.
+        """Returns (Q,) int32, the seed whose cell contains each query, exactly: ``|x - p|^2 - w`` is smallest for it.
 
-        queries : (Q, 3) array of finite numbers; in a periodic domain anywhere, they are wrapped without rounding.
+        Of several cells that meet in the query, the lowest index is returned. -1 outside of the domain, to which walls
+        belong, and without seeds. The GIL is released.
+
+        queries : (Q, 3) array of finite numbers. In a periodic domain they are wrapped without rounding.
         progress : as for :func:`tessellate`.
-
-        Returns (Q,) indices of seeds. ``|x - p|^2 - w`` is least for them, exactly; of several cells that meet in the
-        query the lowest index is named; -1 where the domain is not (a wall belongs to it), or where there are no
-        seeds. The GIL is released.
         """
         array = _as_queries(queries)
         seeds = np.empty(len(array), np.int32)
@@ -129,14 +128,14 @@ class Diagram:
         list_walls: bool = False,
         progress: Union[None, bool, Progress] = None,
     ) -> Probes:
-        """The cell that each query would have if it alone were added to the seeds.
+        """Returns the cell that each query would have if it alone were added to the seeds.
 
-        Row q is what :func:`tessellate` finds for the last of the seeds and query q in the same domain: the same lists,
-        volumes and the like to 1e-10. Neighbors are seeds by their index; N, the number of seeds, is the query itself,
-        which may touch its own images in a small periodic domain. Shifts count from where the query lies in the domain.
+        Row q equals that of :func:`tessellate` for query q as the last of the seeds, in the same domain: equal lists, and
+        volumes and other numbers to 1e-10. Neighbors are indices of seeds. N, the number of seeds, is the query itself,
+        which may touch its own images in a small periodic domain. Shifts count from the wrapped query.
 
-        ``status`` is OUTSIDE where the domain is not, DUPLICATE at the place of a seed, which ``duplicate_of`` names,
-        and EMPTY where heavier seeds leave no cell. At the place of a lighter seed the query has its cell. The GIL is
+        ``status`` is OUTSIDE outside of the domain, DUPLICATE at the place of a seed, which ``duplicate_of`` names, and
+        EMPTY where heavier seeds leave no cell. At the place of a lighter seed the query takes its cell. The GIL is
         released.
 
         Parameters
@@ -176,29 +175,29 @@ class Diagram:
         weights: Optional[npt.ArrayLike] = None,
         progress: Union[None, bool, Progress] = None,
     ) -> NaturalCoordinates:
-        """Natural-neighbor coordinates of each query.
+        """Returns the natural-neighbor coordinates of each query.
 
-        Sibson's (1980) are the shares of the cell that the query would have which each seed had before, also seeds that
-        a heavy query buries; Laplace's (Belikov et al. 1997) the area of the face with a neighbor over its distance, over the sum of these. Both sum to
-        1 and reproduce linear fields away from walls. Sibson's are smooth but at the seeds; a query on a seed has that one
-        alone. Rows are empty outside of the domain and where heavier seeds leave a query no cell.
+        Sibson's (1980) are shares of the query's cell: the part that each seed's cell had before, also of seeds that a
+        heavy query buries. Laplace's (Belikov et al. 1997) are areas of faces over distances of neighbors, normalized.
+        Both sum to 1 and reproduce linear fields away from walls. Sibson's are smooth except at the seeds. A query on a
+        seed has that seed alone. Rows are empty outside of the domain, and where heavier seeds leave no cell.
 
         Parameters
         ----------
         queries : (Q, 3) array, as for :meth:`locate`.
-        at_walls : cells end at walls, as if the seeds had mirror images behind, so that weights sum to 1 there too, but
-            linear fields are not reproduced. False: no coordinates where the cell of a query has a wall.
-        gradient : the gradient of each weight with respect to the query too; "sibson" only; NaN on seeds.
+        at_walls : True: cells end at walls, as if the seeds had mirror images. Weights sum to 1, but linear fields are
+            not reproduced there. False: empty rows where the cell of a query has a wall.
+        gradient : also compute the gradient of each weight by the query; "sibson" only; NaN on seeds.
         weights : (Q,) numbers, the weights of the queries in a power diagram. Default: 0.
         progress : as for :func:`tessellate`.
 
-        The first call with N/2 queries or more, of Sibson's in a box, keeps all Voronoi vertices, some 430 bytes a seed,
-        and answers two to three times faster from then on. The GIL is released.
+        The first call of Sibson's method in a box with N/2 or more queries stores all Voronoi vertices, about 430 bytes
+        for each seed. From then on it is two to three times faster. The GIL is released.
 
         Raises
         ------
         ValueError : bad input.
-        VotessError : UNSUPPORTED where so few seeds repeat that the cell of a query meets its own image.
+        VotessError : UNSUPPORTED in a periodic domain with so few seeds that the cell of a query meets its own image.
         """
         array = _as_queries(queries)
         numbers = _as_weights(weights, len(array))
@@ -259,12 +258,12 @@ class Diagram:
         weights: Optional[npt.ArrayLike] = None,
         progress: Union[None, bool, Progress] = None,
     ) -> Union[npt.NDArray[np.float64], Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-        """The field at each query: the sum of the seeds' values by the coordinates of :meth:`natural_neighbors`.
+        """Returns the field at each query: the seeds' values weighted by the coordinates of :meth:`natural_neighbors`.
+
+        The result is (Q,) or (Q, m) float64, NaN without coordinates. With ``gradient`` the gradient follows, (Q, 3) or
+        (Q, m, 3), per length unit, also NaN on seeds.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
-
-        Returns (Q,) or (Q, m) float64, NaN where there are no coordinates; with ``gradient`` also its gradient, (Q, 3) or
-        (Q, m, 3), per length unit, NaN on seeds too.
         """
         array = _as_queries(queries)
         of_seeds = self._as_values(values)
@@ -294,42 +293,42 @@ class Diagram:
         project: Optional[int] = None,
         progress: Union[None, bool, Progress] = None,
     ) -> npt.NDArray[np.float64]:
-        """What the seeds carry, on a regular grid over the domain.
+        """Returns a field of the seeds' values on a regular grid over the domain.
 
-        Grid cells divide the box along x, y and z, a triclinic one along a, b and c. The volume of one times the sum of
-        the grid is the total: with ``mean`` that of values times volumes, with ``dtfe`` all mass, to a relative 1e-12.
-        ``mean`` and ``dtfe`` build all cells with their faces first. The GIL is released.
+        Grid cells divide the box along x, y and z, a triclinic box along a, b and c. The sum of the grid times the volume
+        of a grid cell is the total, to a relative 1e-12: of values times volumes with ``mean``, of all mass with ``dtfe``.
+        ``mean`` and ``dtfe`` compute all cells with faces first. The GIL is released.
 
         Parameters
         ----------
-        values : (N,) or (N, m) real numbers, of each seed.
+        values : (N,) or (N, m) real numbers of the seeds.
         shape : (nx, ny, nz), or one number for all.
-        method : ``"mean"``: the average over each grid cell of what is constant in the cells of the seeds. Cells are cut
-            by the grid, nothing is sampled. Beyond walls the field is 0. ``"dtfe"``: values are masses, and their density
-            is that of the Delaunay tessellation field estimator (Schaap, van de Weygaert 2000), linear in the tetrahedra
-            of :meth:`Tessellation.delaunay` and averaged exactly. Duplicates add their mass to the seed that has the
-            cell. ``"nearest"``, ``"sibson"``: the value of the cell that holds the center of the grid cell, or what
-            :meth:`interpolate` finds there; 0 outside of the domain.
-        project : 0, 1 or 2: sum along this axis times the length of a grid cell, as column densities are.
+        method : ``"mean"``: exact average over each grid cell of a field that is constant in the cells of the seeds.
+            The field is 0 beyond walls. ``"dtfe"``: values are masses, and the field is their density by the Delaunay
+            tessellation field estimator (Schaap, van de Weygaert 2000), linear in the tetrahedra of
+            :meth:`Tessellation.delaunay` and averaged exactly. Duplicates add their mass to the seed that keeps the
+            cell. ``"nearest"``, ``"sibson"``: the value of the nearest seed, or that of :meth:`interpolate`, at the
+            center of the grid cell; 0 outside of the domain.
+        project : 0, 1 or 2: sum along this axis times the length of a grid cell, a column density.
         progress : as for :func:`tessellate`.
 
         Returns
         -------
-        (nx, ny, nz) or (nx, ny, nz, m) float64, without the axis that is projected.
+        (nx, ny, nz) or (nx, ny, nz, m) float64, without the projected axis.
 
         Warns
         -----
-        UserWarning : ``dtfe`` left out the mass of seeds in no tetrahedron: those that were dropped, have no cell, or lie
-            at the rim of a domain that is not periodic, where the triangulation is not complete.
+        UserWarning : ``dtfe`` omitted the mass of seeds in no tetrahedron: dropped seeds, seeds without a cell, and seeds
+            at the rim of a domain without period, where the triangulation is incomplete.
 
         Raises
         ------
         ValueError : bad input.
         """
         of_seeds = self._as_values(values)
-        cells = np.array(np.broadcast_to(np.asarray(shape), 3))  # refuses what is neither one number nor three
+        cells = np.array(np.broadcast_to(np.asarray(shape), 3))  # raises unless it is one number or three
         if cells.dtype.kind not in "iu" or cells.min() < 1:
-            raise ValueError(f"shape is {shape!r}: it must be three whole numbers from 1 on, or one for all")
+            raise ValueError(f"shape is {shape!r}: give three whole numbers of at least 1, or one for all")
         if project not in (None, 0, 1, 2):
             raise ValueError(f"project is {project!r}: it must be 0, 1 or 2, or None")
         numbers = [int(n) for n in cells]
@@ -348,14 +347,14 @@ class Diagram:
             ctypes.byref(without),
         )
         if without.value:
-            warnings.warn(f"dtfe left out the mass of {without.value} seeds, of {len(self)}: they are in no tetrahedron", stacklevel=2)
+            warnings.warn(f"dtfe omitted the mass of {without.value} of {len(self)} seeds, which are in no tetrahedron", stacklevel=2)
         return grid
 
     def _as_values(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         array = np.ascontiguousarray(values, np.float64)
         if array.ndim not in (1, 2) or len(array) != len(self):
-            raise ValueError(f"values have the shape {array.shape}: it must be ({len(self)},) or ({len(self)}, m)")
+            raise ValueError(f"values have the shape {array.shape}: give ({len(self)},) or ({len(self)}, m)")
         return array
 
     def __reduce__(self) -> Any:
-        raise TypeError("a Diagram cannot be copied or pickled: make another one of the same points")
+        raise TypeError("a Diagram cannot be copied or pickled: create another one with the same points")

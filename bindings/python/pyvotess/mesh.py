@@ -1,4 +1,4 @@
-"""The mesh of a tessellation: lists of lists, and the dual Delaunay complex."""
+"""Lists of neighbors and polygons, the dual Delaunay complex, and natural-neighbor coordinates."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 
 class Lists:
-    """Rows of ids of any length, one after the other: row k is ``indices[indptr[k]:indptr[k+1]]``, or ``lists[k]``.
+    """Rows of ids of any length. Row k is ``lists[k]``, a view of ``indices[indptr[k]:indptr[k+1]]``.
 
-    A slice gives a list of rows. Global ids, those of :mod:`pyvotess.mpi`, are int64.
+    A slice returns a list of rows. Global ids of :mod:`pyvotess.mpi` are int64.
     """
 
     def __init__(self, indptr: Int64Array, indices: Int32Array) -> None:
@@ -64,13 +64,13 @@ class Lists:
 
 
 class Neighbors(Lists):
-    """The neighbor lists as rows of a compressed sparse row matrix, without its values.
+    """The neighbor lists, in compressed sparse rows without values.
 
-    ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice gives a list of rows.
+    ``neighbors[i]`` is the row of seed i: ascending ids, walls (negative) first. A slice returns a list of rows.
     """
 
     def to_scipy(self) -> Any:
-        """The (N, N) adjacency matrix as a new scipy.sparse.csr_array of True. Walls are no seeds: they are dropped."""
+        """Returns the (N, N) adjacency matrix as a scipy.sparse.csr_array of True, without walls."""
         from scipy.sparse import csr_array
 
         is_seed = self._indices >= 0
@@ -83,24 +83,24 @@ class Neighbors(Lists):
 class Faces(Lists):
     """Polygons as rows of ``vertices``, counterclockwise seen from outside the cell.
 
-    Row k is the face behind ``neighbors.indices[k]``: those of cell i are k in ``range(neighbors.indptr[i],
+    Polygon k is the face for ``neighbors.indices[k]``. Those of cell i have k in ``range(neighbors.indptr[i],
     neighbors.indptr[i+1])``.
     """
 
 
 @dataclass(frozen=True)
 class Delaunay:
-    """The dual of the cells: tetrahedra where four cells meet, convex polytopes where more do.
+    """The dual of the cells: tetrahedra where four cells meet, convex polytopes where more meet.
 
-    Simplices whose empty sphere has its center outside of the domain, or on a wall, are not there.
+    A simplex is missing if the center of its empty sphere is outside of the domain or on a wall.
     """
 
     tetrahedra: Int32Array  #: (T, 4) seeds, positive: det(b-a, c-a, d-a) > 0
-    #: (T,) numbers of vertices, not coordinates: ``t.vertices[centers[k]]`` is the center of the empty sphere
+    #: (T,) indices of vertices: ``t.vertices[centers[k]]`` is the center of the empty sphere
     centers: Int32Array
-    polytopes: Lists  #: P rows of five or more seeds on one empty sphere, ascending
-    polytope_centers: Int32Array  #: (P,) numbers of vertices, as centers
-    shifts: Optional[Int8Array]  #: (T, 4, 3) box vectors that carry the seeds there; None unless periodic
+    polytopes: Lists  #: P ascending rows of five or more seeds on one empty sphere
+    polytope_centers: Int32Array  #: (P,) indices of vertices, as ``centers``
+    shifts: Optional[Int8Array]  #: (T, 4, 3) numbers of box vectors from each seed to its image; None unless periodic
     polytope_shifts: Optional[Int8Array]  #: (polytopes.indptr[P], 3) the same
 
     def __repr__(self) -> str:
@@ -109,14 +109,14 @@ class Delaunay:
 
 @dataclass(frozen=True)
 class NaturalCoordinates:
-    """Natural-neighbor coordinates of Q queries: row q of ``neighbors`` and the weights behind its entries."""
+    """Natural-neighbor coordinates of Q queries: one weight for each entry of ``neighbors``."""
 
     neighbors: Neighbors  #: Q rows of seeds, ascending
-    weights: Float64Array  #: (neighbors.indptr[Q],) positive, each row sums to 1
-    gradients: Optional[Float64Array]  #: (neighbors.indptr[Q], 3) of each weight, per length unit; None unless wanted
+    weights: Float64Array  #: (neighbors.indptr[Q],) positive; each row sums to 1
+    gradients: Optional[Float64Array]  #: (neighbors.indptr[Q], 3) of each weight, per length unit; None unless requested
 
     def to_scipy(self, seeds: int) -> Any:
-        """The (Q, seeds) matrix of the weights as a new scipy.sparse.csr_array: times values it interpolates."""
+        """Returns the (Q, seeds) scipy.sparse.csr_array of the weights. Its product with values interpolates them."""
         from scipy.sparse import csr_array
 
         rows = self.neighbors
@@ -144,7 +144,7 @@ def count_edges(rows: Lists, faces: Faces, vertices: Float64Array, edge_threshol
 
 
 def make_delaunay(read: Any, periodic: bool) -> Delaunay:
-    """read(name, dtype): an array of ``votess_delaunay``."""
+    """Returns the complex. ``read(name, dtype)`` returns an array of ``votess_delaunay``."""
     tetrahedra = read("tetrahedra", np.int32).reshape(-1, 4)
     indptr = read("polytope_indptr", np.int64)
     return Delaunay(

@@ -1,4 +1,4 @@
-"""What follows from the rows: pairs with their vectors, Voronoi indices, and how volumes and areas change with the seeds."""
+"""Pairs of neighbors with their vectors, and derivatives of volumes and areas."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pairs:
-    """P entries of the rows, in their order: neighbor ``j[k]`` of seed ``i[k]``."""
+    """P entries of the rows, in order: ``j[k]`` is a neighbor of seed ``i[k]``."""
 
     i: Int64Array  #: (P,) int64
     j: Int32Array  #: (P,) int32
-    shift: Optional[Int8Array]  #: (P, 3) int8, box vectors, counted from ``wrapped_points``; None unless periodic
-    vector: Float64Array  #: (P, 3) float64: ``points[i] + vector`` is the image of ``points[j]`` that touches
-    distance: Float64Array  #: (P,) float64, its length
-    area: Optional[Float64Array]  #: (P,) float64, of the face; None unless "areas" was wanted
+    shift: Optional[Int8Array]  #: (P, 3) int8 numbers of box vectors, from ``wrapped_points``; None unless periodic
+    vector: Float64Array  #: (P, 3) float64: ``points[i] + vector`` is the touching image of ``points[j]``
+    distance: Float64Array  #: (P,) float64 length of ``vector``
+    area: Optional[Float64Array]  #: (P,) float64 area of the face; None without "areas" in want
 
     def __len__(self) -> int:
         return len(self.i)
@@ -37,7 +37,7 @@ class Pairs:
 
 
 def edges_of(t: SeedCells) -> Float64Array:
-    """The vectors of the box, a row each."""
+    """Returns the (3, 3) edges of the domain as rows."""
     if t.cell is not None:
         return t.cell
     edges: Float64Array = np.diag(t.box[1] - t.box[0])
@@ -61,12 +61,12 @@ def make_pairs(t: SeedCells) -> Pairs:
 
 @dataclass(frozen=True)
 class _Polygons:
-    """The polygons of F entries of the rows, and their E edges in that order, counterclockwise."""
+    """The polygons of F entries of the rows, and their E edges in the same order, counterclockwise."""
 
-    face: Int64Array  # (E,) whose polygon
+    face: Int64Array  # (E,) the polygon of each edge
     begin: Float64Array  # (E, 3), relative to the seed of the cell
     end: Float64Array
-    ends: Tuple[Int32Array, Int32Array]  # (E,) twice, as vertices
+    ends: Tuple[Int32Array, Int32Array]  # two (E,) arrays of vertex indices
     area: Float64Array  # (F, 3) normal times area
     centroid: Float64Array  # (F, 3) relative to the seed
 
@@ -80,7 +80,7 @@ def _polygons(t: SeedCells, place: Float64Array) -> _Polygons:
     after = np.where(entry + 1 < np.repeat(indptr[1:], count), entry + 1, first)
     position = t.vertices[corners] - place[face]
     begin, end, fixed = position, position[after], position[first]
-    part = 0.5 * np.cross(begin - fixed, end - fixed)  # triangles, as vectors
+    part = 0.5 * np.cross(begin - fixed, end - fixed)  # area vectors of triangles
     if len(count) == 0:
         return _Polygons(face, begin, end, (corners, corners), np.zeros((0, 3)), np.zeros((0, 3)))
     area = np.add.reduceat(part, indptr[:-1])
@@ -93,7 +93,7 @@ def _polygons(t: SeedCells, place: Float64Array) -> _Polygons:
 
 
 def _other_faces(cell: Int64Array, polygons: _Polygons) -> Int64Array:
-    """(E,) the face of the same cell at the other side of each edge."""
+    """Returns (E,) the face of the same cell on the other side of each edge."""
     a, b = polygons.ends
     order = np.lexsort((np.maximum(a, b), np.minimum(a, b), cell[polygons.face]))
     other = np.empty(len(order), np.int64)
@@ -102,25 +102,27 @@ def _other_faces(cell: Int64Array, polygons: _Polygons) -> Int64Array:
 
 
 def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
-    """A wall does not move. Elsewhere a face moves along its outward normal, at a point y relative to the seed, by
-    y.dx_i / d and (v - y).dx_j / d and (dw_i - dw_j) / 2 d, where v leads to the neighbor, at the distance d: the change
-    of |y - v|^2 - w_j - |y|^2 + w_i over the length of its gradient, 2 d. A volume changes by the integral of that over
-    the faces, an area by that of the motion of its edges along their outward normals in the face. On an edge m.u is
-    (motion of the other face - n.n' motion of this one) / m.n'.
+    """See :meth:`Tessellation.derivatives`.
+
+    Walls do not move. A point y of another face, relative to the seed i, moves along the outward normal by
+    y.dx_i / d + (v - y).dx_j / d + (dw_i - dw_j) / 2 d. Here v is the vector to the neighbor j, and d its length: the
+    change of |y - v|^2 - w_j - |y|^2 + w_i, divided by the length of its gradient, 2 d. The change of a volume is the
+    integral of this motion over its faces. The change of an area is the integral of the motion of its edges along their
+    outward normals m in the face: (motion of the other face - n.n' motion of this face) / m.n'.
     """
     from scipy.sparse import coo_matrix
 
     if of not in ("volumes", "areas"):
-        raise ValueError(f"derivatives of {of!r}: give 'volumes' or 'areas'")
+        raise ValueError(f"derivatives of {of!r} are not known: give 'volumes' or 'areas'")
     if by not in ("points", "weights"):
-        raise ValueError(f"derivatives by {by!r}: give 'points' or 'weights'")
+        raise ValueError(f"derivatives by {by!r} are not known: give 'points' or 'weights'")
     if t.least_face > 0:
         raise ValueError("derivatives need whole cells: leave out min_face and min_area")
     rows, places = t.neighbors, t.wrapped_points
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices
     is_seed = j >= 0
-    vector = places[np.where(is_seed, j, i)] - places[i]  # 0 to a wall, whose id is not an index
+    vector = places[np.where(is_seed, j, i)] - places[i]  # 0 for a wall
     if t.shifts is not None:
         vector += np.where(is_seed[:, None], t.shifts @ edges_of(t), 0)
     distance = np.sqrt(np.einsum("fk,fk->f", vector, vector))
@@ -128,10 +130,10 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     polygons = _polygons(t, places[i])
     size = np.sqrt(np.einsum("fk,fk->f", polygons.area, polygons.area))
 
-    entries = []  # row, seed, value: a number by weights, a vector by points
+    entries = []  # row, seed, value: a number for weights, a vector for points
 
     def moves(row: Any, face: Any, at: Any, much: Any) -> None:
-        """Row `row` grows by `much` times the motion of that face at that point."""
+        """Adds `much` times the motion of `face` at the point `at` to row `row`."""
         scale = much * per_distance[face]
         if by == "weights":
             entries.append((row, i[face], 0.5 * scale))
@@ -147,7 +149,7 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
         normal = polygons.area / np.where(size > 0, size, 1)[:, None]
         face, other = polygons.face, _other_faces(i, polygons)
         edge, middle = polygons.end - polygons.begin, 0.5 * (polygons.begin + polygons.end)
-        outward = np.cross(edge, normal[face])  # as long as the edge
+        outward = np.cross(edge, normal[face])  # with the length of the edge
         cosine = np.einsum("ek,ek->e", normal[face], normal[other])
         sine = np.einsum("ek,ek->e", outward, normal[other])
         squared = np.einsum("ek,ek->e", edge, edge)

@@ -1,4 +1,4 @@
-"""What a run did, and what a check found."""
+"""Statistics of a run, and the report of a verification."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from ._library import lib
 
 @dataclass(frozen=True)
 class StageSeconds:
-    """Seconds of wall clock per stage.
+    """Wall-clock seconds of the stages.
 
-    ``open`` finds and opens a device and makes its pipelines. On the CPU ``knn`` and ``fallback`` are part of ``clip``.
+    ``open`` finds and opens a device and creates its pipelines. On the CPU ``knn`` and ``fallback`` are part of ``clip``.
     """
 
     open: float
@@ -31,36 +31,36 @@ class StageSeconds:
 
 @dataclass(frozen=True)
 class FallbackReasons:
-    """Why cells were redone on the CPU after another device."""
+    """Numbers of cells that the CPU computed again after another device, by reason."""
 
-    uncertain: int  #: floating point could not decide a sign, or not measure well enough
-    overflow: int  #: more planes or vertices at once than the device holds
+    uncertain: int  #: floating point could not decide a sign, or lacked precision for the measures
+    overflow: int  #: more planes or vertices than the device can hold
     exhausted: int  #: the search ended before the security radius
-    skipped: int  #: the device had failed at nearly all cells before, and was not asked
-    domain: int  #: the device does not clip this domain
+    skipped: int  #: not tried, because the device failed for nearly all earlier cells
+    domain: int  #: the device cannot clip this domain
 
 
 @dataclass(frozen=True)
 class Stats:
-    """What a run did. ``dataclasses.asdict(stats)`` makes it a dict."""
+    """Statistics of a run. ``dataclasses.asdict(stats)`` returns a dict."""
 
     device: str  #: name of the device that ran
     points: int  #: N
-    faces: int  #: sum over cells of their number of faces, walls included
-    mean_faces: float  #: faces / cells that are not empty
-    volume_sum: float  #: sum of all volumes; 0 when volumes were not wanted
+    faces: int  #: sum of the numbers of faces of all cells, walls included
+    mean_faces: float  #: faces divided by the number of cells that are not empty
+    volume_sum: float  #: sum of all volumes; 0 without "volumes" in want
     box_volume: float  #: volume of the domain
     duplicates: int  #: seeds with status DUPLICATE
-    empty_cells: int  #: seeds that have no cell: duplicate, empty or outside
-    fallback_cells: int  #: cells redone on the CPU after another device
-    fallback_reasons: FallbackReasons  #: they add up to fallback_cells
+    empty_cells: int  #: seeds without a cell: duplicate, empty or outside
+    fallback_cells: int  #: cells that the CPU computed again after another device
+    fallback_reasons: FallbackReasons  #: their sum is fallback_cells
     exact_cells: int  #: cells where exact arithmetic decided a sign
     threads: int  #: CPU threads used
     peak_memory_bytes: int  #: peak resident memory of the process so far
-    precision: str  #: of volumes, centroids and areas, "single" or "double"; the CPU always gives "double"
+    precision: str  #: of volumes, centroids and areas: "single" or "double"; always "double" on the CPU
     seconds: StageSeconds
-    #: faces, walls left out, with an area below 1e-9 of the mean (of the largest power of two within that), as rounded
-    #: lattices have them: ``min_face`` drops them. None where neither the CPU measured all cells nor there are polygons.
+    #: number of faces, without walls, with an area below 1e-9 of the mean (rounded down to a power of two). Rounded
+    #: lattices have them, and ``min_face`` drops them. None unless the CPU measured all cells or there are polygons.
     tiny_faces: Optional[int]
 
 
@@ -83,20 +83,20 @@ def stats_of(c_stats: _c_api.Stats) -> Stats:
 
 @dataclass(frozen=True)
 class VerifyReport:
-    """Outcome of :meth:`Tessellation.verify` and its like. True when all checks that could be made passed."""
+    """Report of :meth:`Tessellation.verify` and similar methods. It is true when all possible checks passed."""
 
     passed: bool
-    failure: str  #: one line on the first failed check; empty when passed
-    skipped: Tuple[str, ...]  #: checks whose arrays were not wanted: "volumes", "symmetry", "euler", "sample"
-    sampled: int = 0  #: cells tried by brute force, up to the one that failed
-    tiny_faces: Optional[int] = None  #: no failure: as in :class:`Stats`; None for rows found in blocks
+    failure: str  #: one line about the first failed check; empty on success
+    skipped: Tuple[str, ...]  #: checks without their arrays: "volumes", "symmetry", "euler", "sample"
+    sampled: int = 0  #: cells checked by brute force, up to the failed one
+    tiny_faces: Optional[int] = None  #: as in :class:`Stats`, not a failure; None for rows from blocks
 
     def __bool__(self) -> bool:
         return self.passed
 
 
 def verify(function: Any, arguments: Tuple[Any, ...], sample: Optional[int], rng_seed: int) -> VerifyReport:
-    """Calls ``votess_verify`` or its like: the arguments, sample, rng_seed, then what it reports."""
+    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report."""
     bits = 8 * ctypes.sizeof(ctypes.c_size_t)
     passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     failure = ctypes.create_string_buffer(1024)

@@ -1,4 +1,4 @@
-"""The result: arrays in the library's memory, and what is known about them."""
+"""The result of a run: arrays in the library's memory, files, pictures and further computations."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._input import Domain
 from ._library import lib
 from ._run import new_options, tessellate_points
-from ._state import SeedCells, read_result, same_arrays
+from ._state import SeedCells, differing_array, read_result
 from .mesh import Delaunay, make_delaunay
 from .pairs import Pairs, make_derivatives, make_pairs
 from .stats import VerifyReport, verify
@@ -24,32 +24,32 @@ if TYPE_CHECKING:
 
 
 class Tessellation(SeedCells):
-    """The cells of N seeds; rows follow the input order.
+    """The cells of N seeds, in the input order.
 
-    Arrays are read-only and lie in the library's memory, which lives as long as any of them. An array that was not
-    wanted raises AttributeError.
+    Arrays are read-only views of the library's memory, which lives as long as any of them. An array that is not in
+    ``want`` raises AttributeError.
     """
 
     def __copy__(self) -> Tessellation:
-        """Shares all arrays, which are read-only."""
+        """Returns a copy that shares all arrays."""
         other = type(self).__new__(type(self))
         other.__dict__.update(self.__dict__)
         return other
 
     def _handle(self) -> Handle:
-        """The library's object; of an unpickled result it is made anew, with the same arrays."""
+        """Returns the library's object. For an unpickled result it tessellates the points again."""
         if self._result is None:
             result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
-                    f"this result was unpickled, and its points give other {differs} when they are tessellated again",
+                    f"this result was unpickled, and tessellating its points again gives different {differs}",
                     ErrorCode.INVALID_USE,
                 )
             self._result = result
         return self._result
 
     def _tessellated_again(self) -> Tuple[Handle, str]:
-        """The library's object for the same points, from the CPU, and the name of an array that differs, or ""."""
+        """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
         options = new_options("cpu", 0)
         box = self.box if self._domain_given and self.cell is None else None
         domain = Domain(box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop")
@@ -57,7 +57,7 @@ class Tessellation(SeedCells):
         result, _, wanted = tessellate_points(
             None, options, self.points, domain, want, self.lists_walls, "merge", None, 0.0, self.least_face
         )
-        return result, same_arrays(self._data, read_result(result, wanted))
+        return result, differing_array(self._data, read_result(result, wanted))
 
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"
@@ -67,17 +67,17 @@ class Tessellation(SeedCells):
         return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}{tiny}>"
 
     def _repr_html_(self) -> str:
-        """For notebooks: a table, and a picture of a section when the faces were wanted."""
+        """Returns a table for notebooks, and with faces a picture of a section."""
         from .export.html import as_html
 
         return as_html(self)
 
     def delaunay(self) -> Delaunay:
-        """The dual Delaunay complex. Needs "faces" in want.
+        """Returns the dual Delaunay complex. Needs "faces" in want.
 
-        After ``min_face`` or ``min_area`` the corners that dropped faces joined are one, so that a rounded lattice has
-        the polytopes of the lattice. ValueError where a face that was not dropped would shrink too, or a corner would
-        meet its own image: then give a smaller ``min_face``.
+        With ``min_face`` or ``min_area`` the corners of a dropped face become one, so a rounded lattice has the polytopes
+        of the lattice. Raises ValueError if this would collapse a face that was kept, or join a corner with its own
+        image: then give a smaller ``min_face``.
         """
         handle = Handle(lib.votess_delaunay_free)
         raise_on_failure(lib.votess_delaunay_new(self._handle().pointer, ctypes.byref(handle.pointer)))
@@ -86,17 +86,17 @@ class Tessellation(SeedCells):
         )
 
     def pairs(self) -> Pairs:
-        """All entries of the rows but walls, so that each pair of neighbors is there from both sides."""
+        """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
         return make_pairs(self)
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
-        """How volumes or face areas change with the seeds: a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
+        """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
 
-        ``of="volumes"`` has N rows, ``of="areas"`` one for each entry of ``neighbors.indices``. ``by="points"`` has 3 N
-        columns, 3 j + axis for that coordinate of seed j; ``by="weights"`` has N, at the weights that there are, 0 in a
-        Voronoi diagram. Walls stay where they are, the vectors of a periodic domain too. In closed form, from areas,
-        centroids and edges of faces; where more cells meet than in general position, as in a lattice, areas have no
-        derivative, and the one of the polygons at hand is given.
+        Rows: N with ``of="volumes"``; one for each entry of ``neighbors.indices`` with ``of="areas"``. Columns: 3 N with
+        ``by="points"``, column 3 j + axis for a coordinate of seed j; N with ``by="weights"``. In a Voronoi diagram the
+        weights are 0. Walls and the vectors of a periodic domain are fixed. The derivatives are in closed form. Where
+        more cells meet than in general position, as in a lattice, areas have no derivative; those of the present
+        polygons are returned.
         """
         return make_derivatives(self, of, by)
 
@@ -107,13 +107,14 @@ class Tessellation(SeedCells):
         ax: Any = None,
         **style: Any,
     ) -> Any:
-        """Shows the cells; needs "faces" in want, and volumes unless another color is given.
+        """Plots the cells. Needs "faces" in want, and "volumes" unless another color is given.
 
-        ``slice=("z", 0.5)`` draws the section by that plane with matplotlib, into ``ax`` or a new figure, and returns
-        the axes. Without a slice PyVista, where it is installed, shows the cells in space without those of one octant,
-        and the plotter is returned (``t.plot().show()``); else the section through the middle is drawn.
-        ``color``: "volume", "neighbors", "area", "x", "y", "z", or one value for each cell. ``style`` goes to
-        matplotlib's PolyCollection or to PyVista's add_mesh, such as ``cmap="magma"``.
+        ``slice=("z", 0.5)`` draws a plane section with matplotlib, into ``ax`` or a new figure, and returns the axes.
+        Without a slice, PyVista shows the cells in space, without those of one octant, and the plotter is returned
+        (``t.plot().show()``). Without PyVista the section through the middle is drawn.
+
+        ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
+        ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
         """
         from .export.plot import plot
 
@@ -126,69 +127,74 @@ class Tessellation(SeedCells):
         color: Any = None,
         colormap: str = "tide",
     ) -> None:
-        """Writes the result into a file, whole or not at all, as its extension says; names are those of clvotess.
+        """Writes the result to a file in the format of its extension. The file is written whole or not at all.
 
-        ``.npz``, ``.h5``, ``.hdf5`` hold the arrays that were wanted, the domain and the version. The others need
-        "faces" in want: ``.vtu`` polyhedra with id, volume, neighbors, centroid and status, without empty cells and
-        ascending by their number of vertices, as meshio needs them, so that ``id`` tells the seed; ``.ply`` and ``.obj`` the
-        faces, each once, in ``.ply`` with its two cells; ``.glb`` solids in colors, about 830 bytes a cell of random
-        points and 4 GiB at most.
+        ``.npz``, ``.h5``, ``.hdf5`` hold the arrays of ``want``, the domain and the version, with the names of clvotess.
+        The other formats need "faces" in want:
+
+        - ``.vtu``: polyhedra with id, volume, neighbors, centroid and status, without empty cells. They ascend by their
+          number of vertices, as meshio needs; ``id`` is the seed.
+        - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
+        - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
-        ``color``: for .ply, which then holds triangles, and .glb: a column of :meth:`to_dataframe`, (N,) values, or
-        (N, 3) red, green and blue as uint8 or from 0 to 1. Default: none, and the volumes in .glb.
+        ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
+        (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
+
+        Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, or a .glb above 4 GiB;
+        ImportError without h5py for .h5; OSError when the file cannot be written.
         """
         from .export.save import save
 
         save(self, path, columns, color, colormap)
 
     def to_dataframe(self) -> Any:
-        """A pandas.DataFrame, a row a seed: x, y, z, and a column for each number that is known of its cell."""
+        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""
         from .export.packages import to_dataframe
 
         return to_dataframe(self)
 
     def to_scipy(self) -> Any:
-        """The same as ``neighbors.to_scipy()``."""
+        """Returns ``neighbors.to_scipy()``."""
         return self.neighbors.to_scipy()
 
     def to_networkx(self) -> Any:
-        """A networkx.Graph of the seeds, which have the columns of :meth:`to_dataframe`, and pairs of neighbors.
+        """Returns a networkx.Graph of the seeds, with the columns of :meth:`to_dataframe`, and an edge for each pair.
 
-        An edge has the least ``distance`` of the seeds' images that touch, their number of ``faces``, and the sum of
-        their ``area`` where "areas" was wanted. A seed that touches its own image has an edge to itself.
+        An edge has the smallest ``distance`` of touching images, their number of ``faces``, and with "areas" in want the
+        sum of their ``area``. A seed that touches its own image has an edge to itself.
         """
         from .export.packages import to_networkx
 
         return to_networkx(self)
 
     def to_freud(self) -> Any:
-        """A freud.locality.NeighborList, float32, an entry for each of :meth:`pairs`. Needs "areas" in want.
+        """Returns a freud.locality.NeighborList in float32, with an entry for each of :meth:`pairs`. Needs "areas" in want.
 
-        Its vectors and distances are those of the pairs, its weights the areas of the faces.
+        The weights are the areas of the faces.
         """
         from .export.packages import to_freud
 
         return to_freud(self)
 
     def to_pyvista(self, columns: Optional[Mapping[str, npt.ArrayLike]] = None) -> Any:
-        """A pyvista.UnstructuredGrid, cell i the polyhedron of seed i, or an empty cell. Needs "faces" in want.
+        """Returns a pyvista.UnstructuredGrid. Cell i is the polyhedron of seed i, or empty. Needs "faces" in want.
 
-        Its cell data are those of the .vtu file of :meth:`save`, and ``columns``.
+        Its cell data are those of .vtu in :meth:`save`, and ``columns``.
         """
         from .export.packages import to_pyvista
 
         return to_pyvista(self, columns)
 
     def verify(self, sample: Optional[int] = None, rng_seed: int = 1) -> VerifyReport:
-        """Checks this result against its points.
+        """Verifies this result against its points.
 
-        Volumes sum to the box (relative 1e-9; 1e-4 when ``stats.precision`` is "single"), neighbor lists are symmetric,
-        Euler's formula holds, and ``sample`` cells drawn with ``rng_seed`` equal cells cut anew by every seed; None takes
-        as many as take about a second, at least 64 or all, a number that depends on the input alone. Checks whose
-        arrays were not wanted are skipped. ``tiny_faces`` of the report counts faces far smaller than the mean, see
-        :class:`Stats`; where they are not known, the points are tessellated again. A result that was unpickled is compared with its points tessellated again.
+        Volumes must sum to the box (relative 1e-9; 1e-4 if ``stats.precision`` is "single"), neighbor lists must be
+        symmetric, Euler's formula must hold, and ``sample`` cells drawn with ``rng_seed`` must equal cells that are clipped
+        again by every seed. None: as many cells as take about a second, at least 64 or all; the number depends on the
+        input alone. Checks without their arrays are skipped. ``tiny_faces`` of the report counts faces far smaller than
+        the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         try:

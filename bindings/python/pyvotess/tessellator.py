@@ -1,4 +1,4 @@
-"""Tessellate points: in one call, or by an object that is kept; and the devices that can."""
+"""tessellate(), the Tessellator that keeps device and buffers, and the list of devices."""
 
 from __future__ import annotations
 
@@ -46,58 +46,59 @@ def tessellate(
     chunk_size: int = 0,
     instructions: str = "",
 ) -> Tessellation:
-    """Voronoi cells of ``points`` in a box. The neighbor lists are exact for the coordinates as given.
+    """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
     Parameters
     ----------
     points : (N, 3) array of real numbers, any length unit; N may be 0.
-        float64 and float32 in C order are copied; other arrays are converted, without loss. Where another thread
-        changes the array during the call, cells are wrong, and nothing else is.
+        float64 and float32 in C order are copied; other arrays are converted without loss. If another thread changes
+        the array during the call, cells are wrong, but nothing crashes.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
-        A point outside of it is an error.
-    periodic : True, or axes such as "xy", or three flags: the box, which must be given, repeats; points beyond it are
-        wrapped into it. ``shifts`` tells which image a neighbor is. x, y, z stand for the edges of a ``cell``.
-        Default: a box repeats along no axis, a cell along all.
-    weights, radii : (N,) numbers: a power diagram, with these weights or the squares of these radii. A seed whose cell
-        is empty has status EMPTY.
-    want : names of arrays, as the result has them and files: "volumes", "centroids", "face_areas", "face_normals",
-        "surface_areas", "security_radii", "face_counts", "vertices", "face_offsets" and others; a sequence, or one
-        string with commas. Or words for groups of them, each of which a name brings whole: "neighbors" (indptr, indices,
-        shifts), "counts" (face_counts, edge_counts, vertex_counts), "areas", "normals", "surfaces", "radii", "vertices"
-        (vertices, cell_vertices) and "faces" (face_offsets, face_vertices). What belongs to entries of the rows adds
-        "neighbors"; "faces" adds "vertices", and the walls to the rows.
-    cell, origin : a triclinic box instead of ``box``: the vectors of its edges, a row each, and its corner. It repeats
-        along all three, or those of ``periodic``; across the others it ends at the planes of its faces.
+        A point outside is an error.
+    periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
+        ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
+        Default: a box is not periodic, a cell is along all edges.
+    weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
+        empty cell has status EMPTY.
+    want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",
+        "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts", "vertices", "face_offsets" and
+        others. Words for groups of arrays: "neighbors" (indptr, indices, shifts), "counts" (face_counts, edge_counts,
+        vertex_counts), "areas", "normals", "surfaces", "radii", "vertices" (vertices, cell_vertices) and "faces"
+        (face_offsets, face_vertices). A name requests its whole group. Arrays with one row for each neighbor add
+        "neighbors"; "faces" adds "vertices", and walls to the rows.
+    cell, origin : a triclinic box instead of ``box``: its edges as rows, and its corner. It is periodic along all
+        edges, or those of ``periodic``; elsewhere its faces are walls.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
-    list_walls : list the walls in the rows too: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, of a
+    list_walls : list walls in the rows: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, of a
         ``cell`` across its edges a, b, c in the same order, then those of ``walls``.
     device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
-        that is software; or an ``id`` out of :func:`devices`. One that is not available raises VotessError. "auto"
-        takes the CPU for fewer than 10,000 points, which it finishes before a GPU is found.
+        that is software; or an ``id`` of :func:`devices`. A missing device raises VotessError. "auto" uses the CPU for
+        fewer than 10,000 points, which it finishes before a GPU is found.
     precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
         gives 1e-10; the neighbor lists are exact either way.
     threads, grid_resolution, k_init, chunk_size : tuning, 0 = automatic. They change speed and memory, never the
-        answer. CPU threads, at most 1024; blocks along an axis of the sorting grid, at most 2**20; on a GPU nearest
-        neighbors tried first for each cell, at most 1024, and cells in flight at once.
-    instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best that it has; never changes the lists.
-        One that it lacks raises VotessError.
-    duplicates : "merge": the lowest index of equal points keeps the cell; "error": refuse them.
-    min_face : drop faces between two cells that are smaller than this times their mean area, from rows, areas,
-        normals, polygons and face_counts; decided once per pair of cells. 0 drops nothing.
+        lists. CPU threads, at most 1024; blocks along an axis of the sorting grid, at most 2**20; on a GPU the nearest
+        neighbors tried first for each cell, at most 1024, and the cells in flight.
+    instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best available; never changes the lists.
+        A set that the CPU lacks raises VotessError.
+    duplicates : "merge": the lowest index of equal points keeps the cell; "error": they raise ValueError.
+    min_face : drop faces between two cells that are smaller than this times the mean area, from rows, areas, normals,
+        polygons and face_counts. Each pair of cells is decided once. 0 drops nothing.
     min_area : the same for faces below this area, length unit squared.
-    outside : of points outside of ``box`` or ``walls``: "error" refuses them, "drop" gives them an empty cell, status OUTSIDE.
-    progress : True shows a bar of tqdm where it is installed, else a line on stderr. A callable is called some ten
-        times a second with the fraction done; returning False stops the run with :class:`VotessError`, an exception
-        stops it and goes on to the caller.
+    outside : points outside of ``box`` or ``walls``: "error" raises ValueError, "drop" gives them an empty cell with
+        status OUTSIDE.
+    progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
+        a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
+        stop the run and reach the caller.
 
     The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
 
     Raises
     ------
     ValueError : bad input; the message names the first offending index and value.
-    MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED when the device cannot be had,
-        DEVICE_LOST when it failed.
+    MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED for a missing device, DEVICE_LOST
+        for one that failed.
     """
     options = new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
     domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
@@ -112,17 +113,16 @@ def tessellate(
 class Tessellator:
     """Keeps device, threads and buffers between calls. A context manager; otherwise freed with the object.
 
-    The memory of a result that is gone, its arrays too, serves the next one: calls of the same size take no new memory.
-    Points that move from call to call are tessellated by one Tessellator that is kept.
+    Use one for points that move from call to call. A result whose arrays are all gone leaves its memory to the next
+    one, so calls of the same size allocate nothing.
 
-    The options are those of :func:`tessellate`; the limits of their values are checked at each call.
+    The options are those of :func:`tessellate`. Each call checks their limits.
 
-    One call at a time: a second one, from another thread or from a progress callback, raises VotessError with code
-    INVALID_USE. Results do not need the tessellator and outlive it, and may be read by many threads.
+    One call at a time: a second one, from another thread or a progress callback, raises VotessError with code
+    INVALID_USE. Results outlive the tessellator, and many threads may read them.
 
-    After a fork (``os.fork``, multiprocessing with the start method "fork") the child may use and close its copy: the
-    CPU gets new threads. A GPU that was opened before cannot be used there: VotessError with code UNSUPPORTED, or with
-    device "auto" the CPU takes over.
+    After a fork (``os.fork``, multiprocessing with the start method "fork") the child may use and close its copy, with
+    new CPU threads. A GPU from before the fork raises VotessError with code UNSUPPORTED; device "auto" uses the CPU.
     """
 
     def __init__(
@@ -146,7 +146,7 @@ class Tessellator:
     def _alone(self) -> Iterator[None]:
         if not self._lock.acquire(blocking=False):
             raise VotessError(
-                "this Tessellator is in use by another call, or was when fork() made this process: use one per thread",
+                "this Tessellator is in use by another call, or was during fork(): use one for each thread",
                 ErrorCode.INVALID_USE,
             )
         try:
@@ -177,7 +177,7 @@ class Tessellator:
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
-            options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
+            options = _c_api.Options.from_buffer_copy(self._options)  # the original owns its texts
             return Tessellation(
                 *tessellate_points(
                     self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area
@@ -186,12 +186,12 @@ class Tessellator:
             )
 
     def close(self) -> None:
-        """Frees device and buffers. Harmless when repeated."""
+        """Frees device and buffers. Further calls do nothing."""
         with self._alone():
             self._handle.free()
 
     def __reduce__(self) -> Any:
-        raise TypeError("a Tessellator cannot be copied or pickled: make another one")
+        raise TypeError("a Tessellator cannot be copied or pickled: create another one")
 
     def __enter__(self) -> Tessellator:
         return self
@@ -207,7 +207,7 @@ class Tessellator:
 
 @dataclass(frozen=True)
 class DeviceInfo:
-    """A device that can run; ``id`` is what ``device=`` accepts."""
+    """A usable device. Pass ``id`` as ``device=``."""
 
     id: str
     name: str
@@ -215,7 +215,7 @@ class DeviceInfo:
 
 
 def devices() -> List[DeviceInfo]:
-    """The devices of this machine that votess can use."""
+    """Returns the devices of this machine that votess can use."""
     found = []
     for index in range(lib.votess_device_count()):
         texts = [ctypes.create_string_buffer(size) for size in (256, 256, 4096)]

@@ -1,7 +1,7 @@
 """Walls around round bodies, for ``walls=`` of :func:`pyvotess.tessellate`.
 
-Each function gives (faces, 4) float64 rows nx, ny, nz, d of planes n.x <= d that touch the body, so that the polyhedron
-holds all of it and a little more. ``np.concatenate`` joins several.
+Each function returns (faces, 4) float64 rows nx, ny, nz, d of planes n.x <= d that touch the body. The polyhedron holds
+the whole body and a little more. ``np.concatenate`` joins several bodies.
 """
 
 from __future__ import annotations
@@ -29,15 +29,18 @@ def _walls(function: Any, faces: int, *arguments: Any) -> Float64Array:
 
 
 def sphere(center: npt.ArrayLike, radius: float, faces: int = 300) -> Float64Array:
-    """Around a sphere; its volume grows by a share of about 3 / faces."""
+    """Returns walls around a sphere. They enclose about 3 / faces more of its volume."""
     return _walls(lib.votess_sphere_walls, faces, as_vector(center, "center"), float(radius))
 
 
 def cylinder(point: npt.ArrayLike, axis: npt.ArrayLike, radius: float, faces: int = 32) -> Float64Array:
-    """Around a cylinder without ends; its cross section grows by a share of about pi**2 / (3 faces**2)."""
+    """Returns walls around an infinite cylinder. They enclose about pi**2 / (3 faces**2) more of its cross section."""
     return _walls(lib.votess_cylinder_walls, faces, as_vector(point, "point"), as_vector(axis, "axis"), float(radius))
 
 
 def cone(apex: npt.ArrayLike, axis: npt.ArrayLike, angle: float, faces: int = 32) -> Float64Array:
-    """Around a cone without end, ``axis`` from the apex into it, ``angle`` in radians between axis and surface."""
+    """Returns walls around an infinite cone.
+
+    ``axis`` points from the apex into the cone. ``angle``: between axis and surface, radians.
+    """
     return _walls(lib.votess_cone_walls, faces, as_vector(apex, "apex"), as_vector(axis, "axis"), float(angle))

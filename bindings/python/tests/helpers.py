@@ -1,4 +1,4 @@
-"""What the tests share: the package of this tree, points, words, results to save and a folder for them."""
+"""Shared by the tests: the package of this tree, points, results and folders."""
 
 import importlib.util
 import os
@@ -11,13 +11,13 @@ import unittest
 import numpy as np
 
 PACKAGE_PARENT = str(pathlib.Path(__file__).resolve().parents[1])
-if "VOTESS_TEST_INSTALLED" in os.environ:  # the package that pip has installed
+if "VOTESS_TEST_INSTALLED" in os.environ:  # the package that pip installed
     PACKAGE_PARENT = str(pathlib.Path(importlib.util.find_spec("pyvotess").origin).parents[1])
 sys.path.insert(0, PACKAGE_PARENT)
 
 import pyvotess as vt  # noqa: E402
 
-# A shell that starts tests in the background has them ignore Ctrl-C.
+# A shell makes background processes ignore Ctrl-C.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
@@ -30,24 +30,24 @@ def uniform(count, seed=1):
 
 
 def lattice(n):
-    """Centers of n^3 cubes of side 1 in the box (0, n)^3; the row of seed (i, j, k) is (i * n + j) * n + k."""
+    """Returns centers of n^3 unit cubes in the box (0, n)^3. The row of seed (i, j, k) is (i * n + j) * n + k."""
     axis = np.arange(n) + 0.5
     return np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
 def long_run_points():
-    """Enough points for about a second of one thread."""
+    """Returns points for about a second of one thread."""
     return uniform(int(os.environ.get("VOTESS_TEST_LONG_RUN", "200000")), seed=3)
 
 
 def have(*modules):
-    """Whether all of these packages are installed, the reason to skip for unittest otherwise."""
+    """Skips a test unless all of these packages are installed."""
     missing = [name for name in modules if importlib.util.find_spec(name) is None]
     return unittest.skipIf(missing, f"{', '.join(missing)} is not installed")
 
 
 def cells(count=60, **options):
-    """Cells with two duplicates at the end."""
+    """Returns cells with two duplicates at the end."""
     points = uniform(count)
     options.setdefault("box", UNIT_BOX)
     options.setdefault("want", "faces,volumes,centroids,areas")
@@ -55,7 +55,7 @@ def cells(count=60, **options):
 
 
 def once(t):
-    """The faces, each once, as lists of corners with their two cells, made without the code under test."""
+    """Returns each face once: corners, cell, neighbor. Computed without the code under test."""
     faces = []
     for i, row in enumerate(t.neighbors):
         for k, j in zip(range(t.neighbors.indptr[i], t.neighbors.indptr[i + 1]), row.tolist()):

@@ -1,4 +1,4 @@
-"""Atoms of other packages: as objects that look like theirs, and the real ones where they are installed."""
+"""Atoms of other packages: imitations, and real objects if the packages are installed."""
 
 import types
 import unittest
@@ -14,7 +14,7 @@ def alloy(count=1000):
 
 
 def fcc111_slab():
-    """Four by four atoms in six layers of copper, 5 Angstrom of vacuum on either side: ASE's fcc111('Cu', (4, 4, 6), vacuum=5)."""
+    """Returns six layers of 4 x 4 copper atoms with 5 Angstrom of vacuum on each side: ASE's fcc111('Cu', (4, 4, 6), vacuum=5)."""
     spacing, layer = 3.61 / np.sqrt(2), 3.61 / np.sqrt(3)
     cell = np.array([(4 * spacing, 0, 0), (2 * spacing, 2 * np.sqrt(3) * spacing, 0), (0, 0, 5 * layer + 10)])
     places = [
@@ -45,7 +45,7 @@ def looks_like(kind, positions, cell, pbc, corner=(0.0, 0.0, 0.0)):
 
 
 def real(kind, positions, cell, pbc, corner):
-    """The object of the package itself; None where it is not installed, or cannot hold such a system."""
+    """Returns the object of the package; None if it is not installed or cannot hold such a system."""
     try:
         if kind == "ase":
             import ase
@@ -72,7 +72,7 @@ class Atoms(unittest.TestCase):
         t = vt.from_ase(atoms)
         np.testing.assert_allclose(t.volumes, [75.1378, 29.5088, 23.3534], rtol=2e-6)
         np.testing.assert_array_equal(t.origin, [-2, -2, -3])
-        del atoms.get_celldisp  # other objects of that form
+        del atoms.get_celldisp  # other objects may lack it
         atoms.get_positions = lambda: positions + (2, 2, 3)
         np.testing.assert_allclose(vt.from_ase(atoms).volumes, t.volumes, rtol=1e-13)
 
@@ -103,7 +103,7 @@ class Atoms(unittest.TestCase):
         self.assertLessEqual(np.abs(layer[pairs.i] - layer[pairs.j]).max(), 2)
         self.assertFalse(pairs.shift[:, 2].any())
         self.assertEqual({int(w) for w in t.neighbors.indices[t.neighbors.indices < 0]}, {-5, -6})
-        # Told to repeat, it does; told nothing by the atoms, it ends everywhere.
+        # The option periodic overrides the atoms; without either the cell has walls.
         self.assertEqual(vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), periodic=True).periodic,
                          (True, True, True))
 

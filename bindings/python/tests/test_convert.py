@@ -27,7 +27,7 @@ class Packages(unittest.TestCase):
             faces = [face.point_ids for face in grid.get_cell(i).faces]
             expected = t.faces[t.neighbors.indptr[i] : t.neighbors.indptr[i + 1]]
             self.assertEqual(faces, [face.tolist() for face in expected])
-        grid.points[0] = 7  # its own
+        grid.points[0] = 7  # the grid owns its points
         self.assertEqual(vt.tessellate(np.empty((0, 3)), want="faces").to_pyvista().n_cells, 0)
         with self.assertRaisesRegex(ValueError, "'faces' into want"):
             vt.tessellate(uniform(5)).to_pyvista()
@@ -64,7 +64,7 @@ class Packages(unittest.TestCase):
         self.assertEqual(graph.nodes[3]["volumes"], t.volumes[3])
         self.assertEqual(len(graph[60]), 0)
         self.assertNotIn("area", next(iter(vt.tessellate(uniform(9)).to_networkx().edges(data=True)))[2])
-        # Two cells of 1 x 2 x 2 in a periodic cube: two faces to each other, and images of their own beside and above.
+        # Two cells of 1 x 2 x 2 in a periodic cube share two faces, and touch images of themselves in y and z.
         both = vt.tessellate([(0.5, 1, 1), (1.5, 1, 1)], box=(0, 0, 0, 2, 2, 2), periodic=True, want="areas")
         both = both.to_networkx()
         self.assertEqual({(i, j): (e["area"], e["faces"], e["distance"]) for i, j, e in both.edges(data=True)},
@@ -89,7 +89,7 @@ class Packages(unittest.TestCase):
         np.testing.assert_allclose(found.weights, pairs.area, rtol=1e-6)
         np.testing.assert_allclose(found.distances, pairs.distance, rtol=1e-6)
         np.testing.assert_allclose(found.vectors, pairs.vector, atol=1e-7)
-        # As freud has them itself, but for faces that its tolerance drops.
+        # Equal to freud's own, except for faces that its tolerance drops.
         box = freud.box.Box.cube(1)
         theirs = freud.locality.Voronoi().compute((box, points)).nlist
         ours = dict(zip(zip(found.query_point_indices.tolist(), found.point_indices.tolist()), found.weights.tolist()))
@@ -123,7 +123,7 @@ class DLPack(unittest.TestCase):
             shared = np.from_dlpack(t.volumes)
             self.assertTrue(np.shares_memory(shared, t.volumes))
             self.assertFalse(shared.flags.writeable)
-        else:  # before, DLPack could not say that an array is read-only
+        else:  # older DLPack cannot mark an array as read-only
             with self.assertRaises((BufferError, TypeError)):
                 np.from_dlpack(t.volumes)
         np.testing.assert_array_equal(np.from_dlpack(t.volumes.copy()), t.volumes)
@@ -163,7 +163,7 @@ class Html(unittest.TestCase):
             self.assertIn("62", t._repr_html_())
         with mock.patch("pyvotess.export.html._rows", side_effect=RuntimeError):
             self.assertIn("Tessellation", t._repr_html_())
-        with mock.patch("pyvotess.export.html._MOST_POLYGONS", 3):
+        with mock.patch("pyvotess.export.html._MAX_POLYGONS", 3):
             self.assertNotIn("<svg", t._repr_html_())
 
 

@@ -1,4 +1,4 @@
-"""derivatives(): volumes and areas against central differences, in every kind of domain."""
+"""derivatives(): volumes and areas compared with central differences, in every kind of domain."""
 
 import unittest
 
@@ -9,12 +9,12 @@ import pyvotess as vt
 
 SEEDS = 200
 WANT = "faces,volumes,areas"
-TOLERANCE = 1e-6  # relative to the largest
+TOLERANCE = 1e-6  # relative to the largest derivative
 
 
 class Derivatives(unittest.TestCase):
     def compare(self, points, weights=None, **domain):
-        """Along random directions of all seeds, or of all weights, and of one seed."""
+        """Compares derivatives along random directions of all seeds or weights, and of one seed."""
         rng = np.random.default_rng(4)
 
         def run(moved, heavier):
@@ -61,7 +61,7 @@ class Derivatives(unittest.TestCase):
         t = vt.tessellate(uniform(SEEDS), UNIT_BOX, periodic=True, want="faces,volumes")
         matrix = t.derivatives()
         self.assertEqual(matrix.shape, (SEEDS, 3 * SEEDS))
-        # The volumes fill the box whatever the seeds do, and nothing changes when all move alike.
+        # The volumes always fill the box, and nothing changes when all seeds move alike.
         self.assertLess(np.abs(matrix.sum(axis=0)).max(), 1e-13)
         for axis in range(3):
             self.assertLess(np.abs(matrix[:, axis::3].sum(axis=1)).max(), 1e-13)

@@ -1,4 +1,4 @@
-"""Diagram: which cell holds a point, and what cell a point would have."""
+"""Diagram: locate() and probe()."""
 
 import _thread
 import copy
@@ -19,7 +19,7 @@ import pyvotess as vt  # noqa: E402
 
 
 def nearest(points, queries, weights=None, shifts=((0, 0, 0),)):
-    """By all distances; general position, so that rounding decides nothing."""
+    """Locates by all distances, in general position, where rounding decides nothing."""
     least = np.full((len(queries), len(points)), np.inf)
     for shift in shifts:
         square = ((queries[:, None, :] - points[None, :, :] - np.asarray(shift)) ** 2).sum(axis=2)
@@ -111,7 +111,7 @@ EVERYTHING = "neighbors,volumes,centroids,counts,areas,normals,surfaces,radii,ve
 
 
 def row(cells, i):
-    """All that is known of cell i; polygons by the places of their corners."""
+    """Returns all data of cell i; polygons by the coordinates of their corners."""
     entries = slice(*cells.neighbors.indptr[i : i + 2])
     exact = [cells.status[i], cells.neighbors[i], cells.face_counts[i], cells.edge_counts[i], cells.vertex_counts[i]]
     exact.append(-1 if cells.duplicate_of is None else cells.duplicate_of[i])
@@ -126,7 +126,7 @@ def row(cells, i):
 
 class Probing(unittest.TestCase):
     def check(self, points, queries, weights=None, of_queries=None, **domain):
-        """Against tessellating the points and each query. Returns the probes."""
+        """Compares with tessellations of the points and each query. Returns the probes."""
         probes = vt.Diagram(points, weights=weights, outside="drop", **domain).probe(queries, EVERYTHING, of_queries)
         self.assertEqual(len(probes), len(queries))
         for q, query in enumerate(queries):
@@ -191,7 +191,7 @@ class Probing(unittest.TestCase):
         for missing in ("pairs", "derivatives", "delaunay", "verify", "wrapped_points", "points", "save", "plot"):
             self.assertFalse(hasattr(probes, missing), missing)
         self.assertEqual(len(d.probe(np.empty((0, 3)), EVERYTHING)), 0)
-        # The diagram may go before its answers, and answers can be copied.
+        # Results outlive the diagram, and can be copied.
         expected = probes.volumes.copy()
         del d
         for copied in (copy.copy, copy.deepcopy, lambda probes: pickle.loads(pickle.dumps(probes))):
@@ -337,7 +337,7 @@ class Stops(unittest.TestCase):
                     def stop(fraction):
                         calls.append(fraction)
                         if len(calls) < last:
-                            time.sleep(0.101)  # so that the next look calls
+                            time.sleep(0.101)  # so that the next check calls
                         return len(calls) < last
 
                     with self.assertRaises(vt.VotessError) as raised:

@@ -116,7 +116,7 @@ class Domains(unittest.TestCase):
             self.assertEqual(len(pairs), np.count_nonzero(t.neighbors.indices >= 0))
             np.testing.assert_array_equal(pairs.area, t.areas[t.neighbors.indices >= 0])
             np.testing.assert_allclose(pairs.distance, np.linalg.norm(pairs.vector, axis=1), rtol=1e-15)
-            # The image of the other seed, some whole edges away from it, along those that repeat.
+            # The image of the other seed, whole edges away along periodic edges.
             steps = (moved[pairs.i] + pairs.vector - moved[pairs.j]) @ np.linalg.inv(edges)
             np.testing.assert_allclose(steps, np.round(steps), rtol=0, atol=1e-13)
             self.assertFalse(np.any(np.round(steps)[:, [axis not in periodic for axis in "xyz"]]))
@@ -168,7 +168,7 @@ class Domains(unittest.TestCase):
             ("one for each axis", {"periodic": (True, False)}),
             ("cell has shape", {"cell": (1, 2, 3)}),
             ("one plane", {"cell": ((1, 0, 0), (2, 0, 0), (0, 0, 1))}),
-            ("origin goes with cell", {"origin": (0, 0, 0)}),
+            ("origin needs cell", {"origin": (0, 0, 0)}),
             ("box and cell", {"box": UNIT, "cell": np.eye(3)}),
             ("a periodic axis needs a box", {"periodic": True}),
             ("a periodic axis needs a box", {"periodic": "z"}),

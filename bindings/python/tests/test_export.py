@@ -1,4 +1,4 @@
-"""Files that save() writes: arrays, colors, and that they are written whole or not at all."""
+"""Files of save(): arrays, colors, and that a file is written whole or not at all."""
 
 import contextlib
 import errno
@@ -201,7 +201,7 @@ class Whole(Folder):
         self.assertEqual((self.folder / "b.glb").read_text(), "old")
 
     def test_power_loss(self):
-        """The bytes reach the disk before the file has its name, the name before save() returns."""
+        """The bytes are synced before the file gets its name, the name before save() returns."""
         t = vt.tessellate(uniform(9))
         calls = []
 
@@ -226,9 +226,9 @@ class Whole(Folder):
         number = errno.EINVAL
         self.assertIn(save(), (["fsync", "link", "folder"], ["fsync", "replace", "folder"]))
         self.assertIn(save(), (["fsync", "link", "link", "replace", "folder"], ["fsync", "replace", "folder"]))
-        with mock.patch.object(os, "O_TMPFILE", os.O_RDONLY, create=True):  # a folder opened so cannot be written
+        with mock.patch.object(os, "O_TMPFILE", os.O_RDONLY, create=True):  # a folder opened like this cannot be written
             self.assertEqual(save(), ["fsync", "replace", "folder"])
-        self.assertEqual(save("fsync")[-1], "folder")  # a file system that knows no fsync
+        self.assertEqual(save("fsync")[-1], "folder")  # a file system without fsync
         self.assertEqual(save("folder")[-1], "folder")
         (self.folder / "a.npz").write_text("old")
         number = errno.EIO

@@ -1,4 +1,4 @@
-"""Meshes that save() writes, read back: by NumPy, and by other packages where they are installed."""
+"""Meshes of save(), read back by NumPy, and by other packages if they are installed."""
 
 import json
 import os
@@ -20,7 +20,7 @@ from pyvotess.export.mesh_file import write_mesh
 
 class Vtu(Folder):
     def read(self, name):
-        """The arrays of a .vtu file by the offsets that its XML states."""
+        """Returns the arrays of a .vtu file, by the offsets in its XML."""
         content = (self.folder / name).read_bytes()
         head, body = content.split(b'<AppendedData encoding="raw">\n_', 1)
         piece = xml.etree.ElementTree.fromstring(head + b"</VTKFile>").find("UnstructuredGrid/Piece")
@@ -106,7 +106,7 @@ class AsClvotess(Folder):
 
 class FacesTest(Folder):
     def read_ply(self, name):
-        """Names of the properties, the vertices, and the rows of the faces."""
+        """Returns names of the properties, vertices, and rows of the faces."""
         lines = (self.folder / name).read_text().splitlines()
         head = lines[: lines.index("end_header")]
         counts = [int(line.split()[2]) for line in head if line.startswith("element")]
@@ -192,7 +192,7 @@ class FacesTest(Folder):
 
 class Glb(Folder):
     def read(self):
-        """The JSON of a.glb, and the arrays of all its primitives: positions, colors, rows, triangles."""
+        """Returns the JSON of a.glb, and the arrays of all primitives: positions, colors, rows, triangles."""
         content = (self.folder / "a.glb").read_bytes()
         magic, version, length, size, kind = struct.unpack_from("<4sIII4s", content)
         self.assertEqual((magic, version, length, kind), (b"glTF", 2, len(content), b"JSON"))
@@ -225,7 +225,7 @@ class Glb(Folder):
         return (head, *map(np.concatenate, parts))
 
     def test_solids(self):
-        # The last one takes two primitives.
+        # The last needs two primitives.
         for options in ({}, {"periodic": True}, {"box": None, "cell": CELL, "outside": "drop"}, {"count": 3000}):
             t = cells(**options)
             rgb = np.random.default_rng(4).integers(0, 256, (len(t), 3)).astype(np.uint8)

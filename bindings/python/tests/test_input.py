@@ -1,4 +1,4 @@
-"""What goes in, what is refused, and whose memory the results are."""
+"""Arguments, refusals, and ownership of the memory of results."""
 
 import copy
 import ctypes

@@ -1,4 +1,4 @@
-"""verify(), facts about runs and devices, and the library behind the package."""
+"""verify(), statistics, devices, and loading of the library."""
 
 import ctypes
 import dataclasses
@@ -73,7 +73,7 @@ class Facts(unittest.TestCase):
     def test_precision(self):
         for precision in ("single", "double"):
             t = vt.tessellate(uniform(100), device="cpu", precision=precision)
-            self.assertEqual(t.stats.precision, "double")  # the CPU has no other
+            self.assertEqual(t.stats.precision, "double")  # always on the CPU
         self.assertIn(vt.tessellate(uniform(100)).stats.precision, ("single", "double"))
 
     def test_devices(self):

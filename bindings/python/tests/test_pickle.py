@@ -102,7 +102,7 @@ class Pickles(unittest.TestCase):
         self.assertGreater(other.least_face, 0)
         self.assertTrue(other.verify())
         with self.assertRaisesRegex(ValueError, "min_face"):
-            other.delaunay()  # faces that are left would shrink to nothing
+            other.delaunay()  # kept faces would collapse
 
     def test_a_changed_pickle_is_found(self):
         t = vt.tessellate(uniform(50), box=UNIT_BOX, want="faces,volumes")

@@ -1,4 +1,4 @@
-"""Tests of plot(): sections against plain geometry, and what matplotlib is given."""
+"""plot(): sections compared with plain geometry, and the arguments of matplotlib."""
 
 import subprocess
 import sys
@@ -69,7 +69,7 @@ class Sections(unittest.TestCase):
             t = vt.tessellate(seeds(200, 3) @ size, want=WANT, **domain)
             np.testing.assert_allclose(_plot._periods(t), size, atol=1e-12)
             for axis, value in ((0, 0.01), (1, 0.5), (2, 0.99)):
-                # Points of the unit square that no polygon or more than one holds.
+                # Points of the unit square in no polygon, or in more than one.
                 at = np.stack(np.meshgrid(np.linspace(0.013, 0.987, 23), np.linspace(0.017, 0.991, 23)), -1)
                 held = np.zeros(at.shape[:2], int)
                 for _, polygons in _plot._images(t, axis, value):

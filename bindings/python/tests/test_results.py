@@ -1,4 +1,4 @@
-"""What comes out: known answers, wants, rows, the mesh."""
+"""Results: known answers, want, rows, the mesh."""
 
 import typing
 import unittest
@@ -143,7 +143,7 @@ class KnownAnswers(unittest.TestCase):
 
 class Want(unittest.TestCase):
     def test_names_of_arrays(self):
-        """want takes what arrays are called, in files too; an array brings its word and what that implies."""
+        """want accepts names of arrays. An array adds its group and the groups that it implies."""
         words = {"indptr": "neighbors", "face_normals": "normals", "security_radii": "radii", "edge_counts": "counts",
                  "cell_vertices": "vertices", "face_offsets": "faces"}  # fmt: skip
         for name, word in words.items():

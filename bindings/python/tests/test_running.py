@@ -43,7 +43,7 @@ class Running(unittest.TestCase):
         finally:
             done.set()
             thread.join()
-        # Held, the GIL would let through a tick or two per progress call.
+        # With the GIL held, there would be only a tick or two for each progress call.
         self.assertGreater(during, 60 * seconds, f"{during} ticks in {seconds:.2f} s")
 
     def test_progress(self):
@@ -182,7 +182,7 @@ class Running(unittest.TestCase):
         with self.assertRaisesRegex(ZeroDivisionError, "0.25"), _call.Callbacks() as callbacks:
             first, second = callbacks.progress(fail), callbacks.progress(lambda fraction: True)
             self.assertEqual((second(0.1), first(0.25), first(0.5), second(0.5)), (1, 0, 0, 0))
-        # An error of the block itself goes first; nothing is left over for a collector to complain about.
+        # An error of the block itself has priority, and nothing remains for the garbage collector.
         with self.assertRaises(KeyError), _call.Callbacks() as callbacks:
             callbacks.guarded(_c_api.ProgressCallback, fail, 0)(0.0)
             raise KeyError
@@ -235,9 +235,9 @@ class TessellatorTest(unittest.TestCase):
                 t = tessellator.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, list_walls=True)
                 alone = vt.tessellate(uniform(count), box=UNIT_BOX, want=EVERYTHING, list_walls=True)
                 np.testing.assert_array_equal(t.neighbors.indices, alone.neighbors.indices)
-                np.testing.assert_allclose(t.volumes, alone.volumes, rtol=1e-12)  # another order of seeds
+                np.testing.assert_allclose(t.volumes, alone.volumes, rtol=1e-12)  # the seeds have another order
                 results.append((t, np.array(t.volumes)))
-        for t, volumes in results:  # later calls and the end of the tessellator leave results alone
+        for t, volumes in results:  # later calls and the end of the tessellator do not change results
             np.testing.assert_array_equal(t.volumes, volumes)
 
     def test_works_on_after_failures(self):
@@ -291,7 +291,7 @@ class TessellatorTest(unittest.TestCase):
 
 
 class Forks(unittest.TestCase):
-    """What a child made by fork() does with the Tessellator of its parent."""
+    """Uses the Tessellator of the parent in a forked child."""
 
     def test_fork(self):
         points = uniform(3000)
@@ -300,7 +300,7 @@ class Forks(unittest.TestCase):
         for use in (False, True):
             child = os.fork()
             if child == 0:
-                signal.alarm(60)  # ends one that hangs
+                signal.alarm(60)  # ends a hanging child
                 code = 1
                 try:
                     if use:
@@ -336,7 +336,7 @@ class Forks(unittest.TestCase):
         self.assertEqual(set(statuses), {0})
 
     def test_multiprocessing(self):
-        # In a process of its own: a pool that hangs would hang this one.
+        # In a separate process, because a hanging pool would hang this one.
         program = (
             "import multiprocessing, signal, numpy as np, pyvotess as vt\n"
             "tessellator = vt.Tessellator(device='cpu', threads=2)\n"

@@ -1,4 +1,4 @@
-"""tessellate_stream(): pieces in, rows out, as those of one tessellate()."""
+"""tessellate_stream(): its rows equal those of tessellate()."""
 
 import tempfile
 import unittest
@@ -10,7 +10,7 @@ LITTLE = 1_000_000
 
 
 class Rows:
-    """Puts rows one after the other."""
+    """Concatenates rows."""
 
     def __init__(self):
         self.pieces = []

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the corpus of the reader targets: small valid files of every kind, and files that were trouble once.
+"""Writes the corpus of the reader targets: small valid files of every kind, and files that once failed.
 
     make_corpus.py [FOLDER]      default: corpus/ beside this file
 

@@ -1,5 +1,5 @@
-// The target of fuzzing for each reader of clvotess: LLVMFuzzerTestOneInput() feeds it with one file. A reader gives
-// whole points or one line of complaint; anything else ends this program. libFuzzer drives it, or standalone.cpp.
+// The fuzz target of each reader of clvotess: LLVMFuzzerTestOneInput() passes one file to the reader. It must return
+// whole points or fail with one line; anything else ends this program. libFuzzer drives it, or standalone.cpp.
 #include "fuzz/readers/reader_target.hpp"
 
 #include <unistd.h>
@@ -22,7 +22,7 @@
 #include "files/formats/hdf5_module.hpp"
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
 namespace clvotess {
-// The module also writes, which is not tested here.
+// The module also writes files, which is not tested here.
 void write_hdf5(OutputFile&, const OutputData&) {
     std::abort();
 }
@@ -53,7 +53,7 @@ void check(const Input& input) {
     if (one_line(input.note) != input.note) complain("a note of several lines");
 }
 
-// Returns what was refused, empty when nothing was.
+// Returns the message of a refusal; empty on success.
 template <typename Read>
 std::string refusal(Read read) {
     try {
@@ -66,7 +66,7 @@ std::string refusal(Read read) {
     }
 }
 
-// With nothing wished, with columns that may lack, with all, and another frame.
+// Requests without columns, with optional columns, with all columns, and for another frame.
 template <typename Read>
 void read_all_ways(Read read, bool frames = false) {
     const auto with = [&](const ReadRequest& request) { (void)refusal([&] { check(read(request)); }); };
@@ -84,7 +84,7 @@ void read_all_ways(Read read, bool frames = false) {
     with(wishes);
 }
 
-// A file in memory where there is /dev/shm, for readers that open it by its path.
+// A file for readers that open a path, in memory if /dev/shm exists.
 class MemoryFile {
 public:
     explicit MemoryFile(std::string_view bytes) {
@@ -111,7 +111,7 @@ void parse(std::string_view bytes) {
     read_all_ways([&](const ReadRequest& request) { return parser(bytes, "file", request); }, frames);
 }
 
-// Rows in pieces are those of the whole text; so is what is refused, except that a refusal may come earlier.
+// Rows in pieces must equal those of the whole text, and so must refusals, which may come earlier.
 template <TextKind kind>
 void parse_rows(std::string_view bytes) {
     read_all_ways([&](const ReadRequest& request) { return parse_text(bytes, kind, "file", request); });
@@ -147,7 +147,7 @@ void parse_npy(std::string_view bytes) {
     });
 }
 
-// The C library rounds right as well, and takes more than we do.
+// The C library also rounds correctly, and accepts more texts.
 void read_number(std::string_view bytes) {
     const auto value = read_double(bytes);
     if (!value) return;

@@ -1,13 +1,13 @@
-// What reader_target.cpp offers beside the functions that libFuzzer calls.
+// Functions of reader_target.cpp for standalone.cpp.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
-// The reader that is fed, by name; false when there is none. libFuzzer takes it from $VOTESS_FUZZ_READER.
+// Chooses the reader by name. Returns false for an unknown one. With libFuzzer $VOTESS_FUZZ_READER names it.
 bool choose_reader(const std::string& name);
-// All names, a blank between two.
+// Returns all names, with blanks between them.
 std::string reader_names();
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

@@ -1,8 +1,7 @@
-// Drives the readers without libFuzzer: every file of the corpus, then damaged copies of them, the same for the same
-// seed.
+// Drives the readers without libFuzzer: every file of the corpus, then damaged copies, which depend on the seed alone.
 //   votess_reader_fuzz CORPUS RUNS [--seed N] [READER...]    CORPUS has a folder for each reader; default: all readers
 //   votess_reader_fuzz --replay READER FILE
-// An input that ends the program is kept as crash-READER in the current folder.
+// An input that ends the program is stored as crash-READER in the current folder.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -46,14 +45,14 @@ std::string read_file(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// A copy of exactly the size, so that a sanitizer sees a read behind its end.
+// A copy of the exact size, so that a sanitizer detects reads beyond its end.
 void feed(std::string bytes) {
     input = std::move(bytes);
     const std::vector<std::uint8_t> exact(input.begin(), input.end());
     LLVMFuzzerTestOneInput(exact.data(), exact.size());
 }
 
-// Cut, with bits flipped, letters or whole numbers replaced, pieces taken out, repeated or taken from another file.
+// Cuts the file, flips bits, replaces letters or numbers, or removes, repeats or inserts pieces.
 std::string damaged(std::string bytes, const std::string& other, std::mt19937_64& random) {
     const auto below = [&random](std::size_t limit) { return limit > 0 ? std::size_t{random() % limit} : 0; };
     const std::size_t how = below(8);
@@ -146,7 +145,7 @@ int main(int count, char** values) {
     try {
         return main_inside({values + 1, values + count});
     } catch (const std::exception& error) {
-        // Also what a reader throws that is no refusal.
+        // Also catches exceptions that are not refusals.
         std::fprintf(stderr, "votess_reader_fuzz: %s\n", error.what());
         keep_input();
         return 1;

@@ -1,4 +1,4 @@
-"""Cells as dicts in the shape of pyvoro's, filled in when they are first looked into."""
+"""Cells as dicts in the format of pyvoro, filled at their first use."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
 
-#: Cells that are filled together: enough to spread the cost of NumPy's calls, few enough to be quick. Blocks that
-#: follow each other double up to the second number: the garbage collector looks through all cells after some of them.
+#: Number of cells that are filled together: enough to spread the cost of NumPy's calls, few enough to be quick. It
+#: doubles for consecutive blocks up to the second number, because the garbage collector scans all cells in between.
 _BLOCK, _LARGEST_BLOCK = 128, 4096
 
 Face = Dict[str, Any]
 
 
 class Cell(Dict[str, Any]):
-    """A cell, all of it. It pickles and copies as a dict."""
+    """A filled cell. It pickles and copies as a dict."""
 
     __slots__ = ("_blocks", "_row")
 
@@ -37,13 +37,13 @@ class Cell(Dict[str, Any]):
 
 
 class LazyCell(Cell):
-    """A cell that holds its first keys only. Any other use fills it in, and makes it a :class:`Cell`."""
+    """A cell with its first keys only. Any other use fills it and makes it a :class:`Cell`."""
 
     __slots__ = ()
 
     def __missing__(self, key: str) -> Any:
         self._blocks.fill(self._row)
-        return self[key]  # KeyError when a cell has no such key
+        return self[key]  # raises KeyError for an unknown key
 
 
 def _after_filling(name: str) -> Callable[..., Any]:
@@ -65,10 +65,10 @@ for _name in (
 
 
 class CellBlocks:
-    """Makes the cells of a tessellation with faces, and fills them block by block.
+    """Fills the cells of a tessellation with faces, block by block.
 
-    A filled cell has "vertices", "adjacency" and "faces". Vertices are moved by ``offsets`` (N, 3), and made by
-    ``vector`` from lists of three floats.
+    A filled cell has "vertices", "adjacency" and "faces". ``offsets``: (N, 3) added to the vertices of each cell.
+    ``vector``: makes a vertex from a list of three floats.
     """
 
     def __init__(
@@ -85,17 +85,17 @@ class CellBlocks:
         self._size, self._next = _BLOCK, -1
 
     def add(self, cell: LazyCell) -> LazyCell:
-        """The next cell, in the order of the seeds, with those keys that it has from the start."""
+        """Registers the cell of the next seed, with its first keys, and returns it."""
         cell._blocks = self
         cell._row = len(self._cells)
         self._cells.append(cell)
         return cell
 
     def fill(self, row: int) -> None:
-        """Fills this row and some around it."""
+        """Fills the cell of a row and some of the following."""
         with self._lock, garbage_collector_paused():
             if self._cells[row] is None:
-                return  # another thread was faster
+                return  # another thread filled it
             follows = row == self._next
             self._size = min(2 * self._size, _LARGEST_BLOCK) if follows else _BLOCK
             first = row if follows else row - row % _BLOCK
@@ -109,7 +109,7 @@ class CellBlocks:
                 self._cells[index] = None
 
     def _parts(self, first: int, last: int) -> List[Tuple[str, List[Any]]]:
-        """Name and one value for each cell."""
+        """Returns (name, one value for each cell) of the three keys."""
         rows, faces, cell_vertices = self._t.neighbors, self._t.faces, self._t.cell_vertices
         entries = rows.indptr[first : last + 1]
         polygons = faces.indptr[entries[0] : entries[-1] + 1]
@@ -119,7 +119,7 @@ class CellBlocks:
         cells = np.arange(last - first, dtype=np.int64)
         cell_of_vertex = np.repeat(cells, np.diff(bounds))
         cell_of_corner = np.repeat(cells, np.diff(polygons[entries - entries[0]]))
-        # The place of each corner among the vertices of the block; its number in the cell counts from the cell's first.
+        # The index of each corner among the vertices of the block, and its number in the cell.
         count = len(self._t.vertices)
         place = np.searchsorted(cell_of_vertex * count + ids, cell_of_corner * count + corners)
         number = place - (bounds[cell_of_corner] - bounds[0])
@@ -141,7 +141,7 @@ class CellBlocks:
         ]
 
     def _faces(self, entries: Int64Array, begins: Int64Array, number: Int64Array) -> List[Face]:
-        # Voro++ goes clockwise around a face seen from outside, votess counterclockwise.
+        # Seen from outside, faces are clockwise in Voro++ and counterclockwise in votess.
         mirrored = np.repeat(begins[:-1] + begins[1:] - 1, np.diff(begins)) - np.arange(len(number))
         corners = number[mirrored].tolist()
         adjacent = self._t.neighbors.indices[entries[0] : entries[-1]].tolist()
@@ -155,9 +155,9 @@ def _pairs(bounds: List[int]) -> List[Tuple[int, int]]:
 
 
 def _adjacency(place: Int64Array, number: Int64Array, begins: Int64Array, count: int) -> List[List[int]]:
-    """For each of ``count`` vertices the numbers of those it shares an edge with, in order around it.
+    """Returns for each of ``count`` vertices the numbers of the vertices joined by an edge, in order around it.
 
-    A polygon that comes from w to u and goes on to v makes w follow v around u.
+    In a polygon ..., w, u, v, ... w follows v around u.
     """
     size = np.diff(begins)
     step = np.arange(len(number))

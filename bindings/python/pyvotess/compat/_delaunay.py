@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Int32Array = npt.NDArray[np.int32]
     BoolArray = npt.NDArray[np.bool_]
 
-#: the corners opposite to each corner of a tetrahedron, counterclockwise seen from outside where it is positive
+#: the face opposite to each corner of a positive tetrahedron, counterclockwise seen from outside
 _OPPOSITE = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
 _QUERIES_AT_ONCE = 1 << 16
 
@@ -36,22 +36,25 @@ class Delaunay(OfPoints):
 
     Attributes: ``points``, ``simplices``, ``neighbors``, ``convex_hull``, ``coplanar``, ``vertex_to_simplex``,
     ``vertex_neighbor_vertices``, ``transform``, ``equations``, ``paraboloid_scale``, ``paraboloid_shift``, ``npoints``,
-    ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. Except the first two they are
-    made when they are first asked for. ``scipy.interpolate.LinearNDInterpolator`` takes the object for its points.
+    ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. All except the first two are
+    computed at first use. ``scipy.interpolate.LinearNDInterpolator`` accepts the object instead of points.
 
-    The simplices fill the convex hull. That is checked in exact arithmetic: their surface bends inwards nowhere.
-    QhullError is raised when a simplex at the hull is so flat that no box holds the center of its sphere.
+    The simplices fill the convex hull. Exact arithmetic verifies that their surface is convex. Raises QhullError when a
+    simplex at the hull is so flat that no box contains the center of its sphere.
 
-    What differs from scipy: corners of a simplex are ordered so that det(b-a, c-a, d-a) > 0; five or more points on one
-    sphere are cut up from the lowest index, so that their simplices fit those beside them; flat simplices at the
-    hull, which Qhull may merge away, are there; ``coplanar`` lists only points that equal an earlier one.
+    Differences from scipy:
+
+    - The corners of a simplex are ordered so that det(b-a, c-a, d-a) > 0.
+    - Five or more points on one sphere are triangulated from the lowest index, consistently with their neighbors.
+    - Flat simplices at the hull, which Qhull may merge, are included.
+    - ``coplanar`` lists only points that equal an earlier one.
     """
 
     if not TYPE_CHECKING:
 
         @property
         def __class__(self) -> Any:
-            """scipy.spatial.Delaunay where that is loaded: scipy.interpolate asks for it by isinstance()."""
+            """scipy.spatial.Delaunay if it is loaded, because scipy.interpolate checks by isinstance()."""
             return getattr(sys.modules.get("scipy.spatial"), "Delaunay", type(self))
 
     def __reduce__(self) -> Any:
@@ -80,7 +83,7 @@ class Delaunay(OfPoints):
 
     @cached_property
     def neighbors(self) -> Int32Array:
-        """(T, 4) int32: the simplex opposite to each corner, -1 at the hull."""
+        """(T, 4) int32, the simplex opposite to each corner, -1 at the hull."""
         faces = np.sort(self.simplices[:, _OPPOSITE].reshape(-1, 3), axis=1).astype(np.int64)
         if self.npoints < 2**21:  # three ids in one number sort faster
             order = np.argsort((faces[:, 0] << 42) | (faces[:, 1] << 21) | faces[:, 2], kind="stable")
@@ -95,13 +98,13 @@ class Delaunay(OfPoints):
 
     @cached_property
     def convex_hull(self) -> Int32Array:
-        """(F, 3) int32: the triangles of the hull, counterclockwise seen from outside."""
+        """(F, 3) int32, the triangles of the hull, counterclockwise seen from outside."""
         simplex, corner = np.nonzero(self.neighbors < 0)
         return np.take_along_axis(self.simplices[simplex], _OPPOSITE[corner], axis=1)
 
     @cached_property
     def vertex_to_simplex(self) -> Int32Array:
-        """(N,) int32: some simplex that has the point, or the one that it equals."""
+        """(N,) int32, a simplex with the point, or with the earlier point that it equals."""
         simplex = np.full(self.npoints, -1, dtype=np.int32)
         simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 4)
         copies = np.flatnonzero(self._duplicate_of >= 0)
@@ -110,7 +113,7 @@ class Delaunay(OfPoints):
 
     @cached_property
     def coplanar(self) -> Int32Array:
-        """(K, 3) int32: points that equal another one, a simplex that has that one, and that one."""
+        """(K, 3) int32: a point that equals an earlier one, a simplex with the earlier one, and the earlier one."""
         copies = np.flatnonzero(self._duplicate_of >= 0)
         return np.column_stack((copies, self.vertex_to_simplex[copies], self._duplicate_of[copies])).astype(np.int32)
 
@@ -130,8 +133,9 @@ class Delaunay(OfPoints):
 
     @cached_property
     def transform(self) -> Float64Array:
-        """(T, 4, 3) float64: inverse matrix and last corner r, so that ``matrix @ (x - r)`` are the first barycentric
-        coordinates; NaN where the simplex is too flat for that.
+        """(T, 4, 3) float64: a matrix and the last corner r. ``matrix @ (x - r)`` are the first barycentric coordinates.
+
+        The matrix is NaN for a simplex that is too flat.
         """
         corners = self.points[self.simplices]
         a, b, c = (corners[:, k] - corners[:, 3] for k in range(3))
@@ -146,8 +150,8 @@ class Delaunay(OfPoints):
 
     @cached_property
     def _paraboloid(self) -> Tuple[float, float]:
-        # Qhull brings the heights from the least one to that of a point at infinity, 1.1 times the largest one, to the
-        # size of the coordinates.
+        # Qhull scales heights to the size of the coordinates. They range from the smallest one to that of a point at
+        # infinity, 1.1 times the largest one.
         squares = np.einsum("pk,pk->p", self.points, self.points)
         scale = float(np.abs(self.points).max() / (1.1 * squares.max() - squares.min()))
         return scale, float(-squares.min() * scale)
@@ -164,11 +168,11 @@ class Delaunay(OfPoints):
 
     @cached_property
     def equations(self) -> Float64Array:
-        """(T, 5) float64: unit normal, downwards, and offset of the plane through the lifted corners of each simplex.
+        """(T, 5) float64: downward unit normal and offset of the plane through the lifted corners of each simplex.
 
-        NaN where the simplex is too flat for that.
+        NaN for a simplex that is too flat.
         """
-        # In units of the largest coordinate. From corner d to the others, in the order that makes the volume positive.
+        # In units of the largest coordinate. Vectors from corner d, in the order of a positive volume.
         unit = np.abs(self.points).max()
         scale, shift = self.paraboloid_scale * unit, self.paraboloid_shift / unit
         corners = self.points[self.simplices] / unit
@@ -185,20 +189,23 @@ class Delaunay(OfPoints):
         return equations
 
     def lift_points(self, x: npt.ArrayLike) -> Float64Array:
-        """(..., 4) float64: the points (..., 3) on the paraboloid."""
+        """Returns (..., 4) float64, the points (..., 3) lifted to the paraboloid."""
         array = np.asarray(x, dtype=np.float64)
         height = self.paraboloid_scale * np.einsum("...k,...k->...", array, array) + self.paraboloid_shift
         return np.concatenate((array, height[..., None]), axis=-1)
 
     def plane_distance(self, xi: npt.ArrayLike) -> Float64Array:
-        """(..., T) float64: how far each lifted point lies beyond the plane of each simplex: positive in its sphere."""
+        """Returns (..., T) float64, the distance of each lifted point from the plane of each simplex.
+
+        It is positive inside the sphere of the simplex.
+        """
         distances: Float64Array = self.lift_points(xi) @ self.equations[:, :4].T + self.equations[:, 4]
         return distances
 
     def find_simplex(self, xi: npt.ArrayLike, bruteforce: bool = False, tol: Optional[float] = None) -> Int32Array:
-        """(...,) int32: the simplex that each point of ``xi`` (..., 3) lies in, -1 outside of the hull.
+        """Returns (...,) int32, the simplex that contains each point of ``xi`` (..., 3), -1 outside of the hull.
 
-        The search walks from simplex to simplex by exact signs. A point outside counts as inside when its barycentric
+        The search walks from simplex to simplex by exact signs. A point outside counts as inside if its barycentric
         coordinates in the last simplex are at least ``-tol``, by default 100 machine epsilons. ``bruteforce`` is not
         used.
         """
@@ -217,7 +224,7 @@ class Delaunay(OfPoints):
 
     def _walk(self, queries: Float64Array, allowed: float) -> Int32Array:
         at = self.vertex_to_simplex[self._near(queries)]
-        # The queries go behind the points, so that both have ids.
+        # Queries follow the points, so that both have ids.
         places = np.concatenate((self.points, queries))
         found = np.full(len(queries), -1, dtype=np.int32)
         walking = np.arange(len(queries))
@@ -238,7 +245,7 @@ class Delaunay(OfPoints):
         return found
 
     def _near(self, queries: Float64Array) -> Int64Array:
-        """A point not far from each query: the nearest one of some."""
+        """Returns (Q,) ids of points near the queries: the nearest of a sample."""
         sample = np.flatnonzero(self._duplicate_of < 0)[:: max(1, int(self.npoints ** (2 / 3) / 4))]
         nearest = np.zeros(len(queries), dtype=np.int64)
         least = np.full(len(queries), np.inf)
@@ -262,10 +269,10 @@ def _empty(kind: Type[Delaunay]) -> Delaunay:
 
 
 def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:
-    """(T, 4) positive tetrahedra; and (V,) the lowest seed of the polytope around each vertex that has one, else -1."""
+    """Returns (T, 4) positive tetrahedra, and (V,) the lowest seed of the polytope at each vertex, -1 without one."""
     found: List[Int64Array] = []
     lowest = np.full(len(diagram.vertices), -1, dtype=np.int64)
-    first = 0  # the number of the first vertex that no part before this one has
+    first = 0  # number of the first vertex that is in no earlier part
     for part in diagram.parts:
         complex_ = part.t.delaunay()
         found.append(part.seeds[complex_.tetrahedra[part.number[complex_.centers] >= first]])
@@ -277,23 +284,23 @@ def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:
 
 
 def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
-    """(T, 4) positive tetrahedra of the points around those vertices that have a lowest seed.
+    """Returns (T, 4) positive tetrahedra of the points around the vertices with a lowest seed.
 
-    A facet of the polytope around a vertex is dual to an edge of the diagram from there, and an edge of the facet to a
-    ridge at that edge. Each facet is a fan from its lowest seed, and the tetrahedra are cones from the polytope's
-    lowest seed to the triangles of those facets that do not have it: two polytopes cut their common facet the same way.
+    A facet of the polytope at a vertex is dual to an edge of the diagram there. An edge of the facet is dual to a ridge
+    at that edge. Each facet is a fan from its lowest seed. The tetrahedra are cones from the polytope's lowest seed to
+    the triangles of all facets without it. So two polytopes triangulate their common facet equally.
     """
     indptr, corners = diagram.ridges
     ridge = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
     following = np.empty_like(corners)
     following[:-1] = corners[1:]
     following[indptr[1:] - 1] = corners[indptr[:-1]]
-    has_polytope = np.append(lowest >= 0, False)  # places on the box have none
+    has_polytope = np.append(lowest >= 0, False)  # vertices on the box have none
     leaves = np.flatnonzero(has_polytope[np.maximum(corners, -1)])
     enters = np.flatnonzero(has_polytope[np.maximum(following, -1)])
     center = np.concatenate((corners[leaves], following[enters]))
     other = np.concatenate((following[leaves], corners[enters]))
-    # Seen against the edge from the center, the facet lies left of the way from seed i to seed j.
+    # Seen along the edge towards the center, the facet is left of the path from seed i to seed j.
     i, j = diagram.ridge_seeds[np.concatenate((ridge[leaves], ridge[enters]))].T
     i, j = np.where(np.arange(len(center)) < len(leaves), (i, j), (j, i))
     order = np.lexsort((other, center))

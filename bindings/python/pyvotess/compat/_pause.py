@@ -1,4 +1,4 @@
-"""Lists of lists in bulk without the garbage collector, which would look through them again and again."""
+"""Pauses the garbage collector, which would scan growing lists of lists again and again."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Iterator
 
 @contextlib.contextmanager
 def garbage_collector_paused() -> Iterator[None]:
-    """What is made meanwhile must hold no cycles."""
+    """The block must not create reference cycles."""
     was_enabled = gc.isenabled()
     gc.disable()
     try:

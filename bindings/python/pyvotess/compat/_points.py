@@ -1,4 +1,4 @@
-"""What scipy's diagrams and triangulations have in common: points, and that none can be added."""
+"""The common base of scipy's diagrams and triangulations."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ if TYPE_CHECKING:
 
 
 class QhullError(RuntimeError):
-    """The points have no diagram in space: they are fewer than four, or all in one plane."""
+    """The points have no diagram in space: fewer than four, or all in one plane."""
 
 
 @lru_cache(maxsize=None)
 def qhull_error() -> Type[RuntimeError]:
-    """Returns what is raised: SciPy's class where SciPy is installed, which programs catch, else the one above."""
+    """Returns the class to raise: that of SciPy if it is installed, because programs catch it, else the one above."""
     try:
         from scipy.spatial import QhullError as of_scipy
     except ImportError:
@@ -30,14 +30,14 @@ def qhull_error() -> Type[RuntimeError]:
 
 
 class OfPoints:
-    """Holds ``points`` (N, 3) float64. Refuses what scipy refuses, and what votess does not do."""
+    """Holds ``points`` (N, 3) float64. Raises for arguments that scipy or votess does not support."""
 
     ndim = 3
     furthest_site = False
 
     def __init__(self, points: Any, furthest_site: bool, incremental: bool) -> None:
         if furthest_site:
-            raise NotImplementedError("furthest_site: votess has no furthest-site diagram, scipy.spatial has")
+            raise NotImplementedError("furthest_site: votess has no furthest-site diagram; use scipy.spatial")
         if incremental:
             self.add_points(points)
         self.points: Float64Array = np.ascontiguousarray(as_points(points), dtype=np.float64)
@@ -47,7 +47,7 @@ class OfPoints:
 
     @cached_property
     def min_bound(self) -> Float64Array:
-        """(3,) float64, the least coordinates of the points."""
+        """(3,) float64, the smallest coordinates of the points."""
         lower: Float64Array = self.points.min(axis=0)
         return lower
 
@@ -59,7 +59,7 @@ class OfPoints:
 
     def add_points(self, points: Any, restart: bool = False) -> None:
         """Raises NotImplementedError."""
-        raise NotImplementedError("incremental: make a new object of all points, or keep scipy.spatial")
+        raise NotImplementedError("incremental: create a new object with all points, or use scipy.spatial")
 
     def close(self) -> None:
-        """Does nothing: no points can be added anyway."""
+        """Does nothing, because no points can be added."""

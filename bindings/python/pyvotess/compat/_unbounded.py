@@ -1,4 +1,4 @@
-"""Diagrams of all of space, put together out of one near the points and one in a box that leaves nothing beyond it."""
+"""Unbounded diagrams, merged from one in a near box and one in a box that contains all vertices."""
 
 from __future__ import annotations
 
@@ -22,50 +22,50 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
 
-#: What the near box leaves around the points, in mean distances between them: a wider one costs more, a narrower one
-#: leaves more cells to the far box.
+#: Margin of the near box, in mean distances between points. A wider box costs more; a narrower one leaves more cells to
+#: the far box.
 _NEAR = 6.0
-#: What the far box leaves, in longest sides of the bounds of the points: vertices lie this far out only where four
-#: points are flat to within rounding. The next is tried when one does not hold all vertices.
+#: Margins of the far box, in longest sides of the bounds of the points. Vertices are so far away only where four points
+#: are flat up to rounding. The next margin is tried if a box does not contain all vertices.
 _FAR = (2.0**64, 2.0**100, 2.0**170)
 
 
 @dataclass(frozen=True)
 class Part:
-    """Cells that have their place in a diagram."""
+    """A tessellation that is part of a diagram."""
 
     t: Tessellation
-    seeds: Int64Array  #: the ids of its points in the whole, ascending
-    number: Int64Array  #: of its vertices in the whole, less than 0 on the box
+    seeds: Int64Array  #: ids of its points in the diagram, ascending
+    number: Int64Array  #: of its vertices in the diagram; negative on the box
 
 
 @dataclass(frozen=True)
 class Diagram:
     """The Voronoi diagram of N points, open where it meets the box.
 
-    Open cells and their ridges are those of the last part, if there are two; the others are those of the first.
+    With two parts, open cells and their ridges come from the last part, the others from the first.
     """
 
-    parts: List[Part]  #: the second one has the vertices that the first one lacks
+    parts: List[Part]  #: the second has the vertices that the first lacks
     is_open: BoolArray  #: (N,)
     vertices: Float64Array  #: (V, 3)
     ridge_seeds: Int64Array  #: (R, 2), ascending in each row
-    entries: List[Int64Array]  #: for each part its faces that are ridges; those of the last part are the first ridges
+    entries: List[Int64Array]  #: for each part its faces that are ridges; ridges begin with those of the last part
 
     @property
     def duplicate_of(self) -> Int64Array:
-        """(N,) an earlier point that this one equals, else -1."""
+        """(N,) the earlier point that a point equals, else -1."""
         duplicate_of = self.parts[0].t.duplicate_of
         return np.full(len(self.is_open), -1) if duplicate_of is None else duplicate_of.astype(np.int64)
 
     @property
     def unordered(self) -> Int64Array:
-        """The cells whose vertices may not be ascending."""
+        """The cells whose vertices may not ascend."""
         return np.flatnonzero(self.is_open) if len(self.parts) > 1 else np.arange(len(self.is_open))
 
     @cached_property
     def ridges(self) -> Tuple[Int64Array, Int64Array]:
-        """(indptr, corners) counterclockwise seen from the second seed; less than 0 on the box."""
+        """(indptr, corners), counterclockwise seen from the second seed; negative on the box."""
         sizes, corners = [], []
         for part, entry in reversed(list(zip(self.parts, self.entries))):
             begin, end = part.t.faces.indptr[entry], part.t.faces.indptr[entry + 1]
@@ -75,7 +75,7 @@ class Diagram:
 
     @cached_property
     def cells(self) -> Tuple[Int64Array, Int64Array]:
-        """(indptr, corners) of each cell; less than 0 on the box."""
+        """(indptr, corners) of each cell; negative on the box."""
         begin, end = np.zeros((2, len(self.is_open)), dtype=np.int64)
         corners: List[Int64Array] = []
         total = 0
@@ -91,14 +91,14 @@ class Diagram:
 
 
 def diagram_of_space(points: Float64Array, options: Dict[str, Any]) -> Diagram:
-    """The diagram without any bound."""
+    """Returns the unbounded diagram."""
     lower, upper = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
     side = float((upper - lower).max())
     if side == 0:
         raise qhull_error()("the points are fewer than four, or all equal")
     margin = _NEAR * side / np.cbrt(len(points))
     near, is_inner = _tessellate(points, (lower - margin, upper + margin), options)
-    # Outside of the near box there are only the cells that reach it, and their own neighbors are all that bounds them.
+    # Outside of the near box are only cells that reach it, and only their own neighbors bound them.
     seed_of_vertex = np.repeat(np.arange(len(points)), np.diff(near.cell_vertices.indptr))
     is_open = np.zeros(len(points), dtype=bool)
     is_open[seed_of_vertex[~is_inner[near.cell_vertices.indices]]] = True
@@ -115,18 +115,18 @@ def diagram_of_space(points: Float64Array, options: Dict[str, Any]) -> Diagram:
 
 
 def diagram_in_box(points: Float64Array, box: Any, options: Dict[str, Any]) -> Diagram:
-    """The diagram without the vertices that lie beyond the box."""
+    """Returns the diagram without vertices beyond the box."""
     t, is_inner = _tessellate(points, box, options)
     return _merge([Part(t, np.arange(len(points)), _numbers(is_inner))], np.zeros(len(points), dtype=bool))
 
 
 def _numbers(is_inner: BoolArray) -> Int64Array:
-    """Vertices count up from 0; places on the box count down from -1."""
+    """Returns numbers of vertices: up from 0, and down from -1 for those on the box."""
     return np.where(is_inner, np.cumsum(is_inner) - 1, -1 - np.arange(len(is_inner)))
 
 
 def _tessellate(points: Float64Array, box: Any, options: Dict[str, Any]) -> Tuple[Tessellation, BoolArray]:
-    """With faces; and which of its vertices do not lie on the box."""
+    """Returns the tessellation with faces, and which of its vertices are not on the box."""
     t = tessellate(points, box=box, want="faces", **options)
     is_inner = np.ones(len(t.vertices), dtype=bool)
     is_wall = np.flatnonzero(t.neighbors.indices < 0)
@@ -147,13 +147,13 @@ def _tessellate_far(
             break
         if _is_hull_convex(t, is_inner):
             return t, is_inner
-    raise qhull_error()("the points lie in one plane, or some four so close to one that their sphere is too large")
+    raise qhull_error()("the points are in one plane, or four of them are so flat that their sphere is too large")
 
 
 def _match(near: Part, far: Part, is_open: BoolArray, is_far: BoolArray) -> Int64Array:
-    """The numbers of the far part's vertices: those of the near part where it has them, then new ones.
+    """Returns the numbers of the far part's vertices: those of the near part if it has them, else new ones.
 
-    A vertex of an open cell is told by the set of the cells around it, as far as both parts have them.
+    A vertex of an open cell is identified by the set of cells around it that both parts have.
     """
     signs = np.random.default_rng(1).integers(0, 2**64, len(is_open), dtype=np.uint64)
     near_vertex, near_key = _keys(near, is_open, is_far, signs)
@@ -168,7 +168,7 @@ def _match(near: Part, far: Part, is_open: BoolArray, is_far: BoolArray) -> Int6
 
 
 def _keys(part: Part, is_open: BoolArray, is_far: BoolArray, signs: npt.NDArray[np.uint64]) -> Tuple[Any, Any]:
-    """The vertices off the box of open cells, and for each the sum of the signs of the cells around it."""
+    """Returns the vertices of open cells that are not on the box, and the sum of the signs of the cells at each."""
     vertex = part.t.cell_vertices.indices
     cell = np.repeat(part.seeds, np.diff(part.t.cell_vertices.indptr))
     used = np.zeros(len(part.number), dtype=bool)
@@ -186,7 +186,7 @@ def _merge(parts: List[Part], is_open: BoolArray) -> Diagram:
     vertices = np.empty((count, 3))
     pairs: List[Int64Array] = []
     entries: List[Int64Array] = []
-    for part in reversed(parts):  # the first part has its own vertices as they are
+    for part in reversed(parts):  # the first part keeps its own vertices
         is_used = part.number >= 0
         vertices[part.number[is_used]] = part.t.vertices[is_used]
         rows = part.t.neighbors
@@ -200,14 +200,14 @@ def _merge(parts: List[Part], is_open: BoolArray) -> Diagram:
 
 
 def _is_hull_convex(t: Tessellation, is_inner: BoolArray) -> bool:
-    """Whether no vertex lies beyond the box, in exact arithmetic.
+    """Returns whether no vertex is beyond the box, in exact arithmetic.
 
-    An edge of the diagram that leaves the box is dual to a triangle on the surface of what the tetrahedra of the inner
-    vertices fill. They fill the convex hull, and none is missing, when that surface bends inwards nowhere.
+    An edge of the diagram that leaves the box is dual to a triangle on the surface of the tetrahedra at inner vertices.
+    If that surface is convex, the tetrahedra fill the convex hull, and none is missing.
     """
     rows, faces = t.neighbors, t.faces
     seed = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
-    # One of the two polygons of each pair of seeds that has a corner on the box.
+    # One polygon for each pair of seeds whose face has a corner on the box.
     polygon_of = np.repeat(np.arange(len(rows.indices)), np.diff(faces.indptr))
     on_box = ~is_inner[faces.indices]
     outer = np.unique(polygon_of[on_box])
@@ -227,12 +227,12 @@ def _is_hull_convex(t: Tessellation, is_inner: BoolArray) -> bool:
     below = _third_seeds(t, is_inner, faces.indices[corner[enters]], i, j)
     if (above < 0).any() or (below < 0).any():
         return False
-    # i, j, above go counterclockwise seen from outside: below must not lie over their plane.
+    # i, j, above are counterclockwise seen from outside: below must not be above their plane.
     return bool((orientation(np.asarray(t.points, dtype=np.float64), i, j, above, below) <= 0).all())
 
 
 def _third_seeds(t: Tessellation, is_inner: BoolArray, vertex: Any, i: Int64Array, j: Int64Array) -> Int64Array:
-    """For each vertex on the box, where cells i and j meet, another one that is there too; -1 where none is."""
+    """Returns for each vertex on the box, where cells i and j meet, a third cell at it; -1 without one."""
     entry = np.flatnonzero(~is_inner[t.cell_vertices.indices])
     cell = np.searchsorted(t.cell_vertices.indptr, entry, side="right") - 1
     vertices = t.cell_vertices.indices[entry]
@@ -248,17 +248,17 @@ def _third_seeds(t: Tessellation, is_inner: BoolArray, vertex: Any, i: Int64Arra
 
 
 def orientation(points: Float64Array, a: Int64Array, b: Int64Array, c: Int64Array, d: Int64Array) -> Int64Array:
-    """The exact sign of det(b-a, c-a, d-a) for arrays of ids."""
+    """Returns the exact sign of det(b-a, c-a, d-a) for arrays of ids."""
     u, v, w = points[b] - points[a], points[c] - points[a], points[d] - points[a]
     with np.errstate(over="ignore", invalid="ignore"):
         cross = np.stack([v[:, k - 2] * w[:, k - 1] - v[:, k - 1] * w[:, k - 2] for k in range(3)], axis=1)
         value = np.einsum("pk,pk->p", u, cross)
         parts = np.abs(np.stack([v[:, k - 2] * w[:, k - 1] for k in range(3)], axis=1))
         parts += np.abs(np.stack([v[:, k - 1] * w[:, k - 2] for k in range(3)], axis=1))
-        # A few roundings of 2**-53 each, with a factor to spare; products below the floor may have lost digits.
+        # Bounds a few roundings of 2**-53 each with reserve. Products below the floor may be denormal.
         certain = np.abs(value) > np.maximum(2.0**-48 * np.einsum("pk,pk->p", np.abs(u), parts), 1e-280)
     sign: Int64Array = np.where(certain, np.sign(value), 0).astype(np.int64)
-    # Four points with one equal coordinate, as on the sides of a box, are flat. Fractions decide the rest.
+    # Four points with an equal coordinate, as on the sides of a box, are flat. Fractions decide the others.
     flat = ((u == 0) & (v == 0) & (w == 0)).any(axis=1)
     for p in np.flatnonzero(~certain & ~flat):
         sign[p] = _exact_sign([points[ids[p]].tolist() for ids in (a, b, c, d)])

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[int]]:
-    """The rows of values, those that are kept, as lists."""
+    """Returns the rows of values as lists, with the kept values only."""
     ends = np.concatenate(([0], np.cumsum(kept)))[indptr].tolist()
     flat = values[kept].tolist()
     with garbage_collector_paused():
@@ -37,18 +37,20 @@ class Voronoi(OfPoints):
     points : (N, 3) numbers, N >= 4, not all in one plane.
     furthest_site, incremental : must be False.
     qhull_options : not used.
-    box : what :func:`pyvotess.tessellate` takes: vertices beyond it become -1, and pairs of cells that meet only there
-        are missing. Default: a box that is found to hold every vertex, in exact arithmetic, or QhullError is raised.
+    box : as for :func:`pyvotess.tessellate`. Vertices beyond it become -1, and pairs of cells that meet only there are
+        missing. Default: a box that contains every vertex, verified in exact arithmetic. Raises QhullError without one.
     options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
 
     Attributes: ``points``, ``vertices``, ``ridge_points``, ``ridge_vertices``, ``regions``, ``point_region``,
-    ``ridge_dict``, ``npoints``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. Those that are
-    lists are made when they are first asked for.
+    ``ridge_dict``, ``npoints``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. Lists are
+    computed at first use.
 
-    What differs from scipy: five or more points on one sphere have one vertex, where Qhull gives several at the same
-    place, or merges some that are close together; ridges with a single vertex, which Qhull leaves out, are there; point
-    i has region i, without the empty region of Qhull's point at infinity; the region of a point that equals an earlier
-    one is empty, and ``point_region`` leads to that one's.
+    Differences from scipy:
+
+    - Five or more points on one sphere have one vertex. Qhull returns several at the same place, or merges close ones.
+    - Ridges with a single vertex, which Qhull omits, are included.
+    - Point i has region i. There is no empty region for Qhull's point at infinity.
+    - The region of a point that equals an earlier one is empty; ``point_region`` is that of the earlier one.
     """
 
     def __init__(
@@ -74,10 +76,10 @@ class Voronoi(OfPoints):
 
     @cached_property
     def ridge_vertices(self) -> List[List[int]]:
-        """For each row of ``ridge_points`` the vertices around the polygon between the two, -1 where it is open."""
+        """For each row of ``ridge_points`` the vertices around the common polygon, -1 where it is open."""
         indptr, corners = self._diagram.ridges
         is_inner = corners >= 0
-        # Of a run of corners on the box the first stays, or of a polygon of nothing else the first corner.
+        # Of consecutive corners on the box the first is kept, also if all corners are on the box.
         before = np.empty_like(is_inner)
         before[1:] = is_inner[:-1]
         before[indptr[:-1]] = is_inner[indptr[1:] - 1]

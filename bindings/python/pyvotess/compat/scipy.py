@@ -1,8 +1,8 @@
 """scipy.spatial's Voronoi and Delaunay for three dimensions: ``from pyvotess.compat.scipy import Voronoi, Delaunay``.
 
-The diagram of scipy has no bound, that of votess ends at a box. Cells that reach the sides of a box near the points are
-made again in one that leaves 2**64 times their extent around them, or more, until exact arithmetic finds that no vertex
-lies beyond it. Each class lists what else differs. ``QhullError`` is SciPy's where SciPy is installed.
+Diagrams of scipy are unbounded; those of votess end at a box. Cells that reach a box near the points are computed again in
+a box with a margin of at least 2**64 times their extent, until exact arithmetic proves that no vertex is beyond it. Each
+class lists further differences. ``QhullError`` is that of SciPy if it is installed.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 else:
 
     def __getattr__(name: str) -> Any:
-        if name == "QhullError":  # SciPy is imported when it is asked for
+        if name == "QhullError":  # imports SciPy only on demand
             return qhull_error()
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -1,1 +1,1 @@
-"""Results as files, as pictures, and as objects of other packages, which are imported only when they are called for."""
+"""Results as files, pictures and objects of other packages, which are imported on demand."""

@@ -1,4 +1,4 @@
-"""The arrays of a result as .npz and .h5: names, types and shapes as clvotess writes them."""
+"""The arrays of a result as .npz and .h5, with the names, types and shapes of clvotess."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     Arrays = Dict[str, npt.NDArray[Any]]
 
-#: Names of both formats that no column of the caller may have. "ids" are those of clvotess' input.
+#: Reserved names in both formats, which the caller's columns must not have. Files of clvotess may hold "ids".
 NAMES = frozenset(
     "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas security_radii face_counts "
     "edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
@@ -55,7 +55,7 @@ def _texts(t: SeedCells) -> Dict[str, str]:
 
 
 def write_npz(path: str, t: SeedCells, columns: Arrays) -> None:
-    """An archive without compression. numpy.savez would take a column named "file" for its own argument."""
+    """Writes an archive without compression. It does not use numpy.savez, whose argument is called "file" too."""
     arrays = {**_result_arrays(t), **columns, **_domain_arrays(t)}
     arrays.update({name: np.array(text) for name, text in _texts(t).items()})
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
@@ -65,14 +65,14 @@ def write_npz(path: str, t: SeedCells, columns: Arrays) -> None:
 
 
 def write_h5(path: str, t: SeedCells, columns: Arrays) -> None:
-    """Datasets at the root; the domain but for the walls, and the texts, are attributes of the root."""
+    """Writes datasets at the root. The domain except the walls, and texts, are attributes of the root."""
     h5py = imported("h5py", "writing .h5")
-    # The default driver does not open a file that has no name yet.
+    # The default driver cannot open a file without a name.
     with h5py.File(path, "w", driver="stdio") as file:
         for name, array in {**_result_arrays(t), **columns}.items():
             file.create_dataset(name, data=array)
         for name, array in _domain_arrays(t).items():
-            if name == "walls":  # attributes hold 64 kB at most
+            if name == "walls":  # an attribute holds at most 64 kB
                 file.create_dataset(name, data=array)
             else:
                 file.attrs[name] = array

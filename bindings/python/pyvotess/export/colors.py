@@ -1,4 +1,4 @@
-"""From values to colors, those of the library's pictures."""
+"""Colors of values, as in the library's pictures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _COLORMAPS = {"tide": 0, "ember": 1, "gray": 2}
 
 
 def limits(values: Float64Array) -> Tuple[float, float, bool]:
-    """The range of colors, and whether it is so wide that a logarithmic scale serves better."""
+    """Returns the limits of the color scale, and whether their ratio calls for a logarithmic scale."""
     finite = values[np.isfinite(values)]
     if len(finite) == 0:
         return 0.0, 1.0, False
@@ -32,7 +32,7 @@ def limits(values: Float64Array) -> Tuple[float, float, bool]:
 
 
 def map_values(values: Float64Array, colormap: str) -> UInt8Array:
-    """(M, 3) uint8 in sRGB: colors of these values, gray where they are NaN, on a logarithmic scale if they range far."""
+    """Returns (M, 3) uint8 sRGB colors of the values, gray for NaN, on a logarithmic scale for a wide range."""
     number = as_word(colormap, "colormap", _COLORMAPS)
     values = np.ascontiguousarray(values, dtype=np.float64)
     colors = np.empty((len(values), 3), np.uint8)
@@ -41,14 +41,14 @@ def map_values(values: Float64Array, colormap: str) -> UInt8Array:
 
 
 def cell_colors(t: SeedCells, color: Any, colormap: str) -> UInt8Array:
-    """(N, 3) colors in sRGB of values, see :func:`color_values`, or colors as they are: (N, 3) uint8, or 0 to 1."""
+    """Returns (N, 3) uint8 sRGB colors. ``color``: as for :func:`color_values`, or (N, 3) colors, uint8 or 0 to 1."""
     if not isinstance(color, str) and np.ndim(color) == 2:
         given = np.asarray(color)
         if given.shape != (len(t), 3) or given.dtype.kind not in "uif":
-            raise ValueError(f"color has shape {given.shape}: give {len(t)} values, or as many red, green and blue")
+            raise ValueError(f"color has shape {given.shape}: give ({len(t)},) values, or ({len(t)}, 3) red, green and blue")
         if given.dtype == np.uint8:
             return given
         if given.dtype.kind != "f" or not ((given >= 0) & (given <= 1)).all():
-            raise ValueError("color holds red, green and blue that are neither uint8 nor numbers from 0 to 1")
+            raise ValueError("color has red, green and blue outside of 0 to 1: give uint8, or numbers from 0 to 1")
         return np.asarray(np.rint(255 * given), np.uint8)
     return map_values(color_values(t, color)[0], colormap)

@@ -1,4 +1,4 @@
-"""What is known of each cell, under the names that tables and colors use, and columns that the caller adds."""
+"""Columns of the cells for tables, colors and files, and columns of the caller."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ _PLOT_WORDS = {"volume": "volumes", "area": "surface_areas"}
 
 
 def neighbor_counts(t: SeedCells) -> npt.NDArray[np.int32]:
-    """(N,) how many neighbors each cell has that are no walls."""
+    """Returns (N,) int32 numbers of neighbors, without walls."""
     rows = t.neighbors
     cell = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     return np.bincount(cell[rows.indices >= 0], minlength=len(t)).astype(np.int32)
 
 
 def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
-    """All that the result holds of each cell, as columns (N,)."""
+    """Returns all numbers of the cells in the result, as (N,) columns by name."""
     points = np.asarray(t.points)
     columns: Dict[str, npt.NDArray[Any]] = {axis: points[:, k] for k, axis in enumerate("xyz")}
     if t.weights is not None:
@@ -47,12 +47,12 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     return columns
 
 
-#: Names of the cell data of .vtu, that no column of the caller may have.
+#: Names of the cell data of .vtu, which the caller's columns must not have.
 VTU_NAMES = frozenset(("id", "volume", "neighbors", "centroid", "status"))
 
 
 def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
-    """(N, ...) the cell data of .vtu; volume and centroid where they were wanted."""
+    """Returns the cell data of .vtu, (N,) or (N, 3); volume and centroid only if in ``want``."""
     data: Dict[str, npt.NDArray[Any]] = {"id": np.arange(len(t), dtype=np.int64)}
     if "volumes" in t.wanted:
         data["volume"] = t.volumes
@@ -64,11 +64,14 @@ def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
 
 
 def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
-    """The caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes. ValueError names a bad one."""
+    """Returns the caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes.
+
+    ``taken``: reserved names. Raises ValueError for a bad name, shape or type.
+    """
     result: Dict[str, npt.NDArray[Any]] = {}
     for name, values in (columns or {}).items():
         if not isinstance(name, str) or not name or "/" in name or "\0" in name:
-            raise ValueError(f"columns has the name {name!r}: give a text without / and zero characters")
+            raise ValueError(f"columns has the name {name!r}: give a non-empty text without / and zero characters")
         if name in taken:
             raise ValueError(f"columns has {name!r}, but the file has an array of that name: rename it")
         array = np.asarray(values)
@@ -82,14 +85,14 @@ def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict
 
 
 def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
-    """(N,) values for colors, and what a legend calls them. ``color``: a column of :func:`cell_columns`, or values."""
+    """Returns (N,) values for colors, and their label. ``color``: a column of :func:`cell_columns`, or (N,) values."""
     if isinstance(color, str):
         columns = cell_columns(t)
         name = _PLOT_WORDS.get(color, color)
         if name in columns:
             return np.asarray(columns[name], np.float64), {"area": "surface area"}.get(color, color)
         if name in ARRAYS or any(name in names_of(word) for word in ARRAYS):
-            getattr(t, name)  # says what to put into want, or what the array is called
+            getattr(t, name)  # raises with the word for want, or the name of the array
         raise ValueError(
             f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
             f"columns are {', '.join(columns)}"

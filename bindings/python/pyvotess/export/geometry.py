@@ -1,4 +1,4 @@
-"""The mesh of all cells as files and viewers want it: polyhedra, faces that are there once, triangles."""
+"""The mesh of all cells: polygons, polyhedra of VTK, triangles."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ POLYHEDRON = 42  #: cell type of VTK
 class Mesh(NamedTuple):
     """The polygons of all cells. Face k has the corners ``loops[offsets[k]:offsets[k+1]]``, rows of vertices."""
 
-    indptr: Int64Array  #: (N + 1,) the faces of cell i begin at indptr[i]
+    indptr: Int64Array  #: (N + 1,): the faces of cell i begin at indptr[i]
     offsets: Int64Array  #: (F + 1,)
     loops: Int64Array  #: (offsets[F],) counterclockwise seen from outside the cell
     vertices: Float64Array  #: (V, 3)
@@ -32,7 +32,7 @@ class Mesh(NamedTuple):
 
 
 def mesh_of(t: SeedCells, caller: str) -> Mesh:
-    """ValueError, which names ``caller``, when the faces were not wanted."""
+    """Returns the mesh of a result. Raises ValueError, which names ``caller``, without faces."""
     try:
         return Mesh(
             np.asarray(t.neighbors.indptr, np.int64),
@@ -45,27 +45,27 @@ def mesh_of(t: SeedCells, caller: str) -> Mesh:
 
 
 def begins(counts: npt.NDArray[np.integer]) -> Int64Array:
-    """Where rows of these lengths begin, and where the last one ends: one value more."""
+    """Returns (len(counts) + 1,) the starts of rows of these lengths, and the end of the last."""
     result = np.zeros(len(counts) + 1, np.int64)
     np.cumsum(counts, out=result[1:])
     return result
 
 
 def ranges(first: npt.NDArray[np.integer], counts: npt.NDArray[np.integer]) -> Int64Array:
-    """All of first[0], first[0] + 1, ... (counts[0] numbers), then first[1], ..."""
+    """Returns first[0], first[0] + 1, ... (counts[0] numbers), then first[1], ..."""
     begin = begins(counts)
     return np.repeat(first - begin[:-1], counts) + np.arange(begin[-1])
 
 
 def polyhedra(mesh: Mesh, cells: Int64Array) -> Tuple[Int64Array, Int64Array]:
-    """These cells, none of them empty, as VTK has polyhedra, and where each begins (one value more).
+    """Returns these cells, none of them empty, as polyhedra of VTK, and their starts (one value more).
 
-    A cell is its number of faces, then each face its number of corners, then these.
+    A cell is its number of faces, then for each face its number of corners and the corners.
     """
     face_count = mesh.indptr[cells + 1] - mesh.indptr[cells]
     faces = ranges(mesh.indptr[cells], face_count)
     sizes = mesh.offsets[faces + 1] - mesh.offsets[faces]
-    # In front of a face lie the earlier ones with their numbers of corners, and a number for each cell up to its own.
+    # A face follows the earlier faces with their numbers of corners, and one number for each cell up to its own.
     place = begins(sizes + 1)[:-1] + np.repeat(np.arange(1, len(cells) + 1), face_count)
     face_begin = begins(face_count)
     begin = begins(sizes + 1)[face_begin] + np.arange(len(cells) + 1)
@@ -77,7 +77,7 @@ def polyhedra(mesh: Mesh, cells: Int64Array) -> Tuple[Int64Array, Int64Array]:
 
 
 def with_lengths(words: Int64Array, lengths: Int64Array) -> Int64Array:
-    """The words of all cells with its number of words in front of each."""
+    """Returns the words of all cells, each cell after its number of words."""
     place = begins(lengths + 1)
     stream = np.empty(place[-1], np.int64)
     stream[place[:-1]] = lengths
@@ -86,7 +86,7 @@ def with_lengths(words: Int64Array, lengths: Int64Array) -> Int64Array:
 
 
 def triangles(mesh: Mesh, faces: Int64Array) -> Tuple[Int64Array, Int64Array]:
-    """These faces as fans of triangles (M, 3), as counterclockwise as they are, and the face of each (M,)."""
+    """Returns fans of triangles (M, 3) of these faces, with their orientation, and the face of each triangle (M,)."""
     sizes = mesh.offsets[faces + 1] - mesh.offsets[faces]
     count = np.maximum(sizes - 2, 0)
     first = mesh.offsets[faces]

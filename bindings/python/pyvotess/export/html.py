@@ -1,4 +1,4 @@
-"""What a notebook shows of a result: a small table, and a section as SVG, drawn without another package."""
+"""HTML of a result for notebooks: a table, and a section as SVG, drawn without another package."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
 
 _PIXELS = 260  # of the longer side
-_MOST_SEEDS = 200_000  # of a result whose section takes well under a second
-_MOST_POLYGONS = 3_000
+_MAX_SEEDS = 200_000  # the section takes well below a second
+_MAX_POLYGONS = 3_000
 
 
 def _rows(t: SeedCells) -> List[Tuple[str, str]]:
@@ -39,14 +39,14 @@ def _rows(t: SeedCells) -> List[Tuple[str, str]]:
 
 
 def _picture(t: SeedCells) -> str:
-    """The section across the shortest side of the domain, through its middle; empty when there is none to show."""
-    if "faces" not in t.wanted or not 0 < len(t) <= _MOST_SEEDS:
+    """Returns the section through the middle, across the shortest side of the domain; "" without one."""
+    if "faces" not in t.wanted or not 0 < len(t) <= _MAX_SEEDS:
         return ""
     box = np.asarray(t.box)
     sides = np.ptp(box, axis=0)
     axis = 2 if sides[2] <= sides.min() * (1 + 1e-9) else int(np.argmin(sides))
     cells, polygons = sections_in_box(t, axis, float(box[:, axis].mean()))
-    if not 0 < len(polygons) <= _MOST_POLYGONS:
+    if not 0 < len(polygons) <= _MAX_POLYGONS:
         return ""
     others = [k for k in range(3) if k != axis]
     lower, upper = box[:, others]
@@ -69,7 +69,7 @@ def _picture(t: SeedCells) -> str:
 
 
 def as_html(t: SeedCells) -> str:
-    """Never raises: without a picture, or as plain text, when something fails."""
+    """Returns the HTML. It never raises: after an error the picture is missing, or the text is plain."""
     try:
         rows = "".join(
             f'<tr><th style="text-align:left">{escape(name)}</th><td style="text-align:left">{escape(text)}</td></tr>'

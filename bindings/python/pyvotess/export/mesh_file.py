@@ -1,4 +1,4 @@
-"""A mesh as .vtu, .ply, .obj or .glb, written by the library."""
+"""Meshes as .vtu, .ply, .obj and .glb, written by the library."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Packages that are needed for one thing only."""
+"""Import of optional packages."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 def imported(module: str, caller: str, install: str = "") -> Any:
-    """This module; ImportError, which names ``caller`` and what to install, when there is none."""
+    """Returns the module. Raises ImportError, which names ``caller`` and the package to install."""
     try:
         return importlib.import_module(module)
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Results as objects of other packages, each of which is imported only when it is called for."""
+"""Results as objects of other packages, which are imported on demand."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def to_pyvista(t: SeedCells, columns: Columns) -> Any:
     pyvista = imported("pyvista", "to_pyvista()")
     full = np.diff(mesh.indptr) > 0
     words, begin = polyhedra(mesh, np.flatnonzero(full))
-    # In front of each cell its number of words, which is 0 for an empty one.
+    # Each cell follows its number of words, which is 0 for an empty cell.
     lengths = np.zeros(len(t), np.int64)
     lengths[full] = np.diff(begin)
     types = np.where(full, POLYHEDRON, 0).astype(np.uint8)
@@ -46,7 +46,7 @@ def to_networkx(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_networkx`."""
     networkx = imported("networkx", "to_networkx()")
     pairs = make_pairs(t)
-    # Each face is there from both sides: as (i, j) and (j, i), or twice as (i, i).
+    # Each face occurs from both sides: as (i, j) and (j, i), or twice as (i, i).
     once = pairs.i <= pairs.j
     i, j = pairs.i[once], pairs.j[once].astype(np.int64)
     keys, which = np.unique(i * max(len(t), 1) + j, return_inverse=True)
@@ -65,7 +65,7 @@ def to_networkx(t: SeedCells) -> Any:
 
 
 def _records(columns: Any, count: int) -> Any:
-    """The rows of these columns as dicts."""
+    """Returns the rows of the columns as dicts."""
     if not columns:
         return ({} for _ in range(count))
     names = tuple(columns)
@@ -74,7 +74,7 @@ def _records(columns: Any, count: int) -> Any:
 
 def to_freud(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_freud`."""
-    areas = t.face_areas  # says what to put into want
+    areas = t.face_areas  # raises with the word for want
     freud = imported("freud", "to_freud()", "freud-analysis")
     pairs = make_pairs(t)
     return freud.locality.NeighborList.from_arrays(

@@ -1,4 +1,4 @@
-"""Pictures of a tessellation: plane sections by matplotlib, cells in space by PyVista. Imported by the first plot()."""
+"""Plots of a tessellation: plane sections by matplotlib, cells in space by PyVista."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ _AXES = "xyz"
 
 
 def section(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
-    """The cells that the plane ``coordinate[axis] == value`` cuts, ascending, and for each its polygon (M, 2).
+    """Returns the cells cut by the plane ``coordinate[axis] == value``, ascending, and their polygons (M, 2).
 
-    The coordinates of the polygons are the other two, in the order x, y, z.
+    Polygons have the other two coordinates, in the order x, y, z.
     """
     indptr, offsets, loops, vertices = mesh_of(t, "plot()")
     above = vertices[:, axis] > value
-    # Every side of every polygon, to the next corner of its loop.
+    # The next corner of each corner in its polygon.
     following = np.arange(1, len(loops) + 1)
     sizes = np.diff(offsets)
     following[offsets[1:][sizes > 0] - 1] = offsets[:-1][sizes > 0]
@@ -47,7 +47,7 @@ def section(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Flo
     part = (value - start[:, axis]) / (end[:, axis] - start[:, axis])
     others = [k for k in range(3) if k != axis]
     points = (start + part[:, None] * (end - start))[:, others]
-    # A section is convex: around its middle, the order by angle is that along its border.
+    # A section is convex, so its corners are sorted by the angle around its middle.
     cells, first, which, count = np.unique(cell, return_index=True, return_inverse=True, return_counts=True)
     middle = np.stack([np.bincount(which, points[:, k]) for k in range(2)], axis=1) / count[:, None]
     away = points - middle[which]
@@ -58,7 +58,7 @@ def section(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Flo
 
 
 def _periods(t: SeedCells) -> List[Float64Array]:
-    """The vectors by which the cells repeat, found where a face and its counterpart across the domain lie."""
+    """Returns the periods of the domain, as differences of a face and its counterpart on the opposite side."""
     if t.shifts is None:
         return []
     indptr, offsets, loops, vertices = mesh_of(t, "plot()")
@@ -78,10 +78,10 @@ def _periods(t: SeedCells) -> List[Float64Array]:
 
 
 def _images(t: SeedCells, axis: int, value: float) -> Iterator[Tuple[Int64Array, List[Float64Array]]]:
-    """The sections of all images of the cells that may reach into the bounds of the domain."""
+    """Yields the sections of all images of cells that may reach into the bounds of the domain."""
     periods = _periods(t)
     others = [k for k in range(3) if k != axis]
-    # Bounds are longer than oblique edges.
+    # The bounds of a skewed domain may be longer than its edges.
     most = 2 if any(np.count_nonzero(np.abs(p) > 1e-9 * np.abs(p).max()) > 1 for p in periods) else 1
     found: Dict[float, Tuple[Int64Array, List[Float64Array]]] = {}  # by height
     for steps in itertools.product(range(-most, most + 1), repeat=len(periods)):
@@ -94,7 +94,7 @@ def _images(t: SeedCells, axis: int, value: float) -> Iterator[Tuple[Int64Array,
 
 
 def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, List[Float64Array]]:
-    """As :func:`section`, with the images of periodic cells, and without what lies outside of the bounds."""
+    """As :func:`section`, with images of periodic cells, and without polygons outside of the bounds."""
     others = [k for k in range(3) if k != axis]
     lower, upper = np.asarray(t.box)[:, others]
     found: List[Int64Array] = []
@@ -148,7 +148,7 @@ def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, **st
 
 
 def _polyhedra(t: SeedCells) -> Tuple[Int64Array, Int64Array, Float64Array]:
-    """The cells that are not empty, these as VTK's cells, each with its length in front, and the vertices."""
+    """Returns the cells that are not empty, their VTK polyhedra, each after its length, and the vertices."""
     mesh = mesh_of(t, "plot()")
     cells = np.flatnonzero(np.diff(mesh.indptr) > 0)
     words, begin = polyhedra(mesh, cells)
@@ -160,7 +160,7 @@ def _plot_space(t: SeedCells, pyvista: Any, color: Any, **style: Any) -> Any:
     cells, words, vertices = _polyhedra(t)
     grid = pyvista.UnstructuredGrid(words, np.full(len(cells), POLYHEDRON, np.uint8), vertices)
     grid.cell_data[label or "value"] = values[cells]
-    # Cut open: without the cells of one octant.
+    # Without the cells of one octant.
     points = np.asarray(t.points, np.float64)[cells]
     middle = np.asarray(t.box).mean(axis=0)
     grid = grid.extract_cells(np.flatnonzero(~(points > middle).all(axis=1)))

@@ -1,4 +1,4 @@
-"""Which file holds what, by its extension."""
+"""The formats of :meth:`Tessellation.save`, by extension."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 class _Kind(NamedTuple):
     mesh: bool = False  # needs the polygons
-    columns: bool = False  # takes columns of the caller
+    columns: bool = False  # holds columns of the caller
     color: bool = False
-    package: str = ""  # that writes it
+    package: str = ""  # needed to write it
 
 
 _KINDS: Dict[str, _Kind] = {
@@ -41,7 +41,7 @@ def _that(**flags: bool) -> str:
 
 
 def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
-    """Refuses what cannot be written before any work."""
+    """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
     if kind is None:
         raise ValueError(f"cannot write {name!r}: known are {' '.join(_KINDS)}")

@@ -1,4 +1,4 @@
-"""A file that is written whole or not at all, also after a loss of power."""
+"""A file that is written whole or not at all, also after a power failure."""
 
 from __future__ import annotations
 
@@ -8,17 +8,18 @@ import os
 from typing import Callable, Iterator, Optional, Tuple, TypeVar
 
 _Result = TypeVar("_Result")
-_UNKNOWN = (errno.EINVAL, errno.EROFS, errno.ENOTSUP, errno.ENOSYS)  # of file systems that know no fsync
+_UNKNOWN = (errno.EINVAL, errno.EROFS, errno.ENOTSUP, errno.ENOSYS)  # from file systems without fsync
 
 
 @contextlib.contextmanager
 def whole_file(path: str) -> Iterator[str]:
-    """Yields the path of a temporary file, which takes the place of ``path`` when no error is raised.
+    """Yields the path of a temporary file, which replaces ``path`` if the block raises no error.
 
-    The file has no name until then, so that a process that is killed leaves nothing. It leaves a file
-    ``.pyvotess-*.tmp`` in two cases: where the system or the file system has no unnamed files (``O_TMPFILE``), and
-    between the two calls that replace an old file. File and folder are brought to the disk. A link stays a link: its
-    target is replaced, whose permissions the new file keeps.
+    The file has no name until then. A killed process leaves a file ``.pyvotess-*.tmp`` in two cases only: where unnamed
+    files (``O_TMPFILE``) are not supported, and between the two calls that replace an old file. File and folder are
+    synced. If ``path`` is a link, its target is replaced. A replaced file keeps its permissions.
+
+    Raises FileNotFoundError without the folder, ValueError if ``path`` is not a regular file, OSError if writing fails.
     """
     target = os.path.realpath(path)
     folder = os.path.dirname(target)
@@ -48,13 +49,13 @@ def whole_file(path: str) -> Iterator[str]:
 
 
 def _path_of(descriptor: int) -> str:
-    """Of an open file, also one that has no name; valid in this process."""
+    """Returns a path of an open file, which may have no name. It is valid in this process."""
     return f"/proc/self/fd/{descriptor}"
 
 
 def _new_file(folder: str) -> Tuple[Optional[str], int]:
-    """An open file, and its name if it has one."""
-    # Not by tempfile, whose files nobody else may read.
+    """Returns the name of a new file, or None, and its descriptor."""
+    # tempfile would make a file that only the owner can read.
     if hasattr(os, "O_TMPFILE"):
         with contextlib.suppress(OSError):
             descriptor = os.open(folder, os.O_TMPFILE | os.O_WRONLY, 0o666)
@@ -73,12 +74,12 @@ def _with_free_name(folder: str, make: Callable[[str], _Result]) -> Tuple[str, _
 
 
 def _link(descriptor: int, target: str) -> Optional[str]:
-    """Names an unnamed file ``target``. Where that name is taken, returns another that the file got instead."""
+    """Gives an unnamed file the name ``target``. If it is taken, returns another name that the file got."""
     folder = os.path.dirname(target)
     directory = os.open(folder, os.O_PATH | os.O_DIRECTORY)
     try:
 
-        def link(name: str) -> None:  # only with dir_fd os.link follows the link in /proc
+        def link(name: str) -> None:  # os.link follows the link in /proc only with dir_fd
             os.link(_path_of(descriptor), name, src_dir_fd=directory)
 
         try:
@@ -101,7 +102,7 @@ def _sync(descriptor: int) -> None:
 def _sync_folder(folder: str) -> None:
     try:
         directory = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    except PermissionError:  # a folder that may be written but not read cannot be synced
+    except PermissionError:  # a folder without read permission cannot be synced
         return
     try:
         _sync(directory)

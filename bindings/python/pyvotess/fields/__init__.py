@@ -1,1 +1,1 @@
-"""Integrals over the cells, and what is made with them."""
+"""Integrals over the cells, and Lloyd's method."""

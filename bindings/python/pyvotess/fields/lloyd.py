@@ -1,4 +1,4 @@
-"""Lloyd's method: seeds move to the centroids of their cells, until both are the same."""
+"""Lloyd's method: seeds move to the centroids of their cells until both are equal."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ if TYPE_CHECKING:
     BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
 
-# A seed that comes nearer to a wall than this, in units of the box, does not go beyond its centroid.
+# A seed nearer to a wall than this, in units of the box, moves to its centroid at most.
 _MARGIN = 1e-9
 
 
 @dataclass(frozen=True)
 class Relaxation:
-    """What :func:`lloyd` did in S steps, which are fewer than asked for when the tolerance was reached."""
+    """The outcome of S steps of :func:`lloyd`. S is smaller than requested if the tolerance was reached."""
 
-    points: Float64Array  #: (N, 3) float64, the seeds at the end, not wrapped: minus the start they are the ways
-    energies: Float64Array  #: (S + 1,) float64, at the start and after each step
-    moved: Float64Array  #: (S,) float64, the largest move of each step, in units of the mean spacing
+    points: Float64Array  #: (N, 3) float64, the final seeds, not wrapped
+    energies: Float64Array  #: (S + 1,) float64, before the first step and after each
+    moved: Float64Array  #: (S,) float64, the largest move in each step, in units of the mean spacing
     tessellation: Tessellation  #: the cells of ``points``: faces, volumes and centroids
 
     def __repr__(self) -> str:
@@ -57,7 +57,7 @@ def _as_mask(fixed: Any, count: int) -> BoolArray:
 
 
 def _inside(t: Tessellation, places: Float64Array) -> BoolArray:
-    """Which places lie in the domain by more than rounding."""
+    """Returns which places are inside the domain by more than rounding."""
     edges = edges_of(t)
     shares = (places - (t.box[0] if t.origin is None else t.origin)) @ np.linalg.inv(edges)
     inside: BoolArray = ((np.abs(shares - 0.5) < 0.5 - _MARGIN) | np.array(t.periodic)).all(axis=1)
@@ -68,14 +68,14 @@ def _inside(t: Tessellation, places: Float64Array) -> BoolArray:
 
 
 def _measure(t: Tessellation, places: Float64Array, density: Optional[Density]) -> Tuple[Float64Array, float]:
-    """Centroids relative to the seeds, NaN where there is none, and the energy."""
+    """Returns centroids relative to the seeds (N, 3), NaN without one, and the energy."""
     if density is None:
         return t.centroids - places, uniform_energy(t, places)
     return weighted_centroids(t, places, density)
 
 
 def _share(show: Progress, step: int, count: int) -> Progress:
-    """What a run is to call that is one of so many."""
+    """Returns the progress function of one run of ``count``."""
     return lambda fraction: show((step + fraction) / count)
 
 
@@ -96,37 +96,35 @@ def lloyd(
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
 ) -> Relaxation:
-    """Moves each seed to the centroid of its cell, ``steps`` times: towards a centroidal Voronoi diagram.
+    """Moves each seed to the centroid of its cell, ``steps`` times, towards a centroidal Voronoi diagram.
 
-    The energy, the sum over the cells of the integral of ``density(x) |x - p|^2``, p the seed, falls in each step until
-    rounding holds it (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density it is in closed form. With one, masses,
-    centroids and energies are sums over the tetrahedra between the seed and the triangles of each face, by the rule of
-    Hammer and Stroud (1956) with four points in each. It is exact for polynomials of degree 2: a constant density loses
-    nothing, and a linear one has exact centroids. Its points move with the cells, so the energy then falls up to the
-    error of the rule.
+    The energy is the sum over all cells of the integral of ``density(x) |x - p|^2``, where p is the seed. It decreases in
+    each step up to rounding (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density it has a closed form. With a
+    density, masses, centroids and energies are sums over the tetrahedra between the seed and the triangles of each face,
+    by the four-point rule of Hammer and Stroud (1956). The rule is exact for polynomials of degree 2, so the centroids of
+    a linear density are exact. Its points move with the cells, so the energy decreases up to the error of the rule.
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, as for :func:`tessellate`; it is not changed. Of equal seeds the first has the
-        cell; the others stay where they are until it has left, as does a seed whose cell has no mass.
-    steps : how many at most; 0 gives the energy of the points as they are.
-    density : a function of (K, 3) points of the domain, up to rounding, that returns (K,) finite numbers >= 0. It is
-        called with some twenty thousand points at a time; in a periodic domain they are wrapped into it. Default: 1 everywhere.
-    box, periodic, cell, origin, walls : the domain, as for :func:`tessellate`. The default box is the one around the
-        points of the start, and stays.
-    fixed : (N,) bool, or a list of indices: seeds that stay. Default: none.
-    tolerance : stop when no seed has moved farther than this, in units of the mean spacing, the cube root of the volume
-        for each seed. 0 stops where nothing moves at all.
-    over_relaxation : go this many times the way to the centroid, more than 0 and less than 2; for any of these the energy
-        falls. 1.8 needs some six steps instead of ten. A seed that would leave the domain goes to its centroid.
-    device, threads : as for :func:`tessellate`. Cells are measured in double precision, which a GPU that is named must
-        have.
-    progress : as for :func:`tessellate`, the fraction of all steps.
+    points : (N, 3) array of real numbers, as for :func:`tessellate`; not changed. Of equal seeds the first has the cell;
+        the others stay until it moves away. A seed whose cell has no mass also stays.
+    steps : maximum number of steps; 0 returns the energy of the given points.
+    density : a function of (K, 3) points inside the domain, up to rounding. It returns (K,) finite numbers >= 0. It is
+        called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
+    box, periodic, cell, origin, walls : the domain, as for :func:`tessellate`. The default box, around the initial
+        points, stays fixed.
+    fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
+    tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
+        each seed. 0 stops only when nothing moves.
+    over_relaxation : factor of the move towards the centroid, above 0 and below 2, for which the energy decreases. 1.8
+        needs about six steps instead of ten. A seed that would leave the domain moves to its centroid.
+    device, threads : as for :func:`tessellate`. Measures use double precision, which a named GPU must support.
+    progress : as for :func:`tessellate`, as a fraction of all steps.
 
     Raises
     ------
-    ValueError : bad input, a point outside of the domain, or what the density returned, with the first offending value.
-    MemoryError, VotessError : as :func:`tessellate`.
+    ValueError : bad input, a point outside of the domain, or a bad value of the density; the message names the first.
+    MemoryError, VotessError : as for :func:`tessellate`.
     """
     array = as_points(points).astype(np.float64)
     steps = as_count(steps, "steps", 32)
@@ -158,5 +156,5 @@ def lloyd(
             spacing = np.cbrt(t.volumes.sum() / len(t)) if len(t) else 1.0
             moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0)) / spacing))
             array = array + way
-            del t  # its memory serves the next one
+            del t  # the next result reuses its memory
     return Relaxation(array, np.array(energies), np.array(moved), t)

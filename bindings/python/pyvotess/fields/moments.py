@@ -1,4 +1,4 @@
-"""Mass, centroid and energy of cells, from the tetrahedra between their seeds and their faces."""
+"""Mass, centroid and energy of cells, summed over tetrahedra between seeds and faces."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
 
-#: Takes (K, 3) points and returns (K,) finite numbers >= 0.
+#: A function of (K, 3) points that returns (K,) finite numbers >= 0.
 Density = Callable[[Any], Any]
 
-# The rule of Hammer and Stroud (1956) for a tetrahedron, exact for polynomials of degree 2: four points of equal weight
-# inside it, each with the share _NEAR of one corner and _FAR of the three others.
+# The rule of Hammer and Stroud (1956) for a tetrahedron, exact for polynomials of degree 2. It has four points of equal
+# weight. Their barycentric coordinates are _NEAR for one corner and _FAR for the three others.
 _NEAR, _FAR = (5 + 3 * 5**0.5) / 20, (5 - 5**0.5) / 20
 
-_FACES = 2048  # of a block, whose arrays stay in the cache
+_FACES = 2048  # in a block, so that its arrays stay in the cache
 
 
 def _tetrahedra(
     mesh: Mesh, places: Float64Array, faces: Int64Array
 ) -> Iterator[Tuple[Int64Array, Float64Array, Float64Array]]:
-    """Block by block the tetrahedra that the triangles of these faces span with the seed.
+    """Yields, block by block, the tetrahedra between the triangles of these faces and the seeds.
 
-    Cells (M,), as ascending as the faces are; x, y, z of the three corners relative to the seed (3, 3, M); and six times
-    the volumes (M,).
+    A block is: cells (M,), in the order of the faces; x, y, z of three corners relative to the seed (3, 3, M); and six
+    times the volumes (M,).
     """
     vertices, seeds = np.ascontiguousarray(mesh.vertices.T), np.ascontiguousarray(places.T)
     cell_of_face = mesh.cell_of_face
@@ -47,11 +47,11 @@ def _tetrahedra(
 
 
 def uniform_energy(t: SeedCells, places: Float64Array) -> float:
-    """The sum of the integrals of |x - p|^2 over the cells of seeds p, which lie at ``places`` in the domain.
+    """Returns the sum of the integrals of |x - p|^2 over the cells of seeds p, which are at ``places`` in the domain.
 
-    Over a tetrahedron with one corner in the seed and the others at a, b, c from there it is
-    volume / 20 (|a|^2 + |b|^2 + |c|^2 + |a + b + c|^2). What two seeds have at the face between them is equal, since the
-    face is their mirror: so one of both is enough.
+    For a tetrahedron with corners at the seed and at a, b, c relative to it, the integral is
+    volume / 20 (|a|^2 + |b|^2 + |c|^2 + |a + b + c|^2). The contributions of a face to its two cells are equal by
+    symmetry, so one of them is computed and counted twice.
     """
     mesh = mesh_of(t, "lloyd()")
     cell, neighbor = mesh.cell_of_face, t.neighbors.indices
@@ -65,7 +65,7 @@ def uniform_energy(t: SeedCells, places: Float64Array) -> float:
 
 
 def _values(t: SeedCells, density: Density, points: Float64Array) -> Float64Array:
-    """The density at these points, which are carried into a periodic domain first."""
+    """Returns the density at these points, which are wrapped into a periodic domain first."""
     if any(t.periodic):
         edges = edges_of(t)
         corner = t.box[0] if t.origin is None else t.origin
@@ -84,13 +84,13 @@ def _values(t: SeedCells, density: Density, points: Float64Array) -> Float64Arra
 
 
 def weighted_centroids(t: SeedCells, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
-    """By the rule above: centroids relative to the seeds (N, 3), NaN where there is no mass, and the energy."""
+    """Returns centroids relative to the seeds (N, 3), NaN without mass, and the energy, by the rule above."""
     mesh = mesh_of(t, "lloyd()")
     mass, moment, energy = np.zeros(len(t)), np.zeros((3, len(t))), 0.0
     for cell, corners, size in _tetrahedra(mesh, places, np.arange(len(mesh.offsets) - 1)):
         if len(cell) == 0:
             continue
-        nodes = np.repeat(_FAR * corners.sum(axis=1)[:, None], 4, axis=1)  # x, y, z of four points
+        nodes = np.repeat(_FAR * corners.sum(axis=1)[:, None], 4, axis=1)  # x, y, z of the four points
         nodes[:, :3] += (_NEAR - _FAR) * corners
         at = nodes.reshape(3, -1) + np.tile(places.T[:, cell], 4)
         weight = _values(t, density, np.ascontiguousarray(at.T)).reshape(4, -1) * (size / 24)

@@ -1,4 +1,4 @@
-"""One tessellation over the ranks of an MPI communicator of mpi4py, with the lists of one machine.
+"""One tessellation over the ranks of an MPI communicator of mpi4py. The lists equal those of one machine.
 
 >>> from mpi4py import MPI                                     # doctest: +SKIP
 >>> t = pyvotess.mpi.tessellate(points, MPI.COMM_WORLD)        # doctest: +SKIP
@@ -41,33 +41,33 @@ _CELLS: Dict[str, int] = {"handed_in": 0, "made": 1}
 
 @dataclass(frozen=True)
 class MpiCounts:
-    """What a run over all ranks did; the same on each."""
+    """Counts of a run over all ranks, equal on each rank."""
 
     seeds: int  #: of all ranks
     largest_block: int  #: seeds of the largest block
-    given: int  #: seeds that blocks gave to others
-    needed: int  #: of these, neighbors of cells of the block that got them
-    tested: int  #: cells whose vertices were compared with where seeds of other blocks may be
-    questions: int  #: cells that blocks asked others about
-    bytes: int  #: that ranks sent to others: seeds, questions, answers and cells
+    given: int  #: seeds that blocks sent to others
+    needed: int  #: sent seeds that became neighbors of cells of the receiving block
+    tested: int  #: cells whose vertices were compared with regions of other blocks
+    questions: int  #: cells whose faces were sent to other blocks
+    bytes: int  #: sent between ranks: seeds, faces, answers and cells
     rounds: int  #: exchanges of seeds between blocks
     box_volume: float  #: of the domain, length unit cubed
-    volume_sum: float  #: of all cells; 0 when volumes were not wanted
+    volume_sum: float  #: of all cells; 0 without "volumes" in want
     exact_cells: int  #: cells where exact arithmetic decided a sign
 
 
 @dataclass(frozen=True)
 class MpiTessellation:
-    """The N cells that a rank holds. Arrays are read-only, lie in the library's memory, and are None if not wanted."""
+    """The N cells of a rank. Arrays are read-only views of the library's memory, and None if not in ``want``."""
 
     ids: Int64Array  #: (N,) of the seeds
     points: Optional[Float64Array]  #: (N, 3) seeds, with ``cells="made"``
     status: UInt8Array  #: (N,) values of :class:`CellStatus`
-    duplicate_of: Optional[Int64Array]  #: (N,) the id that has the cell, or -1; None without duplicates
-    neighbors: Lists  #: N rows of int64 ids, walls below 0; a row ascends by id, then by shift
-    owners: Int32Array  #: one for each entry of the rows: the rank that handed the neighbor in; -1 for walls
-    shifts: Optional[Int8Array]  #: (entries, 3) periodic images
-    face_areas: Optional[Float64Array]  #: one for each entry, length unit squared
+    duplicate_of: Optional[Int64Array]  #: (N,) the id of the seed that keeps the cell, or -1; None without duplicates
+    neighbors: Lists  #: N rows of int64 ids, ascending by id, then by shift; walls are negative
+    owners: Int32Array  #: for each entry of the rows the rank of the neighbor; -1 for walls
+    shifts: Optional[Int8Array]  #: (entries, 3) numbers of box vectors; None unless periodic
+    face_areas: Optional[Float64Array]  #: (entries,) length unit squared
     face_normals: Optional[Float64Array]  #: (entries, 3) unit vectors, outward
     volumes: Optional[Float64Array]  #: (N,) length unit cubed
     centroids: Optional[Float64Array]  #: (N, 3)
@@ -76,13 +76,13 @@ class MpiTessellation:
     face_counts: Optional[UInt32Array]  #: (N,)
     edge_counts: Optional[UInt32Array]  #: (N,)
     vertex_counts: Optional[UInt32Array]  #: (N,)
-    send: Lists  #: row r: ids of own seeds whose values rank r needs, ascending; with ``cells="handed_in"``
-    receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own ones, in the order in which it sends them
-    box: Optional[Float64Array]  #: (2, 3) lower and upper corner, given or assumed; None with a ``cell``
+    send: Lists  #: row r: ids of own seeds that are neighbors on rank r, ascending; with ``cells="handed_in"``
+    receive: Lists  #: row r: ids of rank r's seeds that are neighbors of own seeds, in the order of its ``send``
+    box: Optional[Float64Array]  #: (2, 3) lower and upper corner; None with a ``cell``
     counts: MpiCounts
     _result: Handle = field(repr=False, compare=False)
 
-    if not TYPE_CHECKING:  # which would allow any name
+    if not TYPE_CHECKING:  # a type checker would accept any name
 
         def __getattr__(self, name: str) -> Any:
             raise no_attribute(self, name)
@@ -90,14 +90,14 @@ class MpiTessellation:
     def verify(
         self, comm: Any, points: Optional[npt.ArrayLike] = None, sample: Optional[int] = None, rng_seed: int = 1
     ) -> VerifyReport:
-        """Checks the cells of all ranks, as :meth:`Tessellation.verify` does. Collective: every rank of ``comm`` calls it.
+        """Verifies the cells of all ranks, as :meth:`Tessellation.verify`. Collective: every rank of ``comm`` calls it.
 
-        Volumes sum to the box, pairs are in both lists, over borders of ranks too, Euler's formula holds, and a sample of
-        all cells equals cells cut anew by every seed of every rank. The report is the same on all ranks.
+        Volumes must sum to the box, lists must be symmetric across ranks, Euler's formula must hold, and a sample of all
+        cells must equal cells that are clipped again by every seed. The report is equal on all ranks.
 
         Parameters
         ----------
-        points : the points that this rank handed in; None with ``cells="made"``.
+        points : the points that this rank passed to :func:`tessellate`; None with ``cells="made"``.
         """
         communicator = _handle(comm)
         array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
@@ -120,7 +120,7 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
         for name, (dtype, columns) in ARRAYS.items()
     }
     for word, bit in _c_api.WANT_BITS.items():
-        if word != "neighbors" and not want & bit:  # rows are always there
+        if word != "neighbors" and not want & bit:  # rows are always present
             arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
@@ -142,7 +142,7 @@ def _as_ids(ids: Any, count: int) -> Int64Array:
     if array.shape != (count,):
         raise ValueError(f"ids has shape {array.shape} for {count} points: it must be ({count},)")
     if count and (array.dtype.kind not in "iu" or (array.dtype.kind == "u" and int(array.max()) >= 2**63)):
-        raise ValueError(f"ids has dtype {array.dtype}, or an id of 2**63 or more: give int64")
+        raise ValueError(f"ids has dtype {array.dtype}, or an id of at least 2**63: give int64")
     return np.ascontiguousarray(array, np.int64)
 
 
@@ -165,31 +165,30 @@ def tessellate(
     cells: Literal["handed_in", "made"] = "handed_in",
     progress: Union[None, bool, Progress] = None,
 ) -> MpiTessellation:
-    """Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
+    """Returns Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
 
-    The lists do not depend on the number of ranks, nor on which rank hands in which point. Cells are found on the CPU.
+    The lists depend neither on the number of ranks nor on the distribution of the points. Cells are computed on the CPU.
 
     Parameters
     ----------
-    points : (N, 3) real numbers, those of this rank; N may be 0 and differs between ranks.
+    points : (N, 3) real numbers, the points of this rank; N may be 0 and may differ between ranks.
     comm : a communicator of mpi4py.
-    ids : (N,) integers of 0 or more, each once over all ranks; or None on all ranks, then points are numbered rank
-        after rank. Of points at one place the lowest id has the cell.
-    weights, radii : (N,) numbers, of this rank's points.
-    threads : CPU threads of this rank, 0 = all that the machine has.
-    cells : "handed_in": those of this rank's points, in their order. "made": those that lie in the rank's region of
-        space, ascending by id; saves an exchange.
+    ids : (N,) non-negative integers, unique over all ranks; or None on all ranks, which numbers the points rank after
+        rank. Of equal points the lowest id keeps the cell.
+    weights, radii : (N,) numbers for the points of this rank.
+    threads : CPU threads of this rank, 0 = all of the machine.
+    cells : "handed_in": the cells of this rank's points, in their order. "made": the cells in the rank's region of space,
+        ascending by id; this saves an exchange.
+    progress : as for :func:`pyvotess.tessellate`, for the cells of this rank; it stops all ranks.
 
-    progress : as for :func:`pyvotess.tessellate`, of this rank while it finds its cells; stops all ranks.
-
-    The others are those of :func:`pyvotess.tessellate`, the same on all ranks. Not "vertices", "faces", nor
-    ``duplicates="error"``: VotessError with code UNSUPPORTED.
+    The others are those of :func:`pyvotess.tessellate`, equal on all ranks. "vertices", "faces" and
+    ``duplicates="error"`` raise VotessError with code UNSUPPORTED.
 
     Raises
     ------
-    ValueError, MemoryError, VotessError : where one rank fails, all raise the same error, which names the rank. Where
-        a progress callback or a signal handler raises, its rank raises that error, and the others VotessError with code
-        CANCELLED.
+    ValueError, MemoryError, VotessError : if one rank fails, all raise the same error, which names the rank. If a
+        progress callback or a signal handler raises, its rank raises that error, and the others raise VotessError with
+        code CANCELLED.
     """
     communicator = _handle(comm)
     failure: Optional[BaseException] = None
@@ -206,11 +205,11 @@ def tessellate(
             which = as_word(cells, "cells", _CELLS)
             kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
             shown = stack.enter_context(showing(progress))
-        except BaseException as error:  # the other ranks must learn of it
+        except BaseException as error:  # reported to the other ranks below
             failure = error
         failures = comm.allgather(None if failure is None else str(failure))
         if failure is not None and not isinstance(failure, (TypeError, ValueError, VotessError)):
-            raise failure  # of a signal handler
+            raise failure  # from a signal handler
         for rank, text in enumerate(failures):
             if text is not None:
                 raise ValueError(f"rank {rank}: {text}") from failure

@@ -1,4 +1,4 @@
-"""Finds and loads libvotess_mpi, and tells ctypes its functions (votess/mpi.h)."""
+"""Finds and loads libvotess_mpi, and declares its functions (votess/mpi.h)."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Counts(ctypes.Structure):
     ]
 
 
-# Arrays of a result: type, columns (0: one number each).
+# Arrays of a result: type, columns (0: a one-dimensional array).
 ARRAYS: Dict[str, Tuple[Any, int]] = {
     "ids": (np.int64, 0),
     "points": (np.float64, 3),
@@ -67,7 +67,7 @@ ARRAYS: Dict[str, Tuple[Any, int]] = {
 
 
 def _find() -> str:
-    """Beside libvotess, or where the system finds it."""
+    """Returns the path of the library: in the folder of libvotess, or where the system finds it."""
     folder = Path(_library.path).parent
     for name in _FILE_NAMES:
         if os.path.dirname(_library.path) and (folder / name).is_file():
@@ -76,8 +76,8 @@ def _find() -> str:
     if in_system:
         return in_system
     raise ImportError(
-        f"{_FILE_NAMES[0]} was not found beside {_library.path} nor in the system's library path. It is built with "
-        "votess where MPI is found, and is not in wheels: build votess, and set VOTESS_LIBRARY to its libvotess."
+        f"{_FILE_NAMES[0]} was not found in the folder of {_library.path} nor in the system's library path. Wheels lack "
+        "it: build votess where MPI is installed, and set VOTESS_LIBRARY to its libvotess."
     )
 
 
@@ -89,7 +89,7 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
         raise ImportError(f"{name} cannot be loaded: {error}") from error
     library.votess_mpi_sizeof_comm.restype = c_size_t
     if library.votess_mpi_sizeof_comm() != size_of_comm:
-        raise ImportError(f"{name} was built with another MPI than mpi4py: build both with the same")
+        raise ImportError(f"{name} was built with another MPI than mpi4py: build both with the same MPI")
     communicator = c_int if size_of_comm == ctypes.sizeof(c_int) else c_void_p
     library.votess_mpi_tessellate.restype = c_int
     library.votess_mpi_tessellate.argtypes = (
@@ -127,7 +127,10 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
 
 
 def load() -> Tuple[ctypes.CDLL, Any]:
-    """The library, and what turns a communicator of mpi4py into its argument. ImportError without either."""
+    """Returns the library, and a function that converts a communicator of mpi4py to its argument.
+
+    Raises ImportError without the library or mpi4py.
+    """
     try:
         from mpi4py import MPI
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Seeds that do not fit into memory: they come in pieces, wait in temporary files, and rows go out in pieces.
+"""Seeds larger than memory: points are read in pieces, stored in temporary files, and rows are returned in pieces.
 
 >>> pieces = [np.random.default_rng(k).random((1000, 3)) for k in range(5)]
 >>> volumes = np.empty(5000)
@@ -40,24 +40,24 @@ __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
 
 @dataclass(frozen=True)
 class StreamRows:
-    """The cells of n seeds, from ``first`` on, which follow those before. None for arrays that are not wanted.
+    """The cells of n consecutive seeds, from seed ``first`` on. Arrays that are not in ``want`` are None.
 
-    As the arrays of :class:`Tessellation`, but ids are int64.
+    They are arrays of :class:`Tessellation` with int64 ids.
     """
 
     first: int
     status: UInt8Array  #: (n,) :class:`CellStatus`
-    duplicate_of: Optional[Int64Array]  #: (n,) where the run has duplicates
-    indptr: Optional[Int64Array]  #: (n + 1,), counted from the first seed of the run on
+    duplicate_of: Optional[Int64Array]  #: (n,) or None without duplicates in the run
+    indptr: Optional[Int64Array]  #: (n + 1,), counted from the first seed of the run
     indices: Optional[Int64Array]  #: (entries,) neighbors, row by row
-    shifts: Optional[Int8Array]  #: (entries, 3), where the domain is periodic
+    shifts: Optional[Int8Array]  #: (entries, 3); None unless periodic
     face_areas: Optional[Float64Array]  #: (entries,)
     face_normals: Optional[Float64Array]  #: (entries, 3)
     volumes: Optional[Float64Array]  #: (n,)
     centroids: Optional[Float64Array]  #: (n, 3)
     surface_areas: Optional[Float64Array]  #: (n,)
     security_radii: Optional[Float64Array]  #: (n,)
-    face_counts: Optional[UInt32Array]  #: (n,), as the two below
+    face_counts: Optional[UInt32Array]  #: (n,), also the next two
     edge_counts: Optional[UInt32Array]
     vertex_counts: Optional[UInt32Array]
 
@@ -70,9 +70,9 @@ class StreamRows:
         return len(self.status)
 
     def neighbors(self, k: int) -> Int64Array:
-        """Row k of these, that of seed ``first + k``."""
+        """Returns row k, that of seed ``first + k``."""
         if self.indptr is None or self.indices is None:
-            raise ValueError("neighbors were not wanted")
+            raise ValueError("the rows have no neighbors: put 'neighbors' into want")
         row = range(len(self))[k]
         begin, end = self.indptr[row : row + 2] - self.indptr[0]
         return self.indices[begin:end]
@@ -80,19 +80,19 @@ class StreamRows:
 
 @dataclass(frozen=True)
 class StreamResult:
-    """What a run did."""
+    """The outcome of :func:`tessellate_stream`."""
 
-    box: Optional[Float64Array]  #: (2, 3) the box that was given or assumed; None where a cell was given
+    box: Optional[Float64Array]  #: (2, 3) the given or default box; None with a cell
     stats: Stats
     blocks: int
-    largest_block: int  #: seeds of the largest one
-    asked_cells: int  #: that were completed by other blocks
-    temporary_bytes: int  #: in all files
+    largest_block: int  #: seeds of the largest block
+    asked_cells: int  #: cells completed by other blocks
+    temporary_bytes: int  #: in all temporary files
     verified: Optional[VerifyReport] = None  #: with ``verify=True``
 
 
 class _Source:
-    """Between the library and what the user gave: functions for the library to call."""
+    """Callbacks of the library, which read the user's pieces and pass rows on."""
 
     def __init__(self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str]) -> None:
         self._pieces, self._rows, self._beside = pieces, rows, beside
@@ -164,26 +164,26 @@ def tessellate_stream(
     instructions: str = "",
     verify: bool = False,
 ) -> StreamResult:
-    """Voronoi cells of points that do not fit into memory; on the CPU. The rows are those of :func:`tessellate`.
+    """Computes Voronoi cells of points larger than memory, on the CPU. The rows are those of :func:`tessellate`.
 
     Parameters
     ----------
-    pieces : any iterable of (n, 3) arrays, the points one piece after the other. It is read twice, if ``iter(pieces)``
-        begins anew, as that of a list does; what can be read only once, as a generator, waits in a temporary file.
-    rows : called with :class:`StreamRows` of some seeds after the other, in the order of the points. Its arrays are
-        copies. What it raises ends the run.
-    memory : bytes that the run may take, beside the pieces; at least 1,000,000.
-    temporary : the folder of temporary files, which have no names and are gone when the run ends. Default: that of the
-        environment's TMPDIR, or /tmp. About 140 bytes a point for neighbors and volumes.
+    pieces : an iterable of (n, 3) arrays, the points in order. It is read twice if ``iter(pieces)`` restarts, as for a
+        list. Points of a generator, which can be read once, are stored in a temporary file.
+    rows : called with :class:`StreamRows`, in the order of the points. Its arrays are copies. An exception ends the
+        run.
+    memory : bytes that the run may use in addition to the pieces; at least 1,000,000.
+    temporary : folder of the temporary files, which have no names and vanish with the run. They take about 140 bytes
+        for each point with neighbors and volumes. Default: TMPDIR of the environment, or /tmp.
     beside : "weights" or "radii": each piece is a pair (points, numbers), for a power diagram.
-    verify : checks all cells as :meth:`Tessellation.verify` does, while ``rows`` is called with them; the outcome is
-        ``verified`` of the result.
+    verify : verify all cells as :meth:`Tessellation.verify` while ``rows`` gets them. The report is ``verified`` of the
+        result.
 
-    The others as in :func:`tessellate`, ``want`` without "vertices" and "faces".
+    The others are those of :func:`tessellate`. ``want`` must not have "vertices" or "faces".
 
     Raises
     ------
-    ValueError : bad input; the message names the first offending index of all points, and the value.
+    ValueError : bad input; the message names the first offending index among all points, and the value.
     MemoryError, VotessError : the run failed; ``VotessError.code`` is STORAGE when temporary files cannot be written.
     """
     if beside not in (None, "weights", "radii"):

@@ -1,4 +1,4 @@
-"""What ctypes needs to know of votess/stream.h."""
+"""Declarations of votess/stream.h for ctypes."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Head(ctypes.Structure):
     ]
 
 
-# Arrays of rows: type, columns (0: one number each), and how many: one for each seed, one more, or one for each entry.
+# Arrays of rows: type, columns (0: a one-dimensional array), and length: "count" seeds, one "more", or "entries".
 ARRAYS: Dict[str, Tuple[Any, int, str]] = {
     "status": (np.uint8, 0, "count"),
     "duplicate_of": (np.int64, 0, "count"),
@@ -63,7 +63,7 @@ class Rows(ctypes.Structure):
     ]
 
 
-# Without the user's pointer, except where it is the only argument; see ProgressCallback.
+# Without the user's pointer unless it is the only argument; see ProgressCallback.
 Restart = CFUNCTYPE(c_int, c_void_p)
 Next = CFUNCTYPE(c_int, POINTER(Seeds))
 Begin = CFUNCTYPE(c_int, POINTER(Head))

@@ -1,4 +1,4 @@
-"""pyvoro's list of dicts: against pyvoro where it is installed, and by what must hold anyway."""
+"""pyvoro's list of dicts: compared with pyvoro if it is installed, and checked by itself."""
 
 import copy
 import json
@@ -18,13 +18,13 @@ LIMITS = [[0.0, 1.0], [0.0, 1.0], [0.0, 1.0]]
 
 
 def ring(ids):
-    """A polygon from its least corner on, in its own direction."""
+    """Returns the polygon from its smallest corner, in its direction."""
     first = ids.index(min(ids))
     return tuple(ids[first:] + ids[:first])
 
 
 class Vector:
-    """What a program may use for a point."""
+    """A class of points that a program may use."""
 
     def __init__(self, xyz):
         self.xyz = tuple(xyz)
@@ -35,7 +35,7 @@ class Vector:
 
 class Pyvoro(unittest.TestCase):
     def check_cell(self, cell):
-        """A closed polyhedron with its volume, faces clockwise seen from outside, as Voro++ has them."""
+        """Asserts a closed polyhedron with its volume; faces are clockwise seen from outside, as in Voro++."""
         vertices = np.array([list(v) for v in cell["vertices"]])
         edges = set()
         volume = 0.0
@@ -51,7 +51,7 @@ class Pyvoro(unittest.TestCase):
         self.assertAlmostEqual(volume, cell["volume"], delta=1e-9 * abs(cell["volume"]))
         for vertex, around in enumerate(cell["adjacency"]):
             self.assertEqual(sorted(around), sorted(b for a, b in edges if a == vertex))
-            # Faces lie between an edge and the one after it.
+            # A face is between an edge and the next one.
             for a, b in zip(around, around[1:] + around[:1]):
                 together = [f for f in cell["faces"] if {vertex, a, b} <= set(f["vertices"])]
                 self.assertTrue(together)
@@ -63,7 +63,7 @@ class Pyvoro(unittest.TestCase):
                 for cell in cells:
                     self.check_cell(cell)
                 self.assertAlmostEqual(sum(c["volume"] for c in cells), np.prod(np.diff(limits)), places=9)
-        # Every vertex of these cells has more than three edges, or three and four.
+        # Every vertex of these cells has more than three edges, or some have three and some four.
         points = np.concatenate([lattice(2) + s for s in ((0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5))])
         cells = ours.compute_voronoi(points, [[0, 2]] * 3, 0.5, periodic=[True] * 3)
         for cell in cells:
@@ -113,7 +113,7 @@ class Pyvoro(unittest.TestCase):
         points = uniform(300, seed=5).tolist()
         radii = (0.05 * uniform(300, seed=2)[:, 0]).tolist()
         for periodic in ([False] * 3, [True] * 3, [True, False, True]):
-            moved = [[x + periodic[0], y, z] for x, y, z in points]  # outside, where the box repeats
+            moved = [[x + periodic[0], y, z] for x, y, z in points]  # outside, along a periodic axis
             self.compare(moved, LIMITS, periodic=periodic)
             self.compare(moved, LIMITS, periodic=periodic, radii=radii)
         self.compare(uniform(50).tolist(), [[-1, 2], [0, 1], [0, 1.5]])

@@ -1,4 +1,4 @@
-"""Voronoi and Delaunay with scipy's attributes: against scipy where it is installed, and by what must hold anyway."""
+"""Voronoi and Delaunay with scipy's attributes: compared with scipy if it is installed, and checked by themselves."""
 
 import copy
 import pickle
@@ -36,7 +36,7 @@ def on_sphere(count):
 
 
 def ring(ids):
-    """A polygon from its least corner on, in whichever direction."""
+    """Returns the polygon from its smallest corner, in either direction."""
     first = ids.index(min(ids))
     ids = ids[first:] + ids[:first]
     return min(tuple(ids), (ids[0], *ids[:0:-1]))
@@ -79,7 +79,7 @@ class VoronoiTest(unittest.TestCase):
         expected = {tuple(sorted(key)): ring([place[v] for v in row]) for key, row in theirs.ridge_dict.items()}
         found = {key: ring(row) for key, row in ours.ridge_dict.items()}
         self.assertEqual({key: found[key] for key in expected}, expected)
-        # Qhull leaves out the ridges that have but one vertex.
+        # Qhull omits ridges with a single vertex.
         self.assertTrue(all(len(found[key]) == 2 and -1 in found[key] for key in set(found) - set(expected)))
         for point in range(len(points)):
             row = theirs.regions[theirs.point_region[point]]
@@ -134,7 +134,7 @@ class VoronoiTest(unittest.TestCase):
             self.assertLess(np.ptp(row), 1e-9 * row[0])
 
     def test_steps_of_the_manual_on_a_lattice(self):
-        # 3 x 3 x 3 points: the middle one has the only finite region, whose 8 vertices are all there are.
+        # 3 x 3 x 3 points: the middle one has the only finite region, with all 8 vertices.
         points = lattice(3)
         vor = Voronoi(points)
         self.assertEqual(sorted(vor.vertices.tolist()), sorted((lattice(2) + 0.5).tolist()))
@@ -143,7 +143,7 @@ class VoronoiTest(unittest.TestCase):
         self.assertEqual(vor.regions[vor.point_region[13]], list(range(8)))
         closed = [pair for pair, row in vor.ridge_dict.items() if -1 not in row]
         self.assertEqual(sorted(closed), sorted(tuple(sorted((13, 13 + step))) for step in (-9, -3, -1, 1, 3, 9)))
-        # A ridge lies midway between its points, across the way from one to the other.
+        # A ridge is in the plane halfway between its points.
         for (i, j), row in vor.ridge_dict.items():
             inner = vor.vertices[[v for v in row if v >= 0]]
             np.testing.assert_allclose((inner - (points[i] + points[j]) / 2) @ (points[j] - points[i]), 0, atol=1e-14)
@@ -207,12 +207,12 @@ class DelaunayTest(unittest.TestCase):
                 tri = Delaunay(points)
                 corners = points[tri.simplices]
                 volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
-                self.assertGreater(volumes.min(), -1e-9 * volumes.max())  # rounding of flat ones
+                self.assertGreater(volumes.min(), -1e-9 * volumes.max())  # rounding of flat simplices
                 # The volume inside of the surface is that of the simplices.
                 base = points.mean(axis=0)
                 inside = np.linalg.det(points[tri.convex_hull] - base).sum() / 6
                 self.assertAlmostEqual(volumes.sum() / inside, 1, delta=1e-9)
-                # No face has three simplices, and those with one form a sphere.
+                # No face has three simplices, and the faces with one form a sphere.
                 opposite = [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)]
                 faces = np.sort(tri.simplices[:, opposite].reshape(-1, 3), axis=1)
                 _, counts = np.unique(faces, axis=0, return_counts=True)
@@ -234,7 +234,7 @@ class DelaunayTest(unittest.TestCase):
                 if neighbor >= 0:
                     shared = set(tri.simplices[simplex]) & set(tri.simplices[neighbor])
                     self.assertEqual(shared, set(np.delete(tri.simplices[simplex], corner)))
-        # Ids that do not fit three into one number are sorted another way.
+        # Three large ids do not fit into one number, and are sorted differently.
         other = Delaunay(uniform(300))
         other.npoints = 2**21
         np.testing.assert_array_equal(other.neighbors, tri.neighbors)
@@ -286,7 +286,7 @@ class DelaunayTest(unittest.TestCase):
             self.assertIsInstance(ours, peer.Delaunay)
             low, size = points.min(axis=0), np.ptp(points, axis=0)
             queries = low + (uniform(400, seed=7) * 1.2 - 0.1) * size
-            # Where Qhull cuts up a sphere in another way, linear fields are the same.
+            # Qhull may triangulate a sphere differently; linear fields are equal.
             values = [(points - low) / size @ (1, 2, -3)]
             if name == "uniform":
                 values.append(np.sin(np.arange(len(points))))
@@ -344,7 +344,7 @@ class DelaunayTest(unittest.TestCase):
         self.assertEqual(corner.find_simplex((0.5, 1, 1.5 + 1e-9), tol=1e-6) >= 0, True)
 
     def test_steps_of_the_manual(self):
-        # Two tetrahedra on one triangle: each is the other's neighbor, opposite to the corner that it alone has.
+        # Two tetrahedra on one triangle are neighbors, each opposite to its own corner.
         points = np.array([(0, 0, 0), (1, 0, 0), (0, 1.1, 0), (0.2, 0.2, 1), (0.2, 0.2, -1)])
         tri = Delaunay(points)
         self.assertEqual(sets(tri.simplices), {(0, 1, 2, 3), (0, 1, 2, 4)})

@@ -1,4 +1,4 @@
-"""Diagram.to_grid(): totals, projections, closed forms, and what a user may give."""
+"""Diagram.to_grid(): totals, projections, closed forms, arguments."""
 
 import unittest
 import warnings
@@ -29,9 +29,9 @@ class Totals(unittest.TestCase):
         grid = vt.Diagram(points, box=UNIT_BOX, periodic=True).to_grid(masses, 16, "dtfe")
         np.testing.assert_allclose(grid.mean(), masses.sum(), rtol=1e-12)
 
-    def test_seeds_without_a_tetrahedron_are_told(self):
+    def test_seeds_without_a_tetrahedron_warn(self):
         plane = uniform(40, seed=5) * (1, 1, 0) + (0, 0, 0.5)
-        with self.assertWarnsRegex(UserWarning, "mass of 40 seeds, of 40: they are in no"):
+        with self.assertWarnsRegex(UserWarning, "mass of 40 of 40 seeds, which are in no"):
             grid = vt.Diagram(plane, box=UNIT_BOX).to_grid(np.ones(40), 2, "dtfe")
         self.assertTrue((grid == 0).all())
 
@@ -39,7 +39,7 @@ class Totals(unittest.TestCase):
         diagram = vt.Diagram(uniform(200, seed=6), box=((0, 0, 0), (1, 2, 3)))
         values = uniform(200, seed=7)[:, 0]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # mass without a place
+            warnings.simplefilter("ignore")  # omitted mass
             for method in METHODS:
                 whole = diagram.to_grid(values, (4, 6, 5), method)
                 for axis in range(3):

@@ -1,4 +1,4 @@
-"""lloyd(): energies against closed forms and gradients, steps against one dimension, and what a user may give."""
+"""lloyd(): energies compared with closed forms and gradients, steps with one dimension, arguments."""
 
 import dataclasses
 import unittest
@@ -10,11 +10,11 @@ from helpers import CELL, UNIT_BOX, lattice, uniform
 import pyvotess as vt
 
 SEEDS = 60
-TETRAHEDRON = [(1, 1, 1, 1)]  # a wall that leaves a corner of the unit box
+TETRAHEDRON = [(1, 1, 1, 1)]  # a wall that keeps a corner of the unit box
 
 
 def domains():
-    """Seeds and their domain, of each kind."""
+    """Returns seeds and a domain of each kind."""
     points = uniform(SEEDS, seed=6)
     cell = np.asarray(CELL, float)
     yield points, {"box": UNIT_BOX}
@@ -34,12 +34,12 @@ class Energy(unittest.TestCase):
     def test_one_seed(self):
         p = np.array([0.3, 0.1, 0.9])
         self.assertAlmostEqual(energy([p], box=UNIT_BOX), 3 / 12 + ((p - 0.5) ** 2).sum(), places=14)
-        # It may be its own neighbor: all images of one seed are a lattice, here the face-centered cubic one.
+        # A seed may be its own neighbor: the images of one seed form a lattice, here face-centered cubic.
         cell = np.array([(0, 1, 1), (1, 0, 1), (1, 1, 0)])
         self.assertAlmostEqual(energy([p], cell=cell), 3 * 2 ** (-11 / 3) * 2 ** (5 / 3), places=13)
 
     def test_lattices(self):
-        """Normalized second moments of cells, Conway and Sloane (1982)."""
+        """Normalized second moments of cells (Conway and Sloane 1982)."""
         cubes = lattice(4)
         self.assertAlmostEqual(energy(cubes, box=(0, 0, 0, 4, 4, 4)), 64 / 4, places=12)
         bcc = np.concatenate((cubes, cubes + 0.5))
@@ -48,7 +48,7 @@ class Energy(unittest.TestCase):
         self.assertAlmostEqual(energy(bcc, box=(0, 0, 0, 4, 4, 4), periodic=True), expected, places=12)
 
     def test_gradient(self):
-        """By a seed it is twice the mass times the way from the centroid (Du, Faber, Gunzburger 1999)."""
+        """The gradient by a seed is twice the mass times its distance from the centroid (Du, Faber, Gunzburger 1999)."""
         direction = np.random.default_rng(4).normal(size=(SEEDS, 3))
         for points, domain in domains():
             if "box" not in domain and "cell" not in domain:
@@ -121,7 +121,7 @@ class Steps(unittest.TestCase):
             (points / 3, {"box": UNIT_BOX, "walls": [(70, 70, 70, 70)]}),
         ):
             vt.lloyd(start, 30, over_relaxation=1.99, **domain)
-            # So little beyond the centroid no seed leaves the domain.
+            # With this small over-relaxation no seed leaves the domain.
             t = vt.tessellate(start, want="centroids", **domain)
             r = vt.lloyd(start, 1, over_relaxation=1.01, **domain)
             np.testing.assert_allclose(r.points - start, 1.01 * (t.centroids - t.wrapped_points), atol=1e-13)
@@ -142,7 +142,7 @@ class Steps(unittest.TestCase):
         self.assertLessEqual(r.moved[-1], 0.02)
         self.assertGreater(r.moved[:-1].min(), 0.02)
         self.assertEqual(len(r.energies), len(r.moved) + 1)
-        # It has no unit.
+        # The result does not depend on the unit.
         large = vt.lloyd(1000 * uniform(SEEDS), 500, box=1000 * np.array(UNIT_BOX), tolerance=0.02)
         self.assertEqual(len(large.moved), len(r.moved))
         # A lattice is centroidal.
@@ -174,7 +174,7 @@ class Densities(unittest.TestCase):
             np.testing.assert_allclose(weighted.energies, 2 * plain.energies, rtol=1e-12)
 
     def test_line(self):
-        """Seeds in a row stay in it. With density x a cell from a to b has its centroid at 2/3 (b^3 - a^3) / (b^2 - a^2)."""
+        """Seeds in a row stay in it. With density x the centroid of a cell from a to b is 2/3 (b^3 - a^3) / (b^2 - a^2)."""
         x = np.sort(uniform(7, seed=3)[:, 0])
         r = vt.lloyd(np.column_stack((x, np.full((7, 2), 0.5))), 60, lambda p: p[:, 0], box=UNIT_BOX)
         for _ in range(60):
@@ -182,11 +182,11 @@ class Densities(unittest.TestCase):
             x = 2 / 3 * np.diff(ends**3) / np.diff(ends**2)
         np.testing.assert_allclose(r.points[:, 0], x, rtol=1e-12)
         np.testing.assert_allclose(r.points[:, 1:], 0.5, rtol=1e-12)
-        self.assertGreater(x[0], 1 - x[-1])  # rare where the density is low
+        self.assertGreater(x[0], 1 - x[-1])  # seeds are sparse where the density is low
         self.assertLess(np.diff(r.energies).max(), 0)
 
     def test_energy(self):
-        # In a cube around its seed the slope of the density has no part in the energy.
+        # In a cube around its seed the slope of the density does not change the energy.
         expected = 0.5 * 64 * 0.25**5 / 4
         self.assertAlmostEqual(energy(lattice(4) / 4, lambda p: p[:, 0], box=UNIT_BOX) / expected, 1, places=2)
 
