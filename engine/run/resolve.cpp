@@ -9,6 +9,7 @@
 #include "domain/near_places.hpp"
 #include "gpu/frames/frame.hpp"
 #include "input/options.hpp"
+#include "input/seeds.hpp"
 
 namespace votess::vulkan {
 namespace {
