@@ -9,6 +9,7 @@
 #include "domain/near_places.hpp"
 #include "gpu/frames/frame.hpp"
 #include "input/options.hpp"
+#include "input/seeds.hpp"
 
 namespace votess::vulkan {
 namespace {
@@ -111,7 +112,7 @@ private:
             detail::refuse(std::to_string(numbers) + " numbers are too few for " + of + " of " +
                            std::to_string(cells_.size()) + " cells with a stride of " + std::to_string(stride));
     }
-    void add(blocks::Seeds& to, std::size_t i) const {
+    void add(Seeds& to, std::size_t i) const {
         to.ids.push_back(static_cast<std::int64_t>(i));
         if (weight_options_) to.weights.push_back(weight(i));
         for (std::size_t k = 0; k < 3; ++k) to.points.push_back(seeds_[i * stride_ + k]);

@@ -54,7 +54,7 @@ private:
 };
 
 // By cell: whether the seeds of the block bury it, else how many have faces; then those seeds, cell after cell.
-struct Answer {
+struct Reply {
     std::vector<std::uint8_t> empty;
     std::vector<std::uint64_t> counts;
     Seeds seeds;
@@ -66,16 +66,16 @@ struct Answer {
         seeds.put_to(writer);
         return writer.take();
     }
-    static Answer of(const Message& message, std::size_t cells) {
-        Answer answer;
+    static Reply of(const Message& message, std::size_t cells) {
+        Reply reply;
         Reader reader(message);
-        reader.get(answer.empty);
-        reader.get(answer.counts);
-        answer.seeds.get_from(reader);
+        reader.get(reply.empty);
+        reader.get(reply.counts);
+        reply.seeds.get_from(reader);
         reader.end();
-        if (answer.counts.size() != cells || answer.empty.size() != cells)
-            throw Error(ErrorCode::internal, "a bug in votess: an answer is about other cells than the question");
-        return answer;
+        if (reply.counts.size() != cells || reply.empty.size() != cells)
+            throw Error(ErrorCode::internal, "a bug in votess: an reply is about other cells than the request");
+        return reply;
     }
 };
 
@@ -139,15 +139,15 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
 
 }  // namespace
 
-std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> questions,
+std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> requests,
                                    double& work) {
     Clipper clipper(run.options, block);
-    std::vector<Message> answers;
+    std::vector<Message> replies;
     std::vector<std::size_t> own;
-    for (const Message& question : questions) {
+    for (const Message& request : requests) {
         Seeds cells;
-        from_message(question, cells);
-        Answer answer;
+        from_message(request, cells);
+        Reply reply;
         for (std::size_t c = 0; c < cells.size(); ++c) {
             const std::size_t place = place_of(cells.ids[c], block.ids);
             const bool empty = place < block.size()
@@ -159,26 +159,26 @@ std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, st
                     own.push_back(static_cast<std::size_t>(id));
             std::ranges::sort(own);
             own.erase(std::ranges::unique(own).begin(), own.end());
-            for (const std::size_t i : own) answer.seeds.add(block, i);
-            answer.empty.push_back(empty ? 1 : 0);
-            answer.counts.push_back(own.size());
+            for (const std::size_t i : own) reply.seeds.add(block, i);
+            reply.empty.push_back(empty ? 1 : 0);
+            reply.counts.push_back(own.size());
         }
-        answers.push_back(answer.message());
+        replies.push_back(reply.message());
     }
     work += clipper.work();
-    return answers;
+    return replies;
 }
 
 Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cells, const Seeds& seeds,
-                       std::span<const Message> answers) {
+                       std::span<const Message> replies) {
     std::vector<Seeds> around(cells.size());
     std::vector<bool> buried(cells.size());
-    for (const Message& message : answers) {
-        const Answer answer = Answer::of(message, cells.size());
+    for (const Message& message : replies) {
+        const Reply reply = Reply::of(message, cells.size());
         std::size_t at = 0;
         for (std::size_t c = 0; c < cells.size(); ++c) {
-            if (answer.empty[c] != 0) buried[c] = true;
-            for (std::uint64_t k = 0; k < answer.counts[c]; ++k) around[c].add(answer.seeds, at++);
+            if (reply.empty[c] != 0) buried[c] = true;
+            for (std::uint64_t k = 0; k < reply.counts[c]; ++k) around[c].add(reply.seeds, at++);
         }
     }
     Fault first;

@@ -1,8 +1,8 @@
 // Reported cells against the cells that every seed leaves, without any search structure.
 //
-// If j is a neighbor of i among all seeds, it is one in any set of seeds that holds both. So each block of seeds clips
-// the cell by its own seeds and answers with those that have faces; clipped by the seeds of all answers, the cell is
-// that among all seeds.
+// Two seeds that are neighbors among all seeds are neighbors in any subset that holds both. So each block clips the
+// cell by its own seeds and replies with those that have faces. Clipped by the seeds of all replies, the cell is
+// complete.
 #pragma once
 
 #include <array>
@@ -56,10 +56,10 @@ struct ReportedCell {
     std::optional<double> volume;
 };
 
-// What is wrong with a cell, one line. Of several cells the one of least id is kept.
+// A fault of the cell with that id. note() and merge() keep the fault of least id.
 struct Fault {
     std::int64_t id = std::numeric_limits<std::int64_t>::max();
-    std::string text;  // "" where nothing is wrong
+    std::string text;  // one line; "" without a fault
 
     template <class Describe>
     void note(std::int64_t at, const Describe& describe) {
@@ -70,13 +70,13 @@ struct Fault {
     }
 };
 
-// Clips cells by every seed of a block. questions: the seeds of the cells, a message each. Returns an answer to each
-// question: the seeds of the block that have faces. Adds the work in distance tests.
-std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> questions,
+// Clips cells by every seed of a block, which ascend by id. Each request holds the seeds of some cells, its reply the
+// seeds of the block that have faces with them. Adds to `work`, in distance tests.
+std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> requests,
                                    double& work);
 
-// Returns the first cell that differs. seeds: of the cells, in their order. answers: of all blocks about these cells.
+// Compares reported cells with those that the replies of all blocks leave. seeds: of the cells, in their order.
 Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cells, const Seeds& seeds,
-                       std::span<const Message> answers);
+                       std::span<const Message> replies);
 
 }  // namespace votess

@@ -345,8 +345,8 @@ std::string RowChecker::check_sample(std::size_t& sampled) {
 Fault RowChecker::try_cells(std::span<const ReportedCell> cells, const Seeds& named, double& work) {
     Seeds seeds;
     for (const ReportedCell& cell : cells) seeds.add(named, place_of(cell.id, named.ids));
-    const std::vector<Message> questions = blocks_.gather_all(to_message(seeds));
-    std::vector<Message> answers;
+    const std::vector<Message> requests = blocks_.gather_all(to_message(seeds));
+    std::vector<Message> replies;
     blocks_.for_blocks([&](Seeds block) {
         std::vector<Message> own;
         blocks_.together([&] {
@@ -357,12 +357,12 @@ Fault RowChecker::try_cells(std::span<const ReportedCell> cells, const Seeds& na
                 block.add(others);
                 block = block.sorted();
             }
-            own = clip_by_block(run_, block, questions, work);
+            own = clip_by_block(run_, block, requests, work);
         });
-        for (Message& answer : blocks_.exchange(own)) answers.push_back(std::move(answer));
+        for (Message& reply : blocks_.exchange(own)) replies.push_back(std::move(reply));
     });
     Fault fault;
-    blocks_.together([&] { fault = first_difference(run_, cells, seeds, answers); });
+    blocks_.together([&] { fault = first_difference(run_, cells, seeds, replies); });
     return first_of_ranks(fault);
 }
 

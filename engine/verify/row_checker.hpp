@@ -1,4 +1,4 @@
-// The checks of verify() on rows that come in pieces: of a whole result, of a stream, or of the ranks of MPI.
+// The checks of verify() on rows that come in pieces: from a whole result, from a stream or from the ranks of MPI.
 //
 // take() checks each row by itself: it ascends, Euler's formula holds, and the surface is closed. Over all rows it adds
 // up volumes, and signed random numbers of pairs that cancel when each entry has its counterpart in the row of the
@@ -25,15 +25,15 @@ inline constexpr std::size_t min_sample = 64;
 // Returns how many cells the budget pays for, at least 64. seeds: of all blocks.
 [[nodiscard]] VOTESS_API std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic);
 
-// The seeds of a piece of rows, where they are not StreamRows::first and those that follow.
+// The names of the seeds of some rows. By default these are StreamRows::first, first + 1, ...
 struct RowNames {
     std::span<const std::int64_t> ids;  // n
-    // Which rank handed in each neighbor (entries), and these seeds. Checked with the pairs; none: not checked.
+    // The ranks that handed in the neighbors (entries), and these seeds. They are checked with the pairs, if given.
     std::span<const std::int32_t> tags;
     std::int32_t own_tag = 0;
 };
 
-// Where the rows and the seeds of a run are. Calls between ranks are collective; by default there is one rank.
+// Gives access to the rows and seeds of a run. By default there is one rank; calls between ranks are collective.
 class RunBlocks {
 public:
     using Visit = std::function<void(const StreamRows&, const RowNames&)>;

@@ -6,8 +6,8 @@
 // cells only shrink.
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
-// of others; finish(). A run that cannot hold all blocks at once takes this apart: pending_cells() is what
-// finish_pending() needs with the replies, and Responder replies for a block from the seeds that mark_near() finds.
+// of others; finish(). A run that cannot hold all blocks at once keeps pending_cells() for finish_pending(), and a
+// Responder replies for a block from the seeds that mark_near() finds.
 #pragma once
 
 #include <cstdint>
