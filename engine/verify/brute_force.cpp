@@ -137,7 +137,7 @@ void BruteForce::cut_by_nearest(cpu::Cell& cell) {
 void BruteForce::cut(std::size_t seed, const ShiftRange& range, cpu::Cell& cell) {
     const exact::Shift shift = domain_.is_periodic() ? only_shift(domain_, range) : exact::Shift{};
     const auto id = static_cast<std::int32_t>(seed);
-    if ((seed == own_.index && shift == exact::Shift{}) || cell.knows(id, shift)) return;
+    if ((seed == own_.index && shift == exact::Shift{}) || cell.has_plane(id, shift)) return;
     exact::Shift total;
     for (std::size_t k = 0; k < 3; ++k) total[k] = shift[k] + place_[seed].shift[k] - own_.place.shift[k];
     exact::Plane plane = exact::Plane::bisector(seed_of(seed), total, domain_.lattice);

@@ -25,7 +25,7 @@ TEST_SUITE("stages") {
             std::vector<std::span<std::byte>> pieces;
             for (int i = 0; i < 200; ++i) {
                 const std::size_t size = random.below(random.chance(0.1) ? 5000 : 50);
-                pieces.emplace_back(arena.take(size), size);
+                pieces.emplace_back(arena.allocate(size), size);
                 REQUIRE(reinterpret_cast<std::uintptr_t>(pieces.back().data()) % 8 == 0);
                 std::memset(pieces.back().data(), i, size);
             }
@@ -33,9 +33,9 @@ TEST_SUITE("stages") {
                 REQUIRE(std::ranges::all_of(pieces[i], [&](std::byte b) { return b == std::byte(i); }));
         }
         arena.reset(1000);
-        const std::byte* first = arena.take(10);
+        const std::byte* first = arena.allocate(10);
         arena.reset(1000);
-        CHECK(arena.take(10) == first);
+        CHECK(arena.allocate(10) == first);
     }
 
     TEST_CASE("result builder: rows wait in any order and come to their places") {

@@ -189,14 +189,14 @@ bool Nearness::for_images(const Box& box, const Box& home, double distance, cons
     const double reach = (distance + std::sqrt(half)) * (1 + 1e-9) + 4 * rounding_;
     const ShiftRange range = shifts_around(domain_, box, middle, reach);
     double images = 1;
-    for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.most[j]) - range.least[j] + 1;
+    for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.upper[j]) - range.lower[j] + 1;
     if (!(images <= max_images)) return false;
     const double near = distance + 4 * rounding_;
     ShiftRange one = range;
-    for (one.least[0] = range.least[0]; one.least[0] <= range.most[0]; ++one.least[0])
-        for (one.least[1] = range.least[1]; one.least[1] <= range.most[1]; ++one.least[1])
-            for (one.least[2] = range.least[2]; one.least[2] <= range.most[2]; ++one.least[2]) {
-                one.most = one.least;
+    for (one.lower[0] = range.lower[0]; one.lower[0] <= range.upper[0]; ++one.lower[0])
+        for (one.lower[1] = range.lower[1]; one.lower[1] <= range.upper[1]; ++one.lower[1])
+            for (one.lower[2] = range.lower[2]; one.lower[2] <= range.upper[2]; ++one.lower[2]) {
+                one.upper = one.lower;
                 const Vector by = domain_.translation(only_shift(domain_, one));
                 if (distance_squared(moved(box, by), home) <= near * near) task(by);
             }

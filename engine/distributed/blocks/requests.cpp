@@ -3,7 +3,7 @@
 #include <cmath>
 #include <deque>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "query/locator.hpp"
 
@@ -123,7 +123,7 @@ cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
     }
     const cpu::SeedImages::Base base = seeds.images->base(position);
     probe.x = base.point;
-    probe.place.by = base.shift;
+    probe.place.shift = base.shift;
     probe.place.low = seeds.images->low(static_cast<std::int32_t>(position));
     return probe;
 }

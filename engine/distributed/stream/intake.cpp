@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "core/ceil.hpp"
+#include "core/arithmetic.hpp"
 #include "input/options.hpp"
 #include "query/locator.hpp"
 
