@@ -62,7 +62,7 @@ class Files(CliTest):
 
     def test_working_directory_that_is_gone(self):
         gone = self.folder / "gone"
-        for arguments, code, says in [(["-o", "out.txt"], 2, "'out.txt': the working directory is gone"),
+        for arguments, code, says in [(["-o", "out.txt"], 2, "'out.txt': the working directory was deleted"),
                                       (["-o", str(self.folder / "out.txt")], 0, ""), (["-o", "-"], 0, "")]:
             gone.mkdir()
             done = subprocess.run(["sh", "-c", 'rmdir "$PWD" && exec "$0" "$@"', CLI, "--random", "5", "-q", *arguments],
@@ -299,7 +299,7 @@ class Files(CliTest):
             self.assertEqual((log, (self.folder / "out.txt").read_text()), (["sync file"], "old"))
             self.assertRegex(error, r"\Aclvotess: cannot write 'out.txt': [^\n]+\n\Z")
         error = run(f"sync folder={errno.EIO}", code=1)[1]
-        self.assertIn("'out.txt' is written, but its folder cannot be brought to the disk", error)
+        self.assertIn("'out.txt' is written, but its folder could not be synced", error)
         self.assertNotEqual((self.folder / "out.txt").read_text(), "old")
         self.assertEqual(self.files(), ["out.h5", "out.npz", "out.txt"])
 

@@ -86,7 +86,7 @@ class Source(CliTest):
         self.refuse("a.txt", "--radii", "6", says=["'6'", "1 2 3 4 5"])
         self.refuse("a.txt", "--radii", "0", says="'0'")
         self.refuse(self.put("a.txt", "1 2 3 a\n"), "--radii", "4", says=["a.txt:1:", "'a'"])
-        self.refuse(self.put("a.txt", "1 2 3\n"), "--radii", "3", says="beside those that are named")
+        self.refuse(self.put("a.txt", "1 2 3\n"), "--radii", "3", says="in addition to the named ones")
         self.assertEqual(self.rows(self.put("a.xyz", "2\n\nH 1 2 3 9 0.1\nH 4 5 6 9 0.2\n"), "--radii", "6",
                                    "--format", "%q %r"),
                          ["1 2 3 0.1", "4 5 6 0.2"])

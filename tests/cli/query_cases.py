@@ -56,11 +56,11 @@ class Locate(CliTest):
         asked = ["cube.txt", "--locate", "q.txt"]
         for arguments, says in [(asked, "-o FILE.npy"), ([*asked, "-o", "a.npz"], ".npy and .txt, not 'a.npz'"),
                                 ([*asked, "-o", "q.txt"], "'q.txt'"), ([*asked, "-o", "a.npy", "-o", "./a.npy"], "twice"),
-                                ([*asked, "-o", "a.npy", "--want", "faces"], "--want is about the cells"),
-                                ([*asked, "-o", "a.npy", "--verify"], "--verify is about the cells"),
-                                ([*asked, "-o", "a.npy", "--image", "a.png"], "--image is about the cells"),
-                                ([*asked, "-o", "a.npy", "--slice", "z=0.5"], "--slice is about the cells"),
-                                ([*asked, "-o", "a.npy", "--seeds"], "--seeds is about the cells"),
+                                ([*asked, "-o", "a.npy", "--want", "faces"], "--want is for cells"),
+                                ([*asked, "-o", "a.npy", "--verify"], "--verify is for cells"),
+                                ([*asked, "-o", "a.npy", "--image", "a.png"], "--image is for cells"),
+                                ([*asked, "-o", "a.npy", "--slice", "z=0.5"], "--slice is for cells"),
+                                ([*asked, "-o", "a.npy", "--seeds"], "--seeds is for cells"),
                                 ([*asked, "-o", "a.npy", "-x", "gpu"], "CPU"), ([*asked, "-o", "-", "--json"], "stdout"),
                                 (["cube.txt", "--locate", "", "-o", "a.npy"], "--locate is empty"),
                                 (["-", "--locate", "-", "-o", "a.npy"], "stdin"),
@@ -157,7 +157,7 @@ class Probe(CliTest):
         self.put("q.txt", "0 0 0\n")
         asked = ["cube.txt", "--probe", "q.txt"]
         for arguments, says in [(asked, "-o FILE"), ([*asked, "-o", "a.ply"], "not 'a.ply'"), ([*asked, "-o", "q.txt"], "'q.txt'"),
-                                ([*asked, "-o", "a.npz", "--verify"], "--verify is about the cells of the points"),
+                                ([*asked, "-o", "a.npz", "--verify"], "--verify is for cells of the points"),
                                 ([*asked, "-o", "a.npz", "--copy", "4"], "--copy is about"), ([*asked, "-o", "-", "--json"], "stdout"),
                                 ([*asked, "-o", "a.npz", "--image", "a.png"], "--image is about"),
                                 ([*asked, "-o", "a.npz", "--locate", "q.txt"], "not several"),

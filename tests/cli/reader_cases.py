@@ -106,7 +106,7 @@ class ArrayFiles(ReaderTest):
                              ({"a": points[:, :2]}, "(N, 3)"), ({"points": points[:, :2]}, "(50, 2)"),
                              ({"points": points.astype(int)}, "'<i8'"), ({}, "(N, 3)"),
                              ({"x": points[:, 0], "y": points[:9, 0], "z": points[:, 0]}, ["y has 9", "50"]),
-                             ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is no array")]:
+                             ({"x": points, "y": points[:, 0], "z": points[:, 0]}, "x is not an array")]:
             np.savez(self.folder / "a.npz", **arrays)
             self.refuse("a.npz", "-o", "out.txt", says=["a.npz"] + ([says] if isinstance(says, str) else says))
         np.savez(self.folder / "a.npz", points=points, r=points[:9, 0], s=points)
@@ -327,7 +327,7 @@ class HostileFiles(ReaderTest):
                 ("POSCAR", cif, [], ["CIF", "ase convert"]), ("a.cif", cif, [], ["extended XYZ", "ase convert"]),
                 ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], "MDAnalysis"),
                 ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--copy", "species"],
-                                                    ["'H'", "'species' holds words", "--copy", "take columns of numbers"])]:
+                                                    ["'H'", "'species' has text", "--copy", "need columns of numbers"])]:
             self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
         for good, content in [("a.txt", "1 2 0\n3 4 0\n"), ("b.extxyz", xyz)]:
             self.run_cli(self.put(good, content))
@@ -393,7 +393,7 @@ class Columns(ReaderTest):
         got, _ = self.carried("a.txt", "--copy", "6,5")
         np.testing.assert_array_equal(got["column_5"], mass)
         np.testing.assert_array_equal(got["column_6"], kind)
-        self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="line of names")
+        self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="header line")
 
     def test_arrays(self):
         points, mass, flow = random_points(30), np.arange(30) * 0.5, random_points(30, 9)[:, :2]
