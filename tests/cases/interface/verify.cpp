@@ -165,7 +165,7 @@ TEST_SUITE("cases") {
     TEST_CASE("verify names a seed that does not list its neighbor") {
         const test::PointSet set = test::uniform(300, 105);
         for (int domain = 0; domain < 3; ++domain) {
-            const auto t = test::run(set, periodic_options(domain));
+            const auto t = votess::tessellate(std::span<const double>(set.points), periodic_options(domain));
             Parts parts = parts_of(t);
             const FaceLabel label = parts.rows[77][3];
             std::erase(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(77));
@@ -197,13 +197,15 @@ TEST_SUITE("cases") {
         normals[3 * row] += 0.01;
         CHECK(failure().starts_with("cell 17 is not closed: area times normal sums to "));
         normals[3 * row] -= 0.01;
-        const auto first = static_cast<std::size_t>(t.face_offsets()[row]);
+        const auto first = static_cast<std::size_t>(t.face_offsets()[end - 1]);  // of a neighbor above 17
+        REQUIRE(t.indices()[end - 1] > 17);
         std::swap(corners[first], corners[first + 1]);
         CHECK(failure() == "cell 17 is not watertight");
         std::swap(corners[first], corners[first + 1]);
         // Two vertices of one cell are exchanged: it is closed, but its neighbors have other polygons.
         const std::int32_t a = corners[first], b = corners[first + 1];
-        for (std::size_t k = first; k < static_cast<std::size_t>(t.face_offsets()[end]); ++k)
+        for (auto k = static_cast<std::size_t>(t.face_offsets()[row]);
+             k < static_cast<std::size_t>(t.face_offsets()[end]); ++k)
             corners[k] = corners[k] == a ? b : corners[k] == b ? a : corners[k];
         CHECK(failure().ends_with(" have different polygons between them"));
     }
