@@ -12,8 +12,8 @@
 
 namespace votess {
 
-// The surface stays closed whatever rounding does to corners near a plane: an edge has the same ends in both of its
-// polygons, so the two sides of a cut add up to the whole.
+// The surface stays closed whatever rounding does to corners near a plane, because an edge has the same ends in both of
+// its polygons. So the two sides of a cut add up to the whole.
 class ConvexPiece {
 public:
     using Vector = Vector3;

@@ -52,7 +52,7 @@ private:
 };
 
 // Lets the user stop a call. While it lives, check_stop() calls the progress callback when due, in this thread and its
-// tasks; in other threads of a pool it reads a flag. A progress without a callback leaves an outer object in charge.
+// tasks. In other threads of a pool it reads a flag. A progress without a callback leaves an outer object in charge.
 class Stoppable {
 public:
     explicit Stoppable(Progress& progress);

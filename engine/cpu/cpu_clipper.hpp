@@ -37,7 +37,7 @@ public:
     void clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) override;
     void end() override;
 
-    // Of the job, until end().
+    // Valid for the job, until end().
     [[nodiscard]] Progress& progress() { return progress_; }
     // For queries, after prepare().
     [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }

@@ -1,5 +1,5 @@
-// Hard cells, which a search proves only after very many tests: those of seeds near a common sphere, and of hulls of
-// clusters in a void. Their search is given up. After all other cells it continues with more and more tests
+// Hard cells, which a search proves only after very many tests. They belong to seeds near a common sphere and on hulls
+// of clusters in a void. Their search is given up. After all other cells it continues with more and more tests
 // (CpuClipper::clip_hard()), or one triangulation of all seeds finds the neighbors, whichever is cheaper.
 #pragma once
 

@@ -76,8 +76,8 @@ struct Domain {
     [[nodiscard]] exact::Plane box_wall(int wall) const;
 };
 
-// Returns the shifts by which an image of a point may bound the point's own cell, nearest first: -2 to 2 times each
-// reduced vector, any two of which are short compared with each other.
+// Returns the shifts by which an image of a point may bound the point's own cell, nearest first. These are -2 to 2
+// times each reduced vector, because any two of them are short compared with each other.
 std::vector<exact::Shift> near_translations(const Domain& domain);
 // Returns a lower bound of the distance from a point to its nearest image; infinite if nothing repeats.
 double nearest_translation(const Domain& domain);

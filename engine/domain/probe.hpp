@@ -1,4 +1,4 @@
-// A query among the seeds: its place, and what is needed to build its cell.
+// A query among the seeds, with the data to build its cell.
 #pragma once
 
 #include "exact/predicate.hpp"

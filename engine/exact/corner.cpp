@@ -12,8 +12,8 @@ struct Link {
     int next, previous;
 };
 
-// Incremental hull of rays in an open half space. A new ray sees one run of sides: it lies strictly outside some, and
-// at either end of the run it may lie in line with one, whose near corner then falls between the two.
+// Incremental hull of rays in an open half space. A new ray sees one run of sides. It lies strictly outside some. At
+// either end it may lie in line with a side, whose near corner then falls between the two.
 template <class N>
 std::span<int> hull(std::span<const std::array<N, 3>> n, std::span<int> out) {
     const int count = static_cast<int>(n.size());

@@ -8,8 +8,8 @@
 namespace votess::exact {
 
 // Finds the planes that own an edge at a vertex through which all planes pass. Writes their indices to `out`, which has
-// room for planes.size(), and returns the part written: counterclockwise seen from outside, so consecutive planes turn
-// left (orientation() > 0). Empty when the normals span no solid angle.
+// room for planes.size(), and returns the part written. The order is counterclockwise seen from outside: consecutive
+// planes turn left (orientation() > 0). Empty when the normals span no solid angle.
 //
 // They are the extreme rays of the cone of normals: the corners of the convex hull of the points N / (N.X) in the plane
 // dual to the vertex X. Planes that only touch the vertex lie inside the hull, planes that touch a whole edge in the

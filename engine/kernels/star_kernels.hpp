@@ -20,8 +20,8 @@ struct alignas(64) BoxBlock {
     double upper[3][box_fan];
 };
 
-// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, or clamped to +-window_range. Seeds that
-// are no candidates are `far_away`.
+// Seeds near a home group as integers: (coordinate - origin) * scale, rounded, or clamped to +-window_range. Seeds
+// other than candidates are `far_away`.
 inline constexpr std::int32_t window_range = 1 << 29;
 inline constexpr std::int32_t far_away = (1 << 30) - 1;
 struct WindowSeeds {

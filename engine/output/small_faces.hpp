@@ -24,7 +24,7 @@ public:
         *this = {};
         below_ = tiny * largest;
     }
-    // Of a cell's faces with other cells.
+    // areas: of a cell's faces with other cells.
     void add(std::span<const double> areas) {
         constexpr std::size_t lanes = 4;
         std::array<double, lanes> sum{}, least{};

@@ -97,8 +97,8 @@ public:
         return tie_powers_[static_cast<std::size_t>(known.cells[1])];
     }
 
-    // When positions are kept: a vertex relative to its owner in x[0..3), with a bound on its error in x[3]; its owner,
-    // as an index in the stretch; and the position of a seed by this index. Moved seeds are sums of two doubles.
+    // When positions are kept: a vertex relative to its owner in x[0..3), with a bound on its error in x[3]. Owners and
+    // seeds are indices in the stretch. Moved seeds are sums of two doubles.
     [[nodiscard]] const Four& position(std::uint32_t vertex) const { return positions_[vertex]; }
     [[nodiscard]] std::size_t owner(std::uint32_t vertex) const { return static_cast<std::size_t>(owners_[vertex]); }
     [[nodiscard]] const Four& seed_position(std::size_t place) const { return seeds_[place]; }

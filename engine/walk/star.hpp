@@ -59,7 +59,7 @@ public:
     virtual void look_around(const Box& box, double lightest) = 0;
     // Returns false also where a seed may lie at the same place, or leave no cell.
     virtual bool build(const Probe& probe) = 0;
-    // Of recent vertices, averaged.
+    // Averaged over recent vertices.
     [[nodiscard]] virtual double typical_reach() const = 0;
 
     // Returns the faces of the last cell built, in no particular order: sorted seeds, or walls -1, -2, ... None if the

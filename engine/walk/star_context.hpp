@@ -1,5 +1,5 @@
-// Includes for the walk. Files that compile the walk for one instruction set include this before they choose the set,
-// because functions of headers are shared with files that run on any processor.
+// Includes for the walk. Files that compile the walk for one instruction set include this before they choose the set.
+// Functions of headers are shared with files that run on any processor.
 #pragma once
 
 #include <algorithm>
