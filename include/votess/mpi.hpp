@@ -18,17 +18,17 @@ enum class Cells : std::int32_t {
 
 // Sums over all ranks, the same on each.
 struct Counts {
-    std::uint64_t seeds = 0;          // of all ranks
-    std::uint64_t largest_block = 0;  // seeds of the largest
+    std::uint64_t seeds = 0;
+    std::uint64_t largest_block = 0;  // seeds of the largest block
     std::uint64_t given = 0;          // seeds that ranks got from others to clip their cells
-    std::uint64_t needed = 0;         // of these, neighbors of the rank's cells
+    std::uint64_t needed = 0;         // neighbors of the rank's cells among these
     std::uint64_t tested = 0;         // cells whose vertices were compared with boxes of unknown seeds
-    std::uint64_t questions = 0;      // cells sent to other ranks, once for each
-    std::uint64_t bytes = 0;          // that ranks sent to others: seeds, requests, replies and cells
+    std::uint64_t questions = 0;      // requests: cells sent to other ranks, once for each rank
+    std::uint64_t bytes = 0;          // sent between ranks: seeds, requests, replies and cells
     unsigned rounds = 2;              // exchanges of seeds between blocks
     std::uint64_t exact_cells = 0;    // cells where exact arithmetic decided a sign
-    double box_volume = 0;            // of the domain
-    double volume_sum = 0;            // of all cells; 0 when volumes were not wanted
+    double box_volume = 0;            // volume of the domain
+    double volume_sum = 0;            // of all cells; 0 when volumes were not requested
 };
 
 // BlockCells::tags are the ranks that handed the neighbors in. Dropped seeds have status `outside`.
@@ -51,9 +51,9 @@ struct Result {
 // numbers the seeds rank after rank. The lowest id of duplicates keeps the cell.
 // options: the same on all ranks, except weights and radii (N, of this rank), threads and progress. progress is called
 // while the rank finds its cells; when it returns false on one rank, all ranks stop.
-// Throws Error as votess::tessellate(), and `unsupported` for vertices, faces,
-// min_face, min_area, duplicates = error and GPUs. When one rank fails, all ranks throw the same error. It names the rank and the
-// index of its point, or the number of the seed where there are no ids.
+// Throws Error as votess::tessellate(), and `unsupported` for vertices, faces, min_face, min_area, duplicates = error
+// and GPUs. When one rank fails, all ranks throw the same error. It names the rank and the index of its point, or the
+// number of the seed where there are no ids.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);

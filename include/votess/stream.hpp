@@ -1,6 +1,6 @@
 // Tessellates seeds that do not fit into memory. They arrive in pieces and wait in temporary files. Each block of them
-// is tessellated by itself, and rows leave in pieces, in input order. Rows are bit for bit those of
-// one tessellate() with all seeds, for any memory limit.
+// is tessellated by itself, and rows leave in pieces, in input order. Rows are bit for bit those of one tessellate()
+// with all seeds, for any memory limit.
 //
 //     struct Seeds : votess::StreamSource { bool next(votess::StreamSeeds& some) override { ... } };
 //     struct Rows : votess::StreamSink { void rows(const votess::StreamRows& some) override { ... } };

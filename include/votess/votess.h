@@ -306,7 +306,7 @@ typedef struct votess_column {
     uint8_t bytes;       // of a number: 4 or 8 for 'f', else 1, 2, 4 or 8
 } votess_column;
 
-// The mesh of N cells. Arrays are laid out as those of a result with VOTESS_WANT_FACES, and stay the caller's.
+// The mesh of N cells. Arrays are laid out as those of a result with VOTESS_WANT_FACES; the caller owns them.
 typedef struct votess_mesh {
     uint32_t struct_size;                // sizeof(votess_mesh)
     uint32_t column_count;               // for .vtu
@@ -330,20 +330,22 @@ typedef struct votess_mesh {
 typedef struct votess_bytes {
     const void* data;
     size_t count;    // bytes
-    uint64_t total;  // bytes of the whole file; 0 when not known before its end
+    uint64_t total;  // bytes of the whole file; 0 when unknown before its end
 } votess_bytes;
 
-// Takes the next piece of a file, valid during the call. Returns nonzero to go on, 0 to stop.
+// Takes the next piece of a file, valid during the call. Return nonzero to continue, 0 to stop.
 typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 
-// Writes a mesh as a file, piece by piece. format: ".vtu" polyhedra with columns, without empty cells, ascending by
-// their number of vertices; ".ply" and ".obj" faces, each once, .ply with its two cells, and in triangles when there
-// are colors; ".glb" solids in colors. Fails with VOTESS_ERROR_INVALID_ARGUMENT for a NULL array, for an index outside
-// of its array, and for a .glb above 4 GiB; with VOTESS_ERROR_CANCELLED when write stops.
+// Writes a mesh as a file, piece by piece. Fails with VOTESS_ERROR_INVALID_ARGUMENT for a NULL array, an index outside
+// its array, and a .glb above 4 GiB; with VOTESS_ERROR_CANCELLED when write stops. format:
+//   - ".vtu": polyhedra with columns, without empty cells, ascending by their number of vertices
+//   - ".ply": faces, each once, with their two cells; triangles when there are colors
+//   - ".obj": faces, each once
+//   - ".glb": solids in colors
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
 
-// Walls around round bodies, see sphere_walls() in votess.hpp; they write 4 * faces numbers, as votess_options.walls.
+// Write walls around round bodies, see sphere_walls() in votess.hpp: 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);
 VOTESS_API votess_status votess_cylinder_walls(const double point[3], const double axis[3], double radius, size_t faces,
                                                double* walls);
