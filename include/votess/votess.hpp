@@ -174,8 +174,8 @@ struct Options {
 
     // "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device that is
     // software; a number = that device of devices(). A device that is not available is `unsupported`, never replaced.
-    // With "auto" the CPU replaces a GPU that fails or cannot do what is requested. Nor does "auto" open a GPU for fewer
-    // than 10,000 seeds: the CPU is done before. Stats::device names the device that ran.
+    // With "auto" the CPU replaces a GPU that fails or cannot do what is requested. Nor does "auto" open a GPU for
+    // fewer than 10,000 seeds: the CPU is done before. Stats::device names the device that ran.
     std::string device = "auto";
     Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.
