@@ -33,7 +33,7 @@ std::uint32_t key_of(const Box& box, const exact::Point& x) {
 
 }  // namespace
 
-Turn::Turn(DiagramState& state) : state_(state) {
+CallGuard::CallGuard(DiagramState& state) : state_(state) {
     const auto self = std::this_thread::get_id(), nobody = std::thread::id();
     std::unique_lock lock(state.mutex);
     if (state.caller == self)
@@ -47,7 +47,7 @@ Turn::Turn(DiagramState& state) : state_(state) {
     state.caller = self;
 }
 
-Turn::~Turn() {
+CallGuard::~CallGuard() {
     const std::scoped_lock lock(state_.mutex);
     state_.caller = {};
     state_.ended.notify_one();
@@ -105,14 +105,14 @@ void for_queries(DiagramState& state, const Queries& queries,
 }
 
 void sort_queries(const Job& job, DiagramState::Searcher& searcher, const Queries& queries, std::size_t begin,
-                  std::size_t end, const std::function<void(std::size_t)>& leave_out) {
+                  std::size_t end, const std::function<void(std::size_t)>& skip) {
     searcher.places.resize(end - begin);
     searcher.order.clear();
     for (std::size_t i = begin; i < end; ++i) {
         if (i % queries_per_look == 0) check_stop();
         const auto place = searcher.locator.place(scaled(job, queries, i), i);
         if (!place) {
-            leave_out(i);
+            skip(i);
             continue;
         }
         searcher.places[i - begin] = *place;
@@ -143,7 +143,7 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
     std::vector<std::int32_t> seeds;
     lengthen(seeds, queries.count());
-    const Turn turn(state);
+    const CallGuard turn(state);
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
         sort_queries(state.job, searcher, queries, begin, end, [&](std::size_t i) { seeds[i] = -1; });
         for (std::size_t k = 0; k < searcher.order.size(); ++k) {

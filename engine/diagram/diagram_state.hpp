@@ -1,4 +1,5 @@
-// What a Diagram holds, and how a call takes its queries: in shares, each sorted along a curve and asked on one thread.
+// The state of a Diagram. A call splits its queries into shares; one thread sorts each share along a curve and answers
+// it.
 #pragma once
 
 #include <condition_variable>
@@ -21,13 +22,13 @@
 
 namespace votess::detail {
 
-// What never changes, and the threads and searches of one call after the other.
+// The constant seeds, and the threads and searches, which one call at a time uses.
 struct DiagramState {
     std::vector<double> points;
     Job job;
     cpu::CpuClipper clipper;
 
-    // What a thread needs.
+    // The state of a thread.
     struct Searcher {
         Searcher(const Job& job, const cpu::SortedSeeds& seeds, const cpu::Hierarchy& hierarchy,
                  const cpu::Kernels& kernels)
@@ -45,7 +46,7 @@ struct DiagramState {
         std::vector<std::uint64_t> order;
         std::vector<cpu::Probe> probes, rest;
     };
-    // One call at a time uses what follows, see Turn.
+    // One call at a time uses the members below, see CallGuard.
     std::mutex mutex;
     std::condition_variable ended;
     std::thread::id caller;  // no thread's when none is at work
@@ -54,13 +55,13 @@ struct DiagramState {
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
 };
 
-// A call's turn with the state. Waits for the call at work, and meanwhile lets the user stop.
-class Turn {
+// Gives one call the state. Waits for the call at work, and meanwhile checks whether the user stops.
+class CallGuard {
 public:
-    explicit Turn(DiagramState& state);
-    ~Turn();
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    explicit CallGuard(DiagramState& state);
+    ~CallGuard();
+    CallGuard(const CallGuard&) = delete;
+    CallGuard& operator=(const CallGuard&) = delete;
 
 private:
     DiagramState& state_;
@@ -72,22 +73,22 @@ struct Queries {
     std::vector<double> weights;
     [[nodiscard]] std::size_t count() const { return x.size() / 3; }
 };
-// Throws invalid_argument for what is no (Q, 3), and for weights, or radii, that do not fit.
+// Throws invalid_argument unless x is (Q, 3), and for weights or radii of another length.
 Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights = {},
                       std::span<const double> radii = {});
 
 // The query times the scale of the job.
 exact::Point scaled(const Job& job, const Queries& queries, std::size_t number);
 
-// One for each thread. Needs a Turn, as all that follows.
+// Makes a searcher for each thread. Needs a CallGuard, like the functions below.
 void make_searchers(DiagramState& state);
 // task(searcher, begin, end) for all queries, on all threads.
 void for_queries(DiagramState& state, const Queries& queries,
                  const std::function<void(DiagramState::Searcher&, std::size_t begin, std::size_t end)>& task);
-// Places the queries from `begin` to `end` and sorts those inside the domain; calls leave_out for the others.
+// Places the queries from `begin` to `end` and sorts those inside the domain. Calls skip for the others.
 void sort_queries(const Job& job, DiagramState::Searcher& searcher, const Queries& queries, std::size_t begin,
-                  std::size_t end, const std::function<void(std::size_t)>& leave_out);
-// After it: their cells. run(queries, near) for each run of probes, which stand in searcher.probes.
+                  std::size_t end, const std::function<void(std::size_t)>& skip);
+// After sort_queries(): calls run(numbers, near) for each run of probes in searcher.probes.
 void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& queries, std::size_t begin,
               std::span<std::int32_t> numbers,
               const std::function<void(std::span<const std::int32_t> numbers, std::size_t near)>& run);

@@ -44,7 +44,7 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     return true;
 }
 
-// make_sink: what takes the rows of a share of the queries; its `numbers` are those of a run.
+// make_sink: makes the receiver of the rows of a share of the queries. Its `numbers` are those of a run.
 template <class MakeSink>
 void run(DiagramState& state, const Queries& queries, const NaturalOptions& options, MakeSink make_sink) {
     if (options.gradients && options.method == NaturalMethod::laplace)
@@ -52,7 +52,7 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
                     "gradients are known with Sibson's coordinates: Laplace's have none across some spheres");
     NaturalOptions without_progress = options;
     without_progress.progress = nullptr;
-    const Turn turn(state);
+    const CallGuard turn(state);
     const bool with_graph = need_graph(state, queries, options);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {

@@ -10,7 +10,7 @@ namespace votess::detail {
 
 Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
     const Queries queries = check_queries(state, x, options.weights, options.radii);
-    const Turn turn(state);
+    const CallGuard turn(state);
     StageClock clock;
     Options wanted;
     wanted.want = options.want;

@@ -1,4 +1,4 @@
-// Diagram::to_grid(): what is asked is checked, and handed to a method.
+// Diagram::to_grid(): checks the request and calls its method.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -81,7 +81,7 @@ void locate_centers(DiagramState& state, const fields::Task& task, std::span<con
 void interpolate_centers(DiagramState& state, const fields::Task& task, std::span<const double> centers,
                          std::span<double> field) {
     std::ranges::copy(interpolate(state, task.values, task.columns, centers, {}).values, field.begin());
-    // Beyond walls there is nothing to be known.
+    // The field is 0 beyond walls.
     std::vector<double> unknown;
     std::vector<std::size_t> rows;
     for (std::size_t q = 0; 3 * q < centers.size(); ++q) {
@@ -113,7 +113,7 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
         const auto result = std::make_shared<const Result>(build(state));
         const Tessellation cells(result);
         const fields::Built built{state.job, *result, cells};
-        const Turn turn(state);
+        const CallGuard turn(state);
         Stoppable::enter_stage({share_of_cells, 1});
         if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());
         if (options.method == GridMethod::dtfe) without_place = fields::add_dtfe(task, built, state.clipper.pool());

@@ -1,6 +1,6 @@
-// The density that is linear in Delaunay tetrahedra, which are the bodies. A body has barycentric coordinates, so a
-// flat one is cut like any other: its parts sum to it, and the integrals of the coordinates are their moments. Volumes
-// come from exact differences between the corners.
+// The density that is linear in Delaunay tetrahedra, which are the bodies. Bodies are cut in barycentric coordinates,
+// so a flat one is cut like any other and its parts sum to it. The moments of a part are the integrals of the
+// coordinates. Volumes come from exact differences between the corners.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -36,8 +36,8 @@ struct Corner {
 };
 using Corners = std::array<Corner, 4>;
 
-// The tetrahedra of the dual, and the parts of its polytopes. These are cut from their center, and facets of more than
-// three corners from theirs: in the same way from both sides, and whatever the order of the seeds.
+// The tetrahedra of the dual, and the parts of its polytopes. A polytope is cut from its center, and a facet with more
+// than three corners from the center of the facet. So both sides agree, for any order of the seeds.
 class Triangulation {
 public:
     Triangulation(const Built& built, const Frame& frame, ThreadPool& pool) : job_(built.job), frame_(frame) {
@@ -61,7 +61,7 @@ public:
         return corners;
     }
     [[nodiscard]] std::size_t seed(std::size_t member) const { return at(members_[member].seed); }
-    // Six times the volume, at the scale of the job. 0 in a domain so extreme that WideFloat cannot tell it from 0.
+    // Six times the volume, at the scale of the job. 0 where WideFloat underflows, in extreme domains.
     [[nodiscard]] Volume volume(std::size_t number) const { return volumes_[number]; }
 
     // How barycentric coordinates 1 to 3 become those of the grid.
@@ -153,9 +153,10 @@ private:
         return edges;
     }
 
-    // Six times the volume, to a relative 1e-12. Let m be the product over the axes of the largest difference between
-    // members. A determinant of rounded edges errs by less than 64 u m; where corners are the means of n members, so
-    // that edges are sums that may cancel, by less than 300 (n + 3) u m. What that spoils is found with more digits.
+    // Returns six times the volume, to a relative 1e-12. Let m be the product over the axes of the largest difference
+    // between members. A determinant of rounded edges errs by less than 64 u m. Where corners are means of n members,
+    // edges are sums that may cancel, and the error is less than 300 (n + 3) u m. Larger relative errors need more
+    // digits.
     [[nodiscard]] Volume find_volume(const Corners& corners) const {
         std::size_t most = 1;
         for (const Corner& corner : corners) most = std::max(most, corner.count);
@@ -191,7 +192,7 @@ private:
     std::vector<Volume> volumes_;
 };
 
-// What seeds carry, each column times a power of two that brings its largest mass to order one.
+// The values of seeds, each column times a power of two that brings its largest mass to order one.
 struct Masses {
     std::size_t columns;
     std::vector<double> values;   // (N, m)
@@ -288,7 +289,7 @@ Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_o
                     ", a density that float64 cannot hold: give coordinates or masses in other units");
 }
 
-// Masses become densities. What underflows may be as little as rounding takes.
+// Turns masses into densities. Masses below the rounding error may underflow.
 void divide(const Task& task, const Masses& masses) {
     constexpr double least = std::numeric_limits<double>::min(), rounding = 1e-14;
     const Size size = task.frame.cell_size(task.projected);

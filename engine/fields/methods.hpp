@@ -11,8 +11,8 @@
 
 namespace votess::fields {
 
-// What all of them are given, checked. Along an axis that is projected the grid has one element, to which all grid
-// cells of the frame add.
+// The checked input of all methods. Along a projected axis the grid has one element, the sum over all grid cells of the
+// frame.
 struct Task {
     const Frame& frame;
     std::span<const double> values;  // (N, columns)

@@ -13,11 +13,11 @@ namespace {
 
 constexpr std::size_t bodies_of_task = 4096;  // when tiles get their lists
 constexpr std::size_t bodies_per_look = 16;   // after which the user may stop
-// A body that fills less of its bounds, or whose polygons are less planar, is vague: the volumes of its parts need not
+// A body is vague if it fills less of its bounds, or if its polygons are less planar. The volumes of its parts need not
 // sum to its own.
 constexpr double min_filled = 1e-4, max_unevenness = 1e-13;
 
-// What a thread needs.
+// The state of a thread.
 struct Worker {
     std::unique_ptr<Carrier> carrier;
     Slicer slicer;
@@ -25,14 +25,14 @@ struct Worker {
     ConvexPiece copy;
 };
 
-// A vague body, and the sum of the volumes of its parts; 0 when rounding has left nothing of it, and it goes whole to
-// the grid cell where its first corner lies.
+// A vague body, and the sum of the volumes of its parts. The sum is 0 if rounding left no part. The body then goes
+// whole to the grid cell of its first corner.
 struct VagueBody {
     std::uint64_t number;
     double volume;
 };
 
-// Calls visit(place) for what is `step` apart in a window.
+// Calls visit(place) for the places of a window that are `step` apart.
 template <class Visit>
 void for_places(const Window& window, const Cell& step, const Visit& visit) {
     for (std::int64_t x = window[0].first; x <= window[0].last; x += step[0])
@@ -68,7 +68,7 @@ public:
     }
 
 private:
-    // What one task finds.
+    // The findings of one task.
     struct Listed {
         std::vector<std::uint64_t> pairs;  // body * all_tiles_ + tile
         std::vector<VagueBody> vague;
@@ -149,7 +149,7 @@ private:
         worker.slicer.slice(worker.copy, worker.body.place, window, take);
     }
 
-    // Adds what a body has in a tile and, in a periodic domain, in its images.
+    // Adds the parts of a body in a tile and, in a periodic domain, in the images of the tile.
     void add(std::uint64_t number, std::size_t tile, Worker& worker) const {
         const Body& body = worker.body;
         worker.carrier->load(number, worker.body);

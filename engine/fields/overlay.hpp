@@ -9,7 +9,7 @@
 
 namespace votess::fields {
 
-// Makes bodies and adds what they carry to the grid; each thread has its own.
+// Makes bodies and adds their values to the grid. Each thread has its own.
 class Carrier {
 public:
     virtual ~Carrier() = default;
@@ -21,8 +21,8 @@ public:
 };
 using MakeCarrier = std::function<std::unique_ptr<Carrier>()>;
 
-// Lays bodies 0 .. count-1 over the grid. A tile of the grid belongs to one task, which adds to it in the order of the
-// bodies: sums do not depend on the threads, and parts take no memory.
+// Lays bodies 0 .. count-1 over the grid. Each tile of the grid belongs to one task, which adds bodies in their order.
+// So sums do not depend on the number of threads, and parts take no memory.
 void overlay(const Frame& frame, ThreadPool& pool, std::size_t count, const MakeCarrier& make_carrier);
 
 }  // namespace votess::fields

@@ -31,8 +31,8 @@ class Slicer {
 public:
     explicit Slicer(const Frame& frame) : frame_(frame) {}
 
-    // Calls take(cell, part) for what each grid cell of the window, an index, has of the piece, of which nothing is
-    // left. The parts of all windows of a grid add up to it.
+    // Calls take(cell, part) with the part of the piece in each grid cell of the window. cell: an index. The piece is
+    // used up. The parts of all windows of a grid sum to it.
     template <class Take>
     void slice(ConvexPiece& piece, const Place& place, const Window& window, const Take& take) {
         Cell cell{};

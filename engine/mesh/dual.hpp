@@ -1,4 +1,4 @@
-// What the dual of the mesh is read from: vertices that stand for their images, and seeds with shifts.
+// Shared by the readers of the dual of the mesh: original vertices for images, and seeds with shifts.
 #pragma once
 
 #include <array>
@@ -52,7 +52,7 @@ struct PolytopeFacets {
     std::vector<std::size_t> corner_begin{0};  // by facet, and the end of the last
     std::vector<Member> corners;               // of a facet in turn, counterclockwise seen from outside
 };
-// result: what the dual was read off, with all of its faces.
+// result: the source of the dual, with all of its faces.
 PolytopeFacets polytope_facets(const detail::Result& result, const Delaunay& dual);
 
 }  // namespace votess

@@ -81,7 +81,7 @@ private:
         for (const std::int32_t v : r_.dropped_vertices) touched_[place(v).root] = true;
         for (const auto& [a, b] : pairs_) touched_[place(a).root] = touched_[place(b).root] = true;
         for (std::size_t v = 0; v < vertices(); ++v)
-            touched_[v] = touched_[place(static_cast<std::int32_t>(v)).root];  // which is no larger
+            touched_[v] = touched_[place(static_cast<std::int32_t>(v)).root];  // at most v
     }
 
     [[nodiscard]] double distance2(std::int32_t a, std::int32_t b) const {
@@ -93,7 +93,7 @@ private:
         return sum;
     }
 
-    // Of two corners of one polygon.
+    // Joins two corners of one polygon.
     void join(std::int32_t a, std::int32_t b) {
         const Place one = place(a), other = place(b);
         if (one.root == other.root && one.shift != other.shift)
@@ -125,8 +125,8 @@ private:
         return !pairs_.empty();
     }
 
-    // What a polygon is now: equal corners are one, and a way to a corner and back is none. A polygon that is no face
-    // any more has one corner left.
+    // Returns the polygon after joins: equal corners are one, and a detour to a corner and back is removed. A polygon
+    // that collapsed has one corner.
     std::span<const Place> reduced(std::span<const std::int32_t> corners) {
         word_.clear();
         for (const std::int32_t v : corners) {

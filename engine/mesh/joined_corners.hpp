@@ -1,5 +1,5 @@
-// Vertices of the mesh that are one: images in a periodic domain, and where small faces were dropped, those that
-// dropped faces and short edges joined.
+// Vertices of the mesh that count as one: images in a periodic domain, and vertices joined by dropped faces and short
+// edges.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@ namespace votess {
 
 class JoinedCorners {
 public:
-    // Throws invalid_argument where the faces that are left no longer are faces, see delaunay().
+    // Throws invalid_argument where a kept face collapses, see delaunay().
     explicit JoinedCorners(const detail::Result& result);
 
     // Whether dropped faces or short edges joined any.

@@ -26,7 +26,7 @@ void for_cells(ThreadPool& pool, std::size_t count, Task task) {
     });
 }
 
-// sums[b]: what comes before block b.
+// sums[b]: the sum over the blocks before b.
 std::vector<std::size_t> sums_before(std::vector<std::size_t> counts) {
     std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), std::size_t{0});
     return counts;
@@ -219,7 +219,7 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
     });
     const std::vector<std::size_t> numbers = sums_before(firsts);
     result.vertices.resize_uninitialized(tasks == 0 ? 0 : 3 * (numbers.back() + firsts.back()));
-    // Those that are first get -1 - number, which tells them from places.
+    // The first vertex of each set gets -1 - number; other entries are places.
     const auto number_at = [&](std::size_t place) { return -1 - first[place]; };
     for_cells(pool, count, [&](std::size_t task, std::size_t begin, std::size_t end) {
         std::size_t number = numbers[task];
@@ -241,7 +241,7 @@ void MeshBuilder::number_vertices(detail::Result& result, VertexSets& sets, Thre
         }
     });
     if (!moved.empty()) {
-        // The first vertex of each set is what the others are images of.
+        // The other vertices of a set are images of its first.
         const std::size_t vertices = result.vertices.size() / 3;
         result.vertex_image_of.resize_uninitialized(vertices);
         result.vertex_shifts.resize_uninitialized(3 * vertices);

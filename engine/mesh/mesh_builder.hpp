@@ -1,10 +1,10 @@
-// The mesh of a result: cells wait as records until all rows are known; then vertices that are one are merged. Cells of
-// one group share theirs from the start.
+// The mesh of a result. Cells wait as records until all rows are known. Then equal vertices are merged. Cells of one
+// group share theirs from the start.
 //
-// Two cells of a face have the same polygon, one clockwise where the other is counterclockwise, so matching the
-// polygons of all faces by a turn tells which vertices are one: those around a vertex are joined by faces that end
-// there. An edge that both name by the same third cell tells the turn; where more than three cells meet along all edges
-// of a face, it is the turn that brings the polygons together, or exact arithmetic tells which edges are one.
+// The two cells of a face have the same polygon, one clockwise, the other counterclockwise. Matching the polygons of
+// all faces by a turn finds all equal vertices, because faces join the cells around a vertex. The turn follows from an
+// edge that both cells name by the same third cell. Where more than three cells meet along all edges of a face, the
+// turn is the one that brings the polygons together, or exact arithmetic matches the edges.
 #pragma once
 
 #include <mutex>
@@ -55,7 +55,7 @@ private:
     bool wanted_ = false, want_faces_ = false;
     Job job_;
     double unscale_ = 1;
-    std::mutex mutex_;  // of what follows
+    std::mutex mutex_;  // of the members below
     Arena records_memory_, vertices_memory_;
     std::vector<std::span<const std::int32_t>> blocks_;  // cells, in the order of the engine
     std::vector<BlockVertices> vertices_of_;             // by block
@@ -63,8 +63,8 @@ private:
     Buffer<const std::byte*> records_;                   // by cell; null: none
 };
 
-// mesh_merge.cpp: unites the vertices of cell i with those of its neighbors of other groups, for each face whose other
-// side is a later cell or, of two faces that i has with itself, for one.
+// mesh_merge.cpp: unites the vertices of cell i with those of its neighbors in other groups. It visits each face whose
+// other side is a later cell, and one of two faces that i has with itself.
 class FaceMatcher {
 public:
     FaceMatcher(const Job& job, const Rows& rows, std::span<const std::byte* const> records,

@@ -119,8 +119,8 @@ std::uint32_t FaceMatcher::turn_by_distance(const Side& a, const Side& b, bool& 
     return best_turn;
 }
 
-// For a polygon so small that rounding spoils it: an edge of one is that edge of the other on whose line it lies, which
-// exact arithmetic tells of its two corners.
+// For a polygon smaller than rounding errors: an edge of one side equals the edge of the other side on the same line.
+// Exact arithmetic decides it from its two corners.
 std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Side& b, const exact::Shift& shift) const {
     const std::uint32_t count = a.count();
     const std::size_t i = a.seed;
@@ -151,8 +151,8 @@ exact::Shift FaceMatcher::wrapped(std::size_t i) const {
     return job_.domain->is_periodic() ? wrap(*job_.domain, point(i)).value_or(exact::Shift{}) : exact::Shift{};
 }
 
-// The plane of a face that cell i has, or that the cell has which lies `shift` away from it: on the plane between those
-// two, the bisectors of both with a third seed are one line.
+// Returns the plane of a face of cell i, or of the cell that lies `shift` away. On the plane between these two cells,
+// the bisectors of both with a third seed meet in one line.
 exact::Plane FaceMatcher::plane(std::size_t i, const FaceLabel& label, const exact::Shift& shift) const {
     const Domain& domain = *job_.domain;
     if (label.id < -6) return domain.walls[static_cast<std::size_t>(-7 - label.id)];

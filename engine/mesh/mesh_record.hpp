@@ -1,12 +1,11 @@
 // One cell as it waits for the mesh: its vertices, and the polygons of its row, packed into bytes.
 //
-// Vertices are numbered in order of first use, by the faces in the order of their labels, walls included; each polygon
-// begins with its edge to the face of least label. So records are facts of the diagram but for the last digits of
-// positions, and where each edge of a face has three cells, as usual, the two cells of the face begin at the same edge.
+// Vertices are numbered in order of first use, by the faces in the order of their labels, walls included. Each polygon
+// begins with its edge to the face of least label. So records depend on the diagram alone, except the last digits of
+// positions. Where each edge of a face has three cells, the two cells of the face begin at the same edge.
 //
-// Cells of a group have the vertices in common that the walk has handed from one to the other. Elsewhere a vertex is
-// there once for each group, and for each cell without one. Vertices stand beside the records: they are not needed as
-// long.
+// Cells of a group share the vertices that the walk handed from one to the other. Other vertices are stored once for
+// each group, and for each cell without a group. Vertices are stored beside the records, since they are freed earlier.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// A facet of a polytope of the dual is an edge of the mesh that ends at the polytope's vertex: the cells around it, in
-// turn. So this too asks no predicate.
+// A facet of a polytope of the dual is an edge of the mesh at the polytope's vertex. Its corners are the cells around
+// the edge, in turn. No predicate is needed.
 #include <algorithm>
 #include <tuple>
 
@@ -48,7 +48,7 @@ public:
     }
 
 private:
-    // Of the two faces of a cell that share an edge at the vertex, one leaves the vertex along it.
+    // Two faces of a cell share an edge at the vertex. One of them leaves the vertex along it.
     void add_steps(const Member& member) {
         const auto seed = at(member.seed);
         for (auto entry = at(r_.indptr[seed]); entry < at(r_.indptr[seed + 1]); ++entry) {

@@ -1,5 +1,5 @@
-// Sets of vertices that are one, but for a translation by whole box vectors: union-find (Galler and Fischer 1964) whose
-// links carry the translation. Sets are joined from many threads at once.
+// Sets of vertices that are equal except for a translation by whole box vectors: union-find (Galler and Fischer 1964)
+// with translations on the links. Many threads join sets at once.
 #pragma once
 
 #include <array>
@@ -54,7 +54,7 @@ public:
             if (root(vertex) != vertex) std::atomic_ref(words_[v]).store(pack(find(vertex)), std::memory_order_relaxed);
         }
     }
-    // When sets are flattened, these tell the root, and whether a vertex has been moved from it.
+    // After flatten(): the root of a vertex, and whether it is moved from the root.
     [[nodiscard]] std::uint32_t root(std::uint32_t vertex) { return static_cast<std::uint32_t>(load(vertex)); }
     [[nodiscard]] bool is_moved(std::uint32_t vertex) { return load(vertex) >> vertex_bits != no_shift; }
     // From any thread. Vertex a is vertex b moved by the shift.

@@ -10,8 +10,8 @@ namespace {
 
 using Vector = Division::Vector;
 
-// The terms of a share are products of a neighbor's distance and two corners. Their rounding adds up to less than so
-// much of the largest such product, and it may be so much of the volume of P.
+// The terms of a share are products of a neighbor's distance and two corners. `rounding` bounds the sum of their
+// errors, relative to the largest product. `accepted_error` is relative to the volume of P.
 constexpr double rounding = 0x1p-50, accepted_error = 0x1p-40;
 // Bisectors of neighbors whose distance is a smaller share of that of the farthest neighbor have lost digits.
 constexpr double min_apart = 0x1p-8;
@@ -81,8 +81,8 @@ void Division::add_moments(std::size_t a, std::size_t b, const Vector& v, const 
     }
 }
 
-// What b is to a: (2 R - a).across, with R on the plane between their parts, or on the wall b; the same R for all edges
-// of a face.
+// Returns (2 R - a).across, with R on the plane between the parts of a and b, or on the wall b. All edges of a face use
+// the same R.
 double Division::beyond(std::size_t a, std::size_t b, const Vector& across) {
     if (b == probe) {
         if (!weighted_) return 0;

@@ -1,14 +1,13 @@
-// The cell P of a probe, divided by the bisectors between its neighbors: how much of it each of them had before. Its
-// volumes are Sibson's natural-neighbor coordinates, over the volume of P (A vector identity for the Dirichlet
-// tessellation, Math. Proc. Camb. Phil. Soc. 87, 1980).
+// Divides the cell P of a probe by the bisectors between its neighbors. The part of a neighbor is the share of P that
+// its own cell had before. Part volumes over the volume of P are Sibson's natural-neighbor coordinates (A vector
+// identity for the Dirichlet tessellation, Math. Proc. Camb. Phil. Soc. 87, 1980).
 //
-// The volume of a part is a sum over the edges of its faces: V x W, for an edge from V to W counterclockwise around a
-// face, sums to twice the area vector A of the face, and A.R / 3 is the volume of the pyramid between it and the probe,
-// with R anywhere on the plane of the face. Where a and b are as near, R may be the middle (a + b) / 2: the area
-// vectors of a part sum to 0, so a drops out, and its volume is that of A.b / 6 summed over its faces. Without weights
-// an edge between the faces of a, b and c thus adds to three parts, and no face needs to be known. Edges come in any
-// order; lengths are relative to the probe. A wall that P reaches is a neighbor without a part: it bounds those of
-// others.
+// The volume of a part is a sum over the edges of its faces. For an edge from V to W, counterclockwise around a face,
+// V x W sums to twice the area vector A of the face. A.R / 3 is the volume of the pyramid between face and probe, with
+// R anywhere on the plane of the face. On the bisector of a and b, R may be the middle (a + b) / 2. The area vectors of
+// a part sum to 0, so a drops out, and the volume is the sum of A.b / 6 over its faces. Without weights an edge between
+// the faces of a, b and c adds to three parts, so no face needs to be known. Edges come in any order. Lengths are
+// relative to the probe. A wall of P is a neighbor without a part.
 #pragma once
 
 #include <algorithm>
@@ -43,10 +42,10 @@ public:
     [[nodiscard]] bool add_corner(std::size_t a, std::size_t b, std::size_t c, const Vector& x);
     // Returns how far x lies within the plane of a, times the length of its normal.
     [[nodiscard]] double residual(std::size_t a, const Vector& x) const { return h_[a] - along(a, x); }
-    // After all corners: the edges between them. False when one has no end.
+    // Adds the edges between all corners. Returns false when one has no end.
     [[nodiscard]] bool add_rims();
-    // An edge inside, as near to a, b and c, or on those of them that are walls; between walls it is an edge of P, too.
-    // direction(a, b, c) points from v to w.
+    // Adds an inner edge from v to w, along direction(a, b, c). It is equally near to a, b and c, or lies on walls
+    // among them. Between two walls it is also an edge of P.
     void add_inner(std::size_t a, std::size_t b, std::size_t c, const Vector& v, const Vector& w) {
         const Vector across = cross(v, w);
         if (weighted_ || is_wall(a) || is_wall(b) || is_wall(c)) return add_general(a, b, c, across);
@@ -73,7 +72,7 @@ public:
         std::size_t count;
     };
     [[nodiscard]] Normals normals() const { return {nx_.data(), ny_.data(), nz_.data(), count_}; }
-    // Along the line of points as near to a, which is no wall, b and c.
+    // Returns the direction of the points equally near to a, b and c, where a is not a wall.
     [[nodiscard]] Vector direction(std::size_t a, std::size_t b, std::size_t c) const;
 
 private:
@@ -93,7 +92,7 @@ private:
         }
         if (moments_) add_moments(a, b, v, w);
     }
-    // With weights or walls.
+    // Adds an edge when there are weights or walls.
     void add_general(std::size_t a, std::size_t b, std::size_t c, const Vector& across);
     [[nodiscard]] double beyond(std::size_t a, std::size_t b, const Vector& across);
     void add_moments(std::size_t a, std::size_t b, const Vector& v, const Vector& w);

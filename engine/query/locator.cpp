@@ -11,7 +11,7 @@ namespace votess::cpu {
 namespace {
 
 constexpr double unit = 0x1p-53, infinity = std::numeric_limits<double>::infinity();
-constexpr double tiny = 1e-290;  // more than what underflows in a square
+constexpr double tiny = 1e-290;  // above the underflow of a square
 
 // Squared distance of a point from a box.
 double distance_squared(const exact::Point& x, const Box& box) {
@@ -111,8 +111,8 @@ void Locator::try_group(std::size_t group) {
     }
 }
 
-// From box to box, each time to the one with the nearest middle of those that hold the point, or of all: the search
-// begins with a seed that is near.
+// Descends from box to box: into the box with the nearest center among those that hold the point, else among all. The
+// search then starts from a near seed.
 std::size_t Locator::group_near(const exact::Point& at) const {
     const Box here{at, at};
     std::size_t node = 0;
@@ -167,7 +167,7 @@ void Locator::push_far(const ImageNode& node) {
     if (distance_squared({}, images) <= reach_squared(weight)) far_.push_back(node);
 }
 
-// The images that are not among the seeds, for points from which the nearest seed is far.
+// Searches images that are not among the sorted seeds, for points far from every seed.
 void Locator::search_images() {
     const double known = std::max(0.0, seeds_.images->reach(at_) - 2 * rounding_);
     const double reach = reach_squared(hierarchy_.largest_weight(hierarchy_.top_level(), 0));

@@ -1,7 +1,7 @@
-// Which cell holds a point: that of the seed q with the least |x - q|^2 - w, of equals that with the lowest index.
+// Finds the cell that holds a point x: its seed q has the least |x - q|^2 - w. The lowest index wins a tie.
 //
-// Distances are rounded. Every seed whose bound reaches below the least upper bound is kept, and where these are
-// several, exact arithmetic compares them (exact::farther()).
+// Distances are rounded and have error bounds. Seeds that may be the nearest are candidates. Exact arithmetic compares
+// several candidates (exact::farther()).
 #pragma once
 
 #include <array>

@@ -144,8 +144,8 @@ void NaturalRows::give_parts(std::size_t k) {
     finish(k);
 }
 
-// Whether each corner is known to a small part of the distance of the farthest: it lies near its planes, and they meet
-// at no small angle.
+// Returns whether each corner is known to a small part of the farthest distance. Such a corner lies near its planes,
+// and they do not meet at a small angle.
 bool NaturalRows::knows_corners(double accepted_error) const {
     constexpr double rounding = 0x1p-53;
     double farthest_squared = 0;
@@ -237,7 +237,7 @@ void NaturalRows::finish(std::size_t k) {
 }
 
 // The gradients of weights follow from those of volumes, and sum to 0. Near a seed the terms of the largest weight
-// cancel, so that it takes what the others leave.
+// cancel. So its gradient is minus the sum of the others.
 void NaturalRows::add_gradients(double total) {
     if (entries_.empty()) return;
     Vector sum{}, left{};

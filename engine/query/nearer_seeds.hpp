@@ -30,8 +30,8 @@ public:
     // Adds a vertex of a part, relative to the probe. power: the squared distance of its seed, less the weight; error:
     // a bound on that of the place.
     void add_vertex(const std::array<double, 3>& x, double power, double error);
-    // Appends the seeds that may be nearer at some vertex, except those that are there. Returns false when images that
-    // are not among the sorted seeds may be nearer.
+    // Appends the seeds that may be nearer at some vertex, unless `members` has them. Returns false when images outside
+    // the sorted seeds may be nearer.
     [[nodiscard]] bool find(std::vector<Member>& members);
 
 private:

@@ -9,7 +9,7 @@
 namespace votess::cpu {
 namespace {
 
-// Of a volume, of the sum of all. Bounds count corners at their worst, errors are some hundred times smaller.
+// Accepted error of a volume, relative to the sum. Bounds are some hundred times larger than errors.
 constexpr double accepted_error = 0x1p-37;
 constexpr double accepted_of_moments = 0x1p-34;  // of a volume and an area, of themselves, where moments are wanted
 constexpr std::size_t min_faces = 4;

@@ -21,8 +21,7 @@ void Prober::begin_job(const Domain& domain, Star::Keep keep) {
     keep_ = keep;
 }
 
-// Returns how many of the probes lie near enough to the first to look around together: in a box no longer than what a
-// vertex reaches.
+// Returns how many probes share one window. They lie in a box near the first, no longer than the reach of a vertex.
 std::size_t Prober::look_around(std::span<const Probe> probes) {
     const double longest = star_->typical_reach();
     Box box{probes[0].place.at, probes[0].place.at};

@@ -11,7 +11,7 @@
 
 namespace votess::cpu {
 
-// What becomes of the cells; k: the number of a probe in its run.
+// Receives the cells. k: the number of a probe in its run.
 class ProbeSink {
 public:
     virtual ~ProbeSink() = default;

@@ -1,17 +1,17 @@
 // The division of a probe's cell, from the cell alone.
 //
-// Its edges begin at the vertices of the cell: where three neighbors a, b, c are as near as the probe, the points that
-// are as near to a, b and c lead inward, until a fourth, d, is as near. At such a vertex three more edges begin, each
-// without one of the four, and lead to other vertices. A wall takes part as a neighbor that is reached, not approached.
+// Its inner edges begin at the vertices of the cell, where three neighbors a, b, c are as near as the probe. The points
+// equally near to a, b and c lead inward until a fourth neighbor d is as near. At that vertex three more edges begin,
+// each without one of the four. A wall counts as a neighbor that the edge reaches.
 //
 // The walk runs in floating point and proves each vertex: it lies inside of all other planes by more than rounding may
 // have moved it. Where that fails, as on lattices, or where digits are lost, the caller divides with Parts.
 //
 // Margin. Let N be the length of the longest normal, R the distance of the farthest corner and H the largest height.
-// A residual h - n.x, of rounded n, h and x = from + t along, errs by less than 30 u (N R + H), and so the difference
-// of two by less than `rounding_` = 64 u (N R + H). A vertex x with residuals equal to within that solves M dx = r for
-// its distance dx from the true vertex, where the rows of M are three differences of normals: |dx| <= 12 N^2 rounding_
-// / |det M|. That changes other differences of residuals by 2 N |dx| at most.
+// A residual h - n.x of rounded n, h and x = from + t along errs by less than 30 u (N R + H). The difference of two
+// errs by less than `rounding_` = 64 u (N R + H). Let dx be the distance of a computed vertex from the true one. Then M
+// dx = r, where the rows of M are three differences of normals and |r| is within rounding_. So |dx| <= 12 N^2 rounding_
+// / |det M|. That changes other differences of residuals by at most 2 N |dx|.
 #pragma once
 
 #include <array>
@@ -65,7 +65,7 @@ private:
         std::uint32_t near;  // bits of these
         std::uint32_t done;  // of these, bit a: the edge that leaves a is known
         Vector x;
-        double excess;  // half of what the power of the neighbors exceeds that of the probe by
+        double excess;  // half of the power of the neighbors minus that of the probe
         double error;   // a bound, of x
         // By the edge of three of them; false when that is known.
         [[nodiscard]] bool reach(std::uint32_t three) {
@@ -91,7 +91,7 @@ private:
     std::size_t padded_ = 0;
     alignas(16) std::array<double, Division::max_neighbors> h_{}, approached_{};  // 1 for neighbors, 0 for walls
     alignas(16) std::array<double, Division::max_neighbors> far_{};               // 0 for neighbors, else never
-    // Of the last ray: the residuals where it begins, and what they lose along it.
+    // Of the last ray: the residuals at its start, and their decrease along it.
     alignas(16) std::array<double, Division::max_neighbors> left_{}, nearing_{};
     std::array<std::uint8_t, Division::max_neighbors> number_{};    // by plane of the shape
     double rounding_ = 0;                                           // of differences of residuals

@@ -198,8 +198,8 @@ bool GraphDivider::divide(const Probe& probe, bool moments, Division& out) {
     return find_first() && search(out) && !uncertain_ && out.add_rims() && out.finish();
 }
 
-// Where a wall cuts the cell, a vertex on the wall is swallowed: the swallowed vertices hang together beyond walls too,
-// and along an edge between two of them all points are nearer to the probe.
+// Where a wall cuts the cell, a vertex on the wall is swallowed. Swallowed vertices are connected beyond walls too, and
+// an edge between two of them is nearer to the probe everywhere.
 bool GraphDivider::search(Division& out) {
     // The three others of four cells: they turn so that their edge leads away.
     constexpr std::size_t others[4][3] = {{1, 3, 2}, {0, 2, 3}, {0, 3, 1}, {0, 1, 2}};

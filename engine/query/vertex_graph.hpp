@@ -1,9 +1,10 @@
-// The Voronoi vertices of the seeds, and the edges that lead from each to its four neighbors: the dual of the Delaunay
-// tetrahedra. The cell of a probe swallows the vertices that are nearer to the probe than to their seeds. They hang
-// together, so a search along the edges finds them all (Bowyer and Watson, The Computer Journal 24, 1981), and the
-// division of the cell with them: the edges between swallowed vertices lie inside, those to others end on its surface.
+// The Voronoi vertices of the seeds, and the edges from each to its four neighbors: the dual of the Delaunay
+// tetrahedra. The cell of a probe swallows the vertices that are nearer to the probe than to their seeds. Swallowed
+// vertices are connected, so a search along the edges finds them all (Bowyer and Watson, The Computer Journal 24,
+// 1981). Edges between them lie inside the cell, edges to others end on its surface.
 //
-// In floating point: where a sign is uncertain, the cell must be divided in another way.
+// The graph takes some 430 bytes a seed. It works in floating point: where a sign is uncertain, the caller divides the
+// cell in another way.
 #pragma once
 
 #include <array>

@@ -10,13 +10,13 @@
 
 namespace votess {
 
-// What a row names a face by; rows are ordered by it.
+// The name of a face in a row. Rows are ordered by it.
 struct FaceLabel {
     std::int32_t id = 0;  // of the neighbor, or a wall
     std::array<std::int8_t, 3> shift{};
 
     friend auto operator<=>(const FaceLabel&, const FaceLabel&) = default;
-    // What the neighbor behind the face calls the same face, when this is a label of cell i.
+    // Returns the label of the same face in the row of the neighbor, if this is a label of cell i.
     [[nodiscard]] FaceLabel seen_from_behind(std::size_t i) const {
         FaceLabel back{static_cast<std::int32_t>(i), {}};
         for (std::size_t k = 0; k < 3; ++k) back.shift[k] = static_cast<std::int8_t>(-shift[k]);

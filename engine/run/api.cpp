@@ -135,17 +135,17 @@ void log(const Options& options, const std::string& line) {
 }
 
 // Allows one call at a time. It is a flag, not a mutex, because the second call may come from a callback of the first.
-class Turn {
+class CallGuard {
 public:
-    explicit Turn(detail::TessellatorState& state) : at_work_(state.at_work) {
+    explicit CallGuard(detail::TessellatorState& state) : at_work_(state.at_work) {
         if (at_work_.test_and_set(std::memory_order_acquire))
             throw Error(ErrorCode::invalid_use,
                         "this Tessellator is in use by another call, or was when fork() made this process: use one "
                         "for each thread, and none of them in its own callbacks");
     }
-    ~Turn() { at_work_.clear(std::memory_order_release); }
-    Turn(const Turn&) = delete;
-    Turn& operator=(const Turn&) = delete;
+    ~CallGuard() { at_work_.clear(std::memory_order_release); }
+    CallGuard(const CallGuard&) = delete;
+    CallGuard& operator=(const CallGuard&) = delete;
 
 private:
     std::atomic_flag& at_work_;
@@ -155,7 +155,7 @@ private:
 Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
     detail::TessellatorState& state = *shared;
-    const Turn turn(state);
+    const CallGuard turn(state);
     try {
         auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
         const Stats& s = result->stats;
