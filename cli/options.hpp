@@ -5,7 +5,6 @@
 // engine and Python. A new option is one row, a run of tools/options.py, its use in the engine, and its test.
 #pragma once
 
-#include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -15,32 +14,16 @@
 
 namespace clvotess {
 
-// Options of the library that are one flag, number, word or text: the member of votess::Options, the default and the
-// greatest value; the least is 0. Words are those in Option::names, in the order of the enumerators; the first is the
-// default.
-struct Flag {
-    bool votess::Options::*member;
-};
-struct Count {
-    unsigned votess::Options::*member = nullptr;
-    unsigned start = 0, max = std::numeric_limits<std::uint32_t>::max();
-};
-struct Number {
-    double votess::Options::*member = nullptr;
-    double start = 0, max = std::numeric_limits<double>::infinity();
-};
+// Members of votess::Options for options that are one flag, number, word or text. Words have the order of the
+// enumerators.
+using Flag = bool votess::Options::*;
+using Count = unsigned votess::Options::*;
+using Number = double votess::Options::*;
+using Text = std::string votess::Options::*;
 template <class Enum>
-struct Word {
-    Enum votess::Options::*member;
-};
-template <class Enum>
-Word(Enum votess::Options::*) -> Word<Enum>;
-struct Text {
-    std::string votess::Options::*member;
-    std::string_view start = {};
-};
-using Value = std::variant<std::monostate, Flag, Count, Number, Text, Word<votess::Outside>, Word<votess::Duplicates>,
-                           Word<votess::Precision>>;
+using Word = Enum votess::Options::*;
+using Member = std::variant<std::monostate, Flag, Count, Number, Text, Word<votess::Outside>, Word<votess::Duplicates>,
+                            Word<votess::Precision>>;
 
 // What an option needs. Queries compute no cells. --memory never holds all cells or points, and ranks hold neither on
 // one machine: clvotess-mpi refuses what follows `cells`.
@@ -48,8 +31,10 @@ enum class Needs { nothing, cells, all_cells, all_points, one_machine };
 
 struct Traits {
     std::string_view brief = {};  // for --help; "" leaves the option out
-    std::string_view unit = {};   // of the value
-    Value value = {};
+    Member member = {};
+    std::string_view start = {};                           // default; "" is 0 or an empty text
+    double max = std::numeric_limits<double>::infinity();  // of a number; the least is 0
+    std::string_view unit = {};                            // of a number
     Needs needs = Needs::nothing;
     std::string_view with = {};  // an option that must be there too, or some to choose from with | between
     bool repeats = false;        // may be given several times

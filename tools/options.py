@@ -70,15 +70,15 @@ def read_table():
     """Returns the rows that state a value: &Options::... in the table."""
     source = (ROOT / "cli/options.cpp").read_text()
     rows = []
-    for chunk in re.finditer(r'\{"([^"]+)",\s*R"\(((?:(?!\)").)*)\)",\s*\{([^{}]*)\.value = (\w+)[^{]*\{(?:\.member = )?'
-                             r"&Options::(\w+)([^}]*)\}", source, re.S):
-        names, text, traits, kind, name, value = chunk.groups()
+    for chunk in re.finditer(r'\{"([^"]+)",\s*R"\(((?:(?!\)").)*)\)",\s*\{([^{}]*\.member = (\w+)[^(]*\(&Options::(\w+)[^{}]*)\}',
+                             source, re.S):
+        names, text, traits, kind, name = chunk.groups()
         text = " ".join(text.split()).replace("an index of --list-devices", "the id of one of devices()")
         text = re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), text)
-        notes = re.findall(r'\.unit = "([^"]*)"', traits) + [f"at most {max}" for max in re.findall(r"\.max = (\w+)", value)]
+        notes = re.findall(r'\.unit = "([^"]*)"', traits) + [f"at most {max}" for max in re.findall(r"\.max = (\w+)", traits)]
         words = names.split()[-1].split("|") if kind == "Word" else []
-        given = dict(re.findall(r'\.(start|max) = "?([^",\s]+)', value))
-        start = {"Flag": "false", "Text": ""}.get(kind, words[0] if words else "0")
+        given = dict(re.findall(r'\.(start|max) = "?([^",\s]+)', traits))
+        start = {"Flag": "false", "Text": ""}.get(kind, "0")
         heading = re.findall(r'\{"", "(\w+)', source[: chunk.start()])[-1]
         rows.append(Row(name, kind, text + (f" ({', '.join(notes)})" if notes else ""), words, given.get("start", start),
                         given.get("max", "infinity" if kind == "Number" else "4294967295"),

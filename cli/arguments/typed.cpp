@@ -140,10 +140,10 @@ int Typed::word_index(std::string_view name) const {
 void Typed::read_members(votess::Options& options) const {
     each_option([&](const Option& option) {
         const std::string name = long_name(option);
-        const auto read = [&](const auto& member) {
-            if constexpr (requires { member.member; }) read_one(*this, name, options.*member.member);
+        const auto read = [&](auto member) {
+            if constexpr (!std::is_same_v<decltype(member), std::monostate>) read_one(*this, name, options.*member);
         };
-        if (option.traits.value.index() != 0 && has(name)) std::visit(read, option.traits.value);
+        if (has(name)) std::visit(read, option.traits.member);
     });
 }
 

@@ -1,6 +1,7 @@
 #include "help/help.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 #include <votess/version.hpp>
 
@@ -61,18 +62,8 @@ void add_row(std::string& page, std::string_view names, std::string_view text) {
 std::string text_of(const Option& option) {
     std::string notes(option.traits.unit);
     const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : ", ") + text; };
-    const Value& value = option.traits.value;
-    if (const auto* count = std::get_if<Count>(&value)) {
-        note("default " + std::to_string(count->start));
-        if (count->max != Count{}.max) note("at most " + std::to_string(count->max));
-    } else if (const auto* number = std::get_if<Number>(&value)) {
-        note("default " + to_text(number->start));
-        if (number->max != Number{}.max) note("at most " + to_text(number->max));
-    } else if (const auto* text = std::get_if<Text>(&value)) {
-        if (!text->start.empty()) note("default " + std::string(text->start));
-    } else if (value.index() > 0 && !words_of(option).empty()) {
-        note("default " + std::string(words_of(option).front()));
-    }
+    if (!option.traits.start.empty()) note("default " + std::string(option.traits.start));
+    if (std::isfinite(option.traits.max)) note("at most " + to_text(option.traits.max));
     std::string text(option.text);
     if (notes.empty()) return text;
     const bool fits = text.size() - (text.rfind('\n') + 1) + notes.size() + 3 <= text_width;
