@@ -10,29 +10,6 @@
 namespace clvotess {
 namespace {
 
-template <class Value>
-struct Word {
-    std::string_view word;
-    Value value;
-};
-
-constexpr Word<votess::Cut> cuts[] = {{"corner", votess::Cut::corner},
-                                      {"half", votess::Cut::half},
-                                      {"cells", votess::Cut::cells},
-                                      {"none", votess::Cut::none}};
-constexpr Word<votess::Colormap> colormaps[] = {
-    {"tide", votess::Colormap::tide}, {"ember", votess::Colormap::ember}, {"gray", votess::Colormap::gray}};
-
-template <class Value, std::size_t n>
-const Word<Value>& find_word(const char* option, const Word<Value> (&words)[n], const std::string& text) {
-    std::string known;
-    for (std::size_t i = 0; i < n; ++i) {
-        if (words[i].word == text) return words[i];
-        known += std::string(i == 0 ? "" : i + 1 == n ? " or " : ", ") + std::string(words[i].word);
-    }
-    throw bad_input(std::string(option) + " must be " + known + ", not " + in_quotes(text));
-}
-
 votess::Slice read_slice(const std::string& text) {
     const auto value = text.size() > 2 && text[1] == '=' ? read_double(std::string_view(text).substr(2)) : std::nullopt;
     if (!value || text[0] < 'x' || text[0] > 'z') {
@@ -84,38 +61,29 @@ void check_file(const std::string& file, const std::string& input, const std::ve
 
 }  // namespace
 
-Coloring read_coloring(const TypedPicture& typed) {
+Coloring read_coloring(const Typed& typed) {
     Coloring coloring;
-    if (typed.color) coloring.column = *typed.color;
-    if (typed.colormap) coloring.colormap = find_word("--colormap", colormaps, *typed.colormap).value;
+    if (const std::string* column = typed.value("--color")) coloring.column = *column;
+    typed.read_word("--colormap", coloring.colormap);
     return coloring;
 }
 
-std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
+std::optional<PictureArguments> read_picture(const Typed& typed, const std::string& input,
                                              const std::vector<std::string>& outputs) {
-    if (!typed.image) {
-        const char* alone = typed.slice   ? "--slice"
-                            : typed.size  ? "--image-size"
-                            : typed.cut   ? "--cut"
-                            : typed.view  ? "--view"
-                            : typed.seeds ? "--seeds"
-                                          : nullptr;
-        if (alone != nullptr) throw bad_input(std::string(alone) + " is for a picture: add --image FILE.png");
-        return {};
-    }
-    if (typed.slice && (typed.cut || typed.view)) {
-        throw bad_input(std::string(typed.cut ? "--cut" : "--view") + " is for a picture in space, not for a --slice");
-    }
-    if (typed.seeds && !typed.slice) throw bad_input("--seeds shows the points near a plane: add --slice");
+    if (!typed.has("--image")) return {};
+    const std::string* slice = typed.value("--slice");
+    for (const std::string option : {"--cut", "--view"})
+        if (slice && typed.has(option)) throw bad_input(option + " is for a picture in space, not for a --slice");
+    if (typed.has("--seeds") && !slice) throw bad_input("--seeds shows the points near a plane: add --slice");
     PictureArguments picture;
-    picture.file = *typed.image;
+    picture.file = *typed.value("--image");
     check_file(picture.file, input, outputs);
     votess::PictureOptions& options = picture.options;
-    if (typed.slice) options.slice = read_slice(*typed.slice);
-    if (typed.size) read_size(*typed.size, options);
-    if (typed.cut) options.cut = find_word("--cut", cuts, *typed.cut).value;
-    if (typed.view) read_view(*typed.view, options);
-    options.seeds = typed.seeds;
+    if (slice) options.slice = read_slice(*slice);
+    if (const std::string* size = typed.value("--image-size")) read_size(*size, options);
+    typed.read_word("--cut", options.cut);
+    if (const std::string* view = typed.value("--view")) read_view(*view, options);
+    options.seeds = typed.has("--seeds");
     return picture;
 }
 

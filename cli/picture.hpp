@@ -6,6 +6,7 @@
 #include <vector>
 #include <votess/picture.hpp>
 
+#include "arguments/typed.hpp"
 #include "coloring.hpp"
 
 namespace clvotess {
@@ -15,17 +16,11 @@ struct PictureArguments {
     votess::PictureOptions options;  // without values and colors
 };
 
-// Options as typed.
-struct TypedPicture {
-    std::optional<std::string> image, slice, size, color, colormap, cut, view;
-    bool seeds = false;
-};
+// --color and --colormap.
+[[nodiscard]] Coloring read_coloring(const Typed& typed);
 
-// Reads --color and --colormap.
-[[nodiscard]] Coloring read_coloring(const TypedPicture& typed);
-
-// Returns nothing without --image. Throws Failure when the file is also another file of the run.
-[[nodiscard]] std::optional<PictureArguments> read_picture(const TypedPicture& typed, const std::string& input,
+// Returns nothing without --image. It checks the file's name against the other files of the run.
+[[nodiscard]] std::optional<PictureArguments> read_picture(const Typed& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
 
 // Returns the bytes of the PNG file. The tessellation must hold faces and the arrays of the coloring.

@@ -3,12 +3,14 @@
 
 #include <array>
 #include <cstdint>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
 #include <votess/diagram.hpp>
 #include <votess/votess.hpp>
 
+#include "options.hpp"
 #include "picture.hpp"
 #include "read/input.hpp"
 #include "write/text_format.hpp"
@@ -44,6 +46,11 @@ struct Arguments {
     bool verify = false;
     bool json = false;
     bool quiet = false;
+
+    std::vector<const Option*> given;  // on the command line, in the order of the table
+    // Returns the first of them that needs one of these; null if none does.
+    [[nodiscard]] const Option* find_needing(std::initializer_list<Needs> needs,
+                                             const std::vector<std::string>& except = {}) const;
 
     // Text to print instead of a run, for --help, --version and the like.
     std::string answer;

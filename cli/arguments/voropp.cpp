@@ -91,7 +91,7 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
     // The box and the file follow the options.
     if (words.left() != 6) {
         throw bad_input("--voro++: from " + in_quotes(word) + " on there are " + std::to_string(words.left() + 1) +
-                        " words, not the six numbers of the box and the file: " + std::string(expected));
+                        " words, 7 expected, the numbers of the box and the file: " + std::string(expected));
     }
     const auto first = read_double(word);
     if (!first)

@@ -1,11 +1,13 @@
 #include "help/help.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 #include <votess/version.hpp>
 
 #include "failure.hpp"
-#include "help/options_table.hpp"
+#include "files/numbers.hpp"
+#include "options.hpp"
 
 namespace clvotess {
 namespace {
@@ -21,16 +23,16 @@ constexpr std::string_view ending =
 
 exit codes: 0 done, 1 run-time failure (device lost, disk full, out of memory,
             fewer threads than -t requests),
-            2 bad usage or input, or a device that is not there,
+            2 bad usage or input, or a missing device,
             3 verification failed, 130 stopped by Ctrl-C
 
 example: the volume and the neighbors of each of a million random points
   clvotess --random 1e6 -o cells.txt --format "%i %q %v %n"
 )";
 
-constexpr std::size_t text_column = 25;
+constexpr std::size_t text_column = 25, text_width = 75;
 
-// Returns the text with every line except the first indented.
+// Adds a text, indented from its second line on.
 void add_lines(std::string& page, std::string_view text) {
     for (;;) {
         const auto end = text.find('\n');
@@ -56,31 +58,19 @@ void add_row(std::string& page, std::string_view names, std::string_view text) {
     add_lines(page, text);
 }
 
-// Returns the names of an option without its value: "-o" and "--output".
-std::vector<std::string_view> names_of(const HelpRow& row) {
-    std::vector<std::string_view> names;
-    std::string_view rest = row.names;
-    while (rest.starts_with('-')) {
-        const auto end = rest.find_first_of(", ");
-        names.push_back(rest.substr(0, end));
-        rest.remove_prefix(end == std::string_view::npos ? rest.size() : rest.find_first_not_of(", ", end));
-    }
-    return names;
+// Returns the text with default, range and unit: "... (length unit squared, default 0)".
+std::string text_of(const Option& option) {
+    std::string notes(option.traits.unit);
+    const auto note = [&](const std::string& text) { notes += (notes.empty() ? "" : ", ") + text; };
+    if (!option.traits.start.empty()) note("default " + std::string(option.traits.start));
+    if (std::isfinite(option.traits.max)) note("at most " + to_text(option.traits.max));
+    std::string text(option.text);
+    if (notes.empty()) return text;
+    const bool fits = text.size() - (text.rfind('\n') + 1) + notes.size() + 3 <= text_width;
+    return text + (fits ? " (" : "\n(") + notes + ")";
 }
 
-// Returns the words that an option accepts, with blanks between them; "" for other values.
-std::string words_of(const HelpRow& row) {
-    const auto blank = row.names.rfind(' ');
-    std::string words(blank == std::string_view::npos ? "" : row.names.substr(blank + 1));
-    if (words.starts_with('[')) words = words.substr(1, words.size() - 2);
-    if (words.find('|') == std::string::npos) return "";
-    for (char& c : words) {
-        if (c == '|') c = ' ';
-    }
-    return words;
-}
-
-// Returns text for roff: backslashes and minus signs are escaped, and no line begins with a command.
+// Adds text to a manual page: backslashes and minus signs get a backslash, and no line begins with a command.
 void add_roff(std::string& page, std::string_view text) {
     bool line_begins = true;
     for (const char c : text) {
@@ -91,22 +81,22 @@ void add_roff(std::string& page, std::string_view text) {
     }
 }
 
-template <typename Use>
-void each_row(Use use) {
-    for (const HelpSection& section : help_sections()) {
-        for (const HelpRow& row : section.rows) use(row);
-    }
+// Returns the words that an option takes, with blanks between; "" if its value is not a word.
+std::string joined_words(const Option& option) {
+    std::string joined;
+    for (const std::string_view word : words_of(option)) add_name(joined, word);
+    return joined;
 }
 
 std::string bash_completion() {
     std::string all, cases;
-    each_row([&](const HelpRow& row) {
+    each_option([&](const Option& option) {
         std::string pattern;
-        for (const std::string_view name : names_of(row)) {
+        for (const std::string_view name : names_of(option)) {
             all.append(" ").append(name);
             pattern.append(pattern.empty() ? "" : "|").append(name);
         }
-        const std::string words = words_of(row);
+        const std::string words = joined_words(option);
         if (!words.empty()) {
             cases += "        " + pattern + ") COMPREPLY=($(compgen -W \"" + words + "\" -- \"$word\")); return ;;\n";
         }
@@ -132,14 +122,14 @@ std::string zsh_completion() {
 
 std::string fish_completion() {
     std::string lines;
-    each_row([&](const HelpRow& row) {
-        const auto names = names_of(row);
+    each_option([&](const Option& option) {
+        const auto names = names_of(option);
         if (names.empty()) return;
         lines += "complete -c clvotess";
         for (const std::string_view name : names) {
             lines.append(name.starts_with("--") ? " -l " : " -s ").append(name.substr(name.find_first_not_of('-')));
         }
-        const std::string words = words_of(row);
+        const std::string words = joined_words(option);
         if (!words.empty()) lines += " -x -a \"" + words + "\"";
         lines += '\n';
     });
@@ -151,52 +141,39 @@ std::string fish_completion() {
 std::string usual_help() {
     std::string page;
     page.append(title).append(usage).append("\n");
-    each_row([&](const HelpRow& row) {
-        if (!row.brief.empty()) add_row(page, row.names, row.brief);
+    each_option([&](const Option& option) {
+        if (!option.traits.brief.empty()) add_row(page, option.names, option.traits.brief);
     });
     return page + "\nclvotess --help-all lists every option in detail.\n";
 }
 
 std::string whole_help() {
     std::string page;
-    page.append(title).append(usage).append("\n");
-    for (const HelpSection& section : help_sections()) {
-        page.append(section.heading).append("\n");
-        for (const HelpRow& row : section.rows) add_row(page, row.names, row.text);
-        page += '\n';
+    page.append(title).append(usage);
+    for (const Option& option : option_table()) {
+        if (option.names.empty())
+            page.append("\n").append(option.text).append("\n");
+        else
+            add_row(page, option.names, text_of(option));
     }
-    return page.append(ending);
+    return page.append("\n").append(ending);
 }
 
 std::string manual_page() {
     std::string page = ".TH CLVOTESS 1 \"\" \"votess " VOTESS_VERSION_STRING
                        "\"\n.SH NAME\nclvotess \\- exact 3D Voronoi tessellation\n.SH SYNOPSIS\n.nf\n";
     add_roff(page, usage);
-    page += ".fi\n";
-    for (const HelpSection& section : help_sections()) {
-        page += ".SH \"";
-        add_roff(page, section.heading);
-        page += "\"\n.nf\n";
-        for (const HelpRow& row : section.rows) {
-            page += ".B \"";
-            add_roff(page, row.names);
-            page += "\"\n.RS\n";
-            add_roff(page, row.text);
-            page += "\n.RE\n";
-        }
-        page += ".fi\n";
+    for (const Option& option : option_table()) {
+        page += option.names.empty() ? ".fi\n.SH \"" : ".B \"";
+        add_roff(page, option.names.empty() ? option.text : option.names);
+        page += option.names.empty() ? "\"\n.nf\n" : "\"\n.RS\n";
+        if (option.names.empty()) continue;
+        add_roff(page, text_of(option));
+        page += "\n.RE\n";
     }
-    page += ".SH NOTES\n.nf\n";
+    page += ".fi\n.SH NOTES\n.nf\n";
     add_roff(page, ending);
     return page + ".fi\n";
-}
-
-std::string_view usage_of(std::string_view option) {
-    std::string_view usage;
-    each_row([&](const HelpRow& row) {
-        if (std::ranges::count(names_of(row), option) > 0) usage = row.names;
-    });
-    return usage;
 }
 
 std::string completion(const std::string& shell) {

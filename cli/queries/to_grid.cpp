@@ -14,8 +14,6 @@
 namespace clvotess {
 namespace {
 
-constexpr std::array<const char*, 4> methods{"mean", "dtfe", "nearest", "sibson"};  // as votess::GridMethod
-
 std::array<std::size_t, 3> read_shape(const std::string& text) {
     std::array<std::size_t, 3> shape{};
     std::size_t begin = 0, numbers = 0;
@@ -59,20 +57,14 @@ std::string summary(const Arguments& arguments, const GridOutput& grid, std::siz
 
 }  // namespace
 
-votess::GridOptions read_grid(const TypedGrid& typed, bool has_values) {
+votess::GridOptions read_grid(const Typed& typed) {
     votess::GridOptions grid;
-    const auto method = std::ranges::find(methods, *typed.method);
-    if (method == methods.end())
-        throw bad_input("--to-grid must be mean, dtfe, nearest or sibson, not " + in_quotes(*typed.method));
-    grid.method = static_cast<votess::GridMethod>(method - methods.begin());
-    if (!typed.shape) throw bad_input("--to-grid needs the number of grid cells: add --shape NX,NY,NZ");
-    grid.shape = read_shape(*typed.shape);
-    if (!has_values && grid.method != votess::GridMethod::dtfe)
-        throw bad_input("--to-grid " + *typed.method + " needs a field: add --values COLUMN");
-    if (!typed.project) return grid;
-    if (*typed.project != "x" && *typed.project != "y" && *typed.project != "z")
-        throw bad_input("--project must be x, y or z, not " + in_quotes(*typed.project));
-    grid.project = (*typed.project)[0] - 'x';
+    typed.read_word("--to-grid", grid.method);
+    if (!typed.has("--shape")) throw bad_input("--to-grid needs the number of grid cells: add --shape NX,NY,NZ");
+    grid.shape = read_shape(*typed.value("--shape"));
+    if (!typed.has("--values") && grid.method != votess::GridMethod::dtfe)
+        throw bad_input("--to-grid " + *typed.value("--to-grid") + " needs a field: add --values COLUMN");
+    if (typed.has("--project")) typed.read_word("--project", grid.project.emplace());
     return grid;
 }
 
@@ -116,8 +108,12 @@ std::string run_to_grid(const Arguments& arguments) {
     });
     options.progress = nullptr;
 
-    const GridOutput grid{numbers,          options, methods.at(static_cast<std::size_t>(options.method)),
-                          std::move(names), domain,  input.domain_from};
+    const GridOutput grid{numbers,
+                          options,
+                          std::string(words_of(*find_option("--to-grid")).at(static_cast<std::size_t>(options.method))),
+                          std::move(names),
+                          domain,
+                          input.domain_from};
     const InterruptGuard guard;
     std::deque<OutputFile> files;
     for (const std::string& path : arguments.outputs) {

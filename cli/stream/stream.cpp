@@ -334,12 +334,16 @@ std::uint64_t memory_for_library(std::uint64_t memory) {
 
 }  // namespace
 
-void read_memory(const std::optional<std::string>& memory, const std::optional<std::string>& temporary,
-                 Arguments& arguments) {
-    if (temporary && !memory) throw bad_input("--temporary goes with --memory SIZE only");
-    if (temporary && temporary->empty()) throw bad_input("--temporary is empty: give a folder");
-    if (memory) arguments.memory = bytes_of(*memory);
-    if (temporary) arguments.temporary = *temporary;
+void read_memory(const Typed& typed, Arguments& arguments) {
+    if (const std::string* size = typed.value("--memory")) arguments.memory = bytes_of(*size);
+    if (const std::string* folder = typed.value("--temporary")) {
+        if (folder->empty()) throw bad_input("--temporary is empty: give a folder");
+        arguments.temporary = *folder;
+    }
+    if (arguments.memory == 0) return;
+    if (const Option* option = arguments.find_needing({Needs::all_cells, Needs::all_points}))
+        throw bad_input("--memory does not work with " + long_name(*option) +
+                        ": it needs all points or cells at once; leave one out");
 }
 
 void check_streamed(const Arguments& arguments) {
@@ -354,12 +358,9 @@ void check_streamed(const Arguments& arguments) {
             refuse("-o " + path, "pieces can only be written to .h5; name the file .h5");
     if (arguments.wanted.vertices || arguments.wanted.faces)
         refuse("vertices or faces", "cells of several blocks share vertices; leave them out");
-    if (options.min_face > 0 || options.min_area > 0)
-        refuse("--min-face or --min-area", "it needs the faces of all cells at once; leave it out");
     if (options.duplicates == votess::Duplicates::error)
         refuse("--duplicates error",
                "duplicates are known only at the end; leave it out and read duplicate_of in the output");
-    if (arguments.picture) refuse("--image", "a picture needs all cells at once; leave it out");
 }
 
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {

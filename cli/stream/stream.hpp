@@ -1,7 +1,6 @@
 // --memory: points larger than memory, read and written in pieces.
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "arguments/arguments.hpp"
@@ -10,9 +9,8 @@
 
 namespace clvotess {
 
-// Reads --memory and --temporary. Throws Failure.
-void read_memory(const std::optional<std::string>& memory, const std::optional<std::string>& temporary,
-                 Arguments& arguments);
+// Reads --memory and --temporary. Throws Failure, also for options that --memory cannot serve.
+void read_memory(const Typed& typed, Arguments& arguments);
 
 // Throws Failure for arguments that do not work in pieces.
 void check_streamed(const Arguments& arguments);

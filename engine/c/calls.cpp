@@ -1,4 +1,4 @@
-// Calls that work: tessellate, the dual, verify, and the devices.
+// Tessellations, Delaunay duals, verify, round walls, devices.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -31,7 +31,7 @@ template <typename Element>
 const Element* expose(const votess_delaunay* delaunay, std::size_t* length,
                       std::vector<Element> votess::Delaunay::*array) noexcept {
     if (delaunay == nullptr) set_last_error("delaunay is NULL");
-    return hand_out<Element>(
+    return expose_span<Element>(
         delaunay == nullptr ? std::span<const Element>() : std::span<const Element>(delaunay->delaunay.*array), length);
 }
 
@@ -179,7 +179,7 @@ votess_status votess_value_colors(const double* values, size_t count, int32_t co
         require_array(rgb, count, "rgb", "count");
         if (colormap < 0 || colormap > 2) {
             throw votess::Error(votess::ErrorCode::invalid_argument,
-                                "colormap = " + std::to_string(colormap) + ": it is 0 tide, 1 ember or 2 gray");
+                                "colormap = " + std::to_string(colormap) + ": give 0 (tide), 1 (ember) or 2 (gray)");
         }
         votess::PictureOptions options;
         options.values = std::span(values, count);

@@ -1,4 +1,4 @@
-// Seeds that stay, and what they are asked.
+// Diagrams and their queries.
 #include <algorithm>
 #include <limits>
 
@@ -13,13 +13,13 @@ static_assert(same(VOTESS_GRID_DTFE, votess::GridMethod::dtfe));
 static_assert(same(VOTESS_GRID_NEAREST, votess::GridMethod::nearest));
 static_assert(same(VOTESS_GRID_SIBSON, votess::GridMethod::sibson));
 
-// Of a grid as large as can be where there is no such number.
+// Returns the size of the grid; the largest array there can be if it overflows.
 std::size_t size_of(const votess::GridOptions& options) {
-    constexpr std::size_t most = std::numeric_limits<std::size_t>::max() / sizeof(double);
+    constexpr std::size_t max = std::numeric_limits<std::size_t>::max() / sizeof(double);
     std::size_t size = options.columns;
     for (int k = 0; k < 3; ++k) {
         const std::size_t along = k == options.project ? 1 : options.shape[static_cast<std::size_t>(k)];
-        size = along > 0 && size > most / along ? most : size * along;
+        size = along > 0 && size > max / along ? max : size * along;
     }
     return size;
 }

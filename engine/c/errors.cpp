@@ -21,8 +21,7 @@ static_assert(same(VOTESS_ERROR_NO_THREADS, ErrorCode::no_threads));
 constexpr std::uint64_t max_elements = 2147483647;
 constexpr std::uint64_t addressable = std::numeric_limits<std::uint64_t>::max() / (3 * sizeof(double));
 
-// The last failure of each thread: thread-local, so that no thread sees or changes another's, and of fixed size, so
-// that telling of exhausted memory takes none.
+// The last failure of each thread. Of fixed size, so that a report of exhausted memory takes none.
 thread_local char last_error[1024] = "";
 
 }  // namespace

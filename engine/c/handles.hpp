@@ -1,4 +1,4 @@
-// What the files of the C interface share: its handles, the wall that no exception passes, and the last error.
+// Handles of the C interface, the catch of all exceptions, and the last error.
 #pragma once
 
 #include <votess/votess.h>
@@ -28,7 +28,7 @@ struct votess_delaunay {
 
 struct votess_diagram {
     votess::Diagram diagram;
-    votess::ProgressCallback progress;  // of its queries
+    votess::ProgressCallback progress;  // for its queries
 };
 
 struct votess_natural {
@@ -43,10 +43,9 @@ constexpr bool same(int c_value, Enum value) {
     return c_value == static_cast<int>(value);
 }
 
-// Copies what fits, never half a UTF-8 character.
+// Copies the part that fits, without half a UTF-8 character.
 void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
-// libvotess shows what VOTESS_API marks here to libvotess_mpi of the same version, whose C interface shares the last
-// error.
+// libvotess exports the functions with VOTESS_API to libvotess_mpi of the same version, which shares the last error.
 VOTESS_API void set_last_error(std::string_view message) noexcept;
 VOTESS_API void set_internal_error(const char* message) noexcept;
 
@@ -54,7 +53,7 @@ VOTESS_API void set_internal_error(const char* message) noexcept;
 VOTESS_API void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
 
-// Where a function of the C interface writes what verify() reports; see votess_verify.
+// Where the report of verify() goes; see votess_verify.
 struct ReportOut {
     int* passed;
     std::uint32_t* skipped;
@@ -62,7 +61,7 @@ struct ReportOut {
     char* failure;
     std::size_t failure_size;
 };
-// Refuses what is NULL and must not be, and writes that nothing has passed.
+// Refuses pointers that must not be NULL, and writes "not passed".
 VOTESS_API void begin_report(const ReportOut& out);
 VOTESS_API void write_report(const VerifyReport& report, const ReportOut& out);
 [[nodiscard]] inline VerifyOptions verify_options(std::size_t sample, std::uint64_t rng_seed) {
@@ -74,16 +73,16 @@ VOTESS_API void write_report(const VerifyReport& report, const ReportOut& out);
 
 VOTESS_API void require_struct_size(std::size_t size, std::size_t smallest, const char* name, const char* remedy);
 
-// bits: VOTESS_WANT_*. name: for the message that refuses others.
+// bits: VOTESS_WANT_*. name: for messages.
 [[nodiscard]] Want convert_want(std::uint32_t bits, const std::string& name);
-// given: NULL for the defaults. count: how many numbers weights and radii hold.
+// given: NULL for the defaults. count: length of weights and radii.
 [[nodiscard]] VOTESS_API Options convert_options(const votess_options* given, std::size_t count);
 
-// Its size, as the caller set it.
+// Checks struct_size.
 void check_stats(const votess_stats& out);
 void write_stats(const Stats& stats, votess_stats& out);
 
-// Refuses an array that is NULL but has elements, and more elements than any function takes at once.
+// Refuses an array that is NULL but has elements, and more elements than any function takes.
 VOTESS_API void require_array(const void* array, std::uint64_t count, const char* name, const char* count_name);
 
 template <typename Coordinate>
@@ -93,7 +92,7 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
     return {points, 3 * count};
 }
 
-// Calls a function of the caller. What it throws ends the call, in the name of the callback.
+// Calls a callback. An exception of the callback becomes an error that names it.
 template <typename Function>
 auto call_back(const char* name, const Function& function) {
     const std::string threw = std::string("the callback ") + name + " threw ";
@@ -102,7 +101,7 @@ auto call_back(const char* name, const Function& function) {
     } catch (const std::exception& error) {
         throw Error(ErrorCode::cancelled, threw + "an exception: " + error.what());
     } catch (...) {
-        throw Error(ErrorCode::cancelled, threw + "what is no std::exception");
+        throw Error(ErrorCode::cancelled, threw + "an exception of unknown type");
     }
 }
 
@@ -126,9 +125,9 @@ votess_status guarded(Function&& function) noexcept {
     }
 }
 
-// Sets *length, which may be NULL; NULL when there are no elements.
+// Sets *length, which may be NULL. Returns NULL if there are no elements.
 template <typename Element>
-const Element* hand_out(std::span<const Element> elements, std::size_t* length) noexcept {
+const Element* expose_span(std::span<const Element> elements, std::size_t* length) noexcept {
     if (length != nullptr) *length = elements.size();
     return elements.empty() ? nullptr : elements.data();
 }

@@ -21,7 +21,7 @@ namespace {
 
 static_assert(same(VOTESS_MPI_HANDED_IN, votess::mpi::Cells::handed_in));
 static_assert(same(VOTESS_MPI_MADE, votess::mpi::Cells::made));
-static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));  // handed out as it lies in memory
+static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));  // exposed as it lies in memory
 
 constexpr std::size_t first_size = offsetof(votess_mpi_counts, volume_sum) + sizeof(votess_mpi_counts::volume_sum);
 
@@ -29,7 +29,7 @@ template <typename Element>
 const Element* expose(const votess_mpi_result* result, std::size_t* length,
                       std::vector<Element> Result::*array) noexcept {
     if (result == nullptr) set_last_error("result is NULL");
-    return hand_out<Element>(
+    return expose_span<Element>(
         result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.*array), length);
 }
 
@@ -37,7 +37,7 @@ template <typename Element>
 const Element* expose(const votess_mpi_result* result, std::size_t* length,
                       std::vector<Element> BlockCells::*array) noexcept {
     if (result == nullptr) set_last_error("result is NULL");
-    return hand_out<Element>(
+    return expose_span<Element>(
         result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.cells.*array), length);
 }
 
@@ -161,7 +161,7 @@ votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], d
         require(lower, "lower");
         require(upper, "upper");
         const auto& box = result->result.options.box;
-        if (!box) refuse("the domain is a triclinic box, which has no such corners");
+        if (!box) refuse("the domain is a triclinic box, which has no lower and upper corner: read the options");
         std::ranges::copy(box->lower, lower);
         std::ranges::copy(box->upper, upper);
     });

@@ -13,7 +13,7 @@ static_assert(same(VOTESS_NATURAL_LAPLACE, votess::NaturalMethod::laplace));
 votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t method, int32_t at_walls, bool gradients,
                                        const double* weights, std::size_t count) {
     if (method != VOTESS_NATURAL_SIBSON && method != VOTESS_NATURAL_LAPLACE)
-        refuse("method is " + std::to_string(method) + ": use one of VOTESS_NATURAL_*");
+        refuse("method is " + std::to_string(method) + ": give one of VOTESS_NATURAL_*");
     votess::NaturalOptions options;
     options.method = static_cast<votess::NaturalMethod>(method);
     options.at_walls = at_walls != 0;
@@ -27,7 +27,7 @@ template <typename Element>
 const Element* expose(const votess_natural* natural, std::size_t* length,
                       std::vector<Element> votess::NaturalCoordinates::*array) noexcept {
     if (natural == nullptr) set_last_error("natural is NULL");
-    return hand_out<Element>(
+    return expose_span<Element>(
         natural == nullptr ? std::span<const Element>() : std::span<const Element>(natural->coordinates.*array),
         length);
 }
@@ -77,7 +77,7 @@ votess_status votess_diagram_interpolate(const votess_diagram* diagram, const do
         require_array(interpolated, count, "interpolated", "count");
         const std::size_t rows = std::max<std::size_t>({seeds, 3 * count, 1});
         if (components == 0 || components > std::numeric_limits<std::size_t>::max() / sizeof(double) / rows)
-            refuse("components is " + std::to_string(components) + ": values have at least 1, and fit into memory");
+            refuse("components is " + std::to_string(components) + ": give at least 1, and no more than memory holds");
         const votess::Interpolated found = diagram->diagram.interpolate(
             {values, seeds * components}, components, input,
             natural_options(*diagram, method, at_walls, gradients != nullptr, weights, count));

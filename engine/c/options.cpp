@@ -1,10 +1,11 @@
-// votess_options and what it becomes in votess.hpp.
+// votess_options, and its conversion to votess::Options.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 #include "c/handles.hpp"
+#include "input/each_option.hpp"
 
 namespace votess::c {
 namespace {
@@ -28,11 +29,9 @@ constexpr WantBit want_bits[] = {
     {VOTESS_WANT_VERTICES, &Want::vertices},   {VOTESS_WANT_FACES, &Want::faces},
 };
 
-// These never change; fields added later lie beyond.
+// The first version of the struct ends here. Fields added later follow.
 constexpr std::size_t first_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
-// No padding at the end: whatever is added later makes the struct larger, which tells callers with and without it
-// apart.
-static_assert(sizeof(votess_options) == first_size && sizeof(votess_options) <= VOTESS_LARGEST_STRUCT);
+static_assert(sizeof(votess_options) >= first_size && sizeof(votess_options) <= VOTESS_LARGEST_STRUCT);
 
 std::uint32_t bits_of(const Want& want) {
     std::uint32_t bits = 0;
@@ -41,26 +40,30 @@ std::uint32_t bits_of(const Want& want) {
     return bits;
 }
 
+// Texts of C are NULL by default.
+void assign(const char*& /*to*/, const std::string& /*from*/) {}
+void assign(std::string& to, const char* from) {
+    if (from != nullptr) to = from;
+}
+void assign(bool& to, std::int32_t from) {
+    to = from != 0;
+}
+template <class To, class From>
+void assign(To& to, From from) {
+    to = static_cast<To>(from);
+}
+
 votess_options default_options() {
     const Options defaults;
     votess_options options{};
     options.struct_size = sizeof(votess_options);
     options.want = bits_of(defaults.want);
-    options.list_walls = defaults.list_walls ? 1 : 0;
     std::ranges::fill(options.cell_periodic, 1);
-    options.min_face = defaults.min_face;
-    options.min_area = defaults.min_area;
-    options.outside = static_cast<std::int32_t>(defaults.outside);
-    options.duplicates = static_cast<std::int32_t>(defaults.duplicates);
-    options.precision = static_cast<std::int32_t>(defaults.precision);
-    options.threads = defaults.threads;
-    options.grid_resolution = defaults.grid_resolution;
-    options.k_init = defaults.k_init;
-    options.chunk_size = defaults.chunk_size;
+    each_option([&](auto, auto member, auto c_member, auto) { assign(options.*c_member, defaults.*member); });
     return options;
 }
 
-// count: of the points, and so of weights and radii.
+// count: of the points, weights and radii.
 void convert_domain(const votess_options& given, std::size_t count, Options& options) {
     if (given.has_box != 0) {
         Box box;
@@ -84,7 +87,6 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
     }
     if (given.weights != nullptr) options.weights = {given.weights, count};
     if (given.radii != nullptr) options.radii = {given.radii, count};
-    options.outside = static_cast<Outside>(given.outside);
 }
 
 }  // namespace
@@ -94,7 +96,7 @@ Want convert_want(std::uint32_t bits, const std::string& name) {
     for (const WantBit& word : want_bits) unknown &= ~word.bit;
     if (unknown != 0) {
         refuse(name + " is " + std::to_string(bits) + ": its bits " + std::to_string(unknown) +
-               " are unknown; combine VOTESS_WANT_* bits");
+               " are unknown, combine VOTESS_WANT_* bits");
     }
     Want want;
     for (const WantBit& word : want_bits) want.*word.member = (bits & word.bit) != 0;
@@ -110,17 +112,7 @@ Options convert_options(const votess_options* given, std::size_t count) {
     Options options;
     options.want = convert_want(c_options.want, "options.want");
     convert_domain(c_options, count, options);
-    options.list_walls = c_options.list_walls != 0;
-    options.min_face = c_options.min_face;
-    options.min_area = c_options.min_area;
-    options.duplicates = static_cast<Duplicates>(c_options.duplicates);
-    if (c_options.device != nullptr) options.device = c_options.device;
-    options.threads = c_options.threads;
-    options.grid_resolution = c_options.grid_resolution;
-    options.precision = static_cast<Precision>(c_options.precision);
-    options.k_init = c_options.k_init;
-    options.chunk_size = c_options.chunk_size;
-    if (c_options.instructions != nullptr) options.instructions = c_options.instructions;
+    each_option([&](auto, auto member, auto c_member, auto) { assign(options.*member, c_options.*c_member); });
     if (c_options.progress != nullptr) {
         options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
             return call_back("progress", [&] { return callback(fraction, user) != 0; });
@@ -163,7 +155,7 @@ votess_status votess_want_of(const char* names, uint32_t* want) {
 votess_status votess_options_implied_want(const votess_options* options, uint32_t* want) {
     return guarded([&] {
         require(want, "want");
-        constexpr std::size_t any_count = 1;  // weights and radii are given or not, and not read
+        constexpr std::size_t any_count = 1;  // weights and radii are not read
         *want = bits_of(votess::implied_want(convert_options(options, any_count)));
     });
 }

@@ -1,4 +1,4 @@
-// Arrays and facts of a result.
+// Arrays, domain and statistics of a result.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -11,10 +11,10 @@ using namespace votess::c;
 
 namespace {
 
-// These never change; fields added later lie beyond, and no padding at the end hides them.
+// The first version of the struct ends here. Fields added later follow, without padding.
 constexpr std::size_t first_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
 static_assert(sizeof(votess_stats) >= first_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
-// Handed out as they lie in memory.
+// Exposed as they lie in memory.
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t) && sizeof(votess::Wall) == 4 * sizeof(double));
 
 static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
@@ -30,7 +30,8 @@ template <typename Element>
 const Element* expose(const votess_result* result, std::size_t* length,
                       std::span<const Element> (votess::Tessellation::*array)() const noexcept) noexcept {
     if (result == nullptr) set_last_error("result is NULL");
-    return hand_out<Element>(result == nullptr ? std::span<const Element>() : (result->tessellation.*array)(), length);
+    return expose_span<Element>(result == nullptr ? std::span<const Element>() : (result->tessellation.*array)(),
+                                length);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ constexpr std::size_t first_counts_size =
 
 // Calls back. Returns false when the callback ends the stream.
 template <typename Function>
-bool going_on(const char* callback, const Function& function) {
+bool continues(const char* callback, const Function& function) {
     const int answer = call_back(callback, function);
     if (answer == VOTESS_STREAM_STOP)
         throw votess::Error(votess::ErrorCode::cancelled, std::string("cancelled by the callback ") + callback);
@@ -28,14 +28,14 @@ class Source : public votess::StreamSource {
 public:
     explicit Source(const votess_stream& stream) : stream_(stream) {}
     bool restart() override {
-        return stream_.restart != nullptr && going_on("restart", [this] { return stream_.restart(stream_.user); });
+        return stream_.restart != nullptr && continues("restart", [this] { return stream_.restart(stream_.user); });
     }
     bool next(votess::StreamSeeds& seeds) override {
-        votess_stream_seeds some{};
-        if (!going_on("next", [&] { return stream_.next(&some, stream_.user); })) return false;
-        seeds.points = coordinates(some.points, some.count);
-        if (some.weights != nullptr) seeds.weights = {some.weights, some.count};
-        if (some.radii != nullptr) seeds.radii = {some.radii, some.count};
+        votess_stream_seeds piece{};
+        if (!continues("next", [&] { return stream_.next(&piece, stream_.user); })) return false;
+        seeds.points = coordinates(piece.points, piece.count);
+        if (piece.weights != nullptr) seeds.weights = {piece.weights, piece.count};
+        if (piece.radii != nullptr) seeds.radii = {piece.radii, piece.count};
         return true;
     }
 
@@ -48,34 +48,34 @@ public:
     explicit Sink(const votess_stream& stream) : stream_(stream) {}
     void begin(const votess::StreamHead& head) override {
         if (stream_.begin == nullptr) return;
-        votess_stream_head said{head.seeds, head.entries, head.duplicates ? 1 : 0, head.periodic ? 1 : 0, {}, {}};
+        votess_stream_head c_head{head.seeds, head.entries, head.duplicates ? 1 : 0, head.periodic ? 1 : 0, {}, {}};
         if (!head.options.cell && head.options.box) {
-            std::ranges::copy(head.options.box->lower, said.box_lower);
-            std::ranges::copy(head.options.box->upper, said.box_upper);
+            std::ranges::copy(head.options.box->lower, c_head.box_lower);
+            std::ranges::copy(head.options.box->upper, c_head.box_upper);
         }
-        (void)going_on("begin", [&] { return stream_.begin(&said, stream_.user); });
+        (void)continues("begin", [&] { return stream_.begin(&c_head, stream_.user); });
     }
     void rows(const votess::StreamRows& rows) override {
         const auto out = [](const auto& array) { return array.empty() ? nullptr : array.data(); };
-        votess_stream_rows some{};
-        some.first = rows.first;
-        some.count = rows.status.size();
-        some.entries = rows.neighbors.size();
-        some.status = reinterpret_cast<const std::uint8_t*>(out(rows.status));
-        some.duplicate_of = out(rows.duplicate_of);
-        some.indptr = out(rows.indptr);
-        some.neighbors = out(rows.neighbors);
-        some.shifts = out(rows.shifts);
-        some.areas = out(rows.areas);
-        some.normals = out(rows.normals);
-        some.volumes = out(rows.volumes);
-        some.centroids = out(rows.centroids);
-        some.surface_areas = out(rows.surface_areas);
-        some.security_radii = out(rows.security_radii);
-        some.face_counts = out(rows.face_counts);
-        some.edge_counts = out(rows.edge_counts);
-        some.vertex_counts = out(rows.vertex_counts);
-        (void)going_on("rows", [&] { return stream_.rows(&some, stream_.user); });
+        votess_stream_rows c_rows{};
+        c_rows.first = rows.first;
+        c_rows.count = rows.status.size();
+        c_rows.entries = rows.neighbors.size();
+        c_rows.status = reinterpret_cast<const std::uint8_t*>(out(rows.status));
+        c_rows.duplicate_of = out(rows.duplicate_of);
+        c_rows.indptr = out(rows.indptr);
+        c_rows.neighbors = out(rows.neighbors);
+        c_rows.shifts = out(rows.shifts);
+        c_rows.areas = out(rows.areas);
+        c_rows.normals = out(rows.normals);
+        c_rows.volumes = out(rows.volumes);
+        c_rows.centroids = out(rows.centroids);
+        c_rows.surface_areas = out(rows.surface_areas);
+        c_rows.security_radii = out(rows.security_radii);
+        c_rows.face_counts = out(rows.face_counts);
+        c_rows.edge_counts = out(rows.edge_counts);
+        c_rows.vertex_counts = out(rows.vertex_counts);
+        (void)continues("rows", [&] { return stream_.rows(&c_rows, stream_.user); });
     }
 
 private:
@@ -95,12 +95,13 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
             require_struct_size(counts->struct_size, first_counts_size, "counts.struct_size",
                                 "set it to sizeof(votess_stream_counts)");
         if (options != nullptr && (options->weights != nullptr || options->radii != nullptr))
-            refuse("weights and radii of a stream come with its seeds: leave them NULL in the options");
+            refuse("options.weights or options.radii is set: a stream gets them with its seeds, leave both NULL");
         if (stats != nullptr) check_stats(*stats);
         if (stream->verify != 0 && stream->verify != 1)
             refuse("stream.verify is " + std::to_string(stream->verify) + ": give 0 or 1");
         if (stream->verify == 1 && (counts == nullptr || counts->struct_size < sizeof(votess_stream_counts)))
-            refuse("stream.verify needs counts, with the report of it, of struct_size sizeof(votess_stream_counts)");
+            refuse(
+                "stream.verify needs counts for its report: give counts of struct_size sizeof(votess_stream_counts)");
         Source source(*stream);
         Sink sink(*stream);
         const votess::StreamResult result =
@@ -109,21 +110,21 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
                                        .temporary = stream->temporary == nullptr ? "" : stream->temporary,
                                        .verify = stream->verify == 1});
         if (counts != nullptr) {
-            votess_stream_counts found{};
-            found.struct_size = counts->struct_size;
-            found.blocks = result.blocks;
-            found.largest_block = result.largest_block;
-            found.asked_cells = result.asked_cells;
-            found.temporary_bytes = result.temporary_bytes;
+            votess_stream_counts c_counts{};
+            c_counts.struct_size = counts->struct_size;
+            c_counts.blocks = result.blocks;
+            c_counts.largest_block = result.largest_block;
+            c_counts.asked_cells = result.asked_cells;
+            c_counts.temporary_bytes = result.temporary_bytes;
             if (result.verified) {
                 std::size_t sampled = 0;
                 int passed = 0;
                 write_report(*result.verified,
-                             {&passed, &found.checks_skipped, &sampled, found.failure, sizeof found.failure});
-                found.passed = passed;
-                found.sampled = sampled;
+                             {&passed, &c_counts.checks_skipped, &sampled, c_counts.failure, sizeof c_counts.failure});
+                c_counts.passed = passed;
+                c_counts.sampled = sampled;
             }
-            std::memcpy(counts, &found, std::min<std::size_t>(counts->struct_size, sizeof found));
+            std::memcpy(counts, &c_counts, std::min<std::size_t>(counts->struct_size, sizeof c_counts));
         }
         if (stats != nullptr) write_stats(result.stats, *stats);
     });

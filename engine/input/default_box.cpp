@@ -24,18 +24,19 @@ Box default_box(const Box& bounds, std::size_t count) {
         box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
         box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
         if (!std::isfinite(box.lower[k]) || !std::isfinite(box.upper[k]))
-            throw Error(ErrorCode::invalid_argument, std::string("the seeds span ") + axis_name[k] + " from " +
-                                                         number(bounds.lower[k]) + " to " + number(bounds.upper[k]) +
-                                                         ", too near the largest double for a default box: give a box");
+            throw Error(ErrorCode::invalid_argument,
+                        std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
+                            number(bounds.upper[k]) +
+                            ", too close to the largest double for a default box: give a box");
     }
     return box;
 }
 
-// The walls cut a box so large that a face left on it means no bound. The polyhedron's planes and corners are decided
-// exactly, however thin it is, and the rounding of a corner's place is far less than what the bounds are moved out by.
+// The walls clip a box so large that a face on it means no bound. The planes and corners of the polyhedron are exact,
+// however thin it is. The bounds move out by far more than the rounding of a corner.
 Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     constexpr double far = 1e6, margin = 1e-3, rounding = 8 * 0x1p-53;
-    // Only so that no square leaves the range.
+    // Keeps squares in range.
     const int exponent = std::ilogb(largest_coordinate(otherwise));
     const double scale = std::ldexp(1.0, std::clamp(exponent, -400, 400) - exponent);
     double size = 0;

@@ -1,14 +1,14 @@
-// The box of jobs that give none.
+// The box of jobs without one.
 #pragma once
 
 #include "domain/domain.hpp"
 
 namespace votess {
 
-// Bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
+// Returns the bounds of the seeds, moved out by half of (longest side / cbrt(N)), at least to the next double.
 Box default_box(const Box& bounds, std::size_t count);
-// Bounds of where all walls leave room, moved out by a little; those of `otherwise` where the walls leave room without
-// bounds, which is what lies beyond a million times the size of `otherwise`, or none at all.
+// Returns the bounds of the polyhedron of the walls, moved out a little. Sides farther than a million times the size of
+// `otherwise` have its bounds, and so has a polyhedron that is empty.
 Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise);
 
 }  // namespace votess

@@ -1,4 +1,3 @@
-// The domain of a result: as options, and where its seeds lie in it; whether it is a whole diagram.
 #include "input/domain_of_result.hpp"
 
 #include "core/progress.hpp"
@@ -7,7 +6,7 @@
 namespace votess {
 namespace {
 
-constexpr std::size_t seeds_per_look = 1024;  // after which the user may stop
+constexpr std::size_t seeds_per_stop_check = 1024;
 
 }  // namespace
 
@@ -25,7 +24,7 @@ Options domain_options(const Tessellation& t) {
 void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.probed())
         throw Error(ErrorCode::invalid_argument,
-                    function + ": these are cells of probes, which do not fit together: give a result of tessellate()");
+                    function + ": cells of probes do not form a diagram: give a result of tessellate()");
 }
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
@@ -34,21 +33,21 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
         throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
                                                      " coordinates, the result has " + std::to_string(t.size()) +
                                                      " cells");
-    std::vector<double> places(points.begin(), points.end());
-    if (t.periodic() == std::array<bool, 3>{}) return places;
-    const std::vector<double> copy = places;  // read once, see input/snapshot.hpp
+    std::vector<double> wrapped(points.begin(), points.end());
+    if (t.periodic() == std::array<bool, 3>{}) return wrapped;
+    const std::vector<double> copy = wrapped;  // read once, see input/snapshot.hpp
     const Job job = validate({copy, {}}, domain_options(t));
     const Domain& domain = *job.domain;
     for (std::size_t i = 0; i < t.size(); ++i) {
-        if (i % seeds_per_look == 0) check_stop();
+        if (i % seeds_per_stop_check == 0) check_stop();
         if (t.status()[i] == CellStatus::outside) continue;
         const exact::Point x{copy[3 * i] * job.scale, copy[3 * i + 1] * job.scale, copy[3 * i + 2] * job.scale};
         const auto shift = wrap(domain, x);
         if (!shift || *shift == exact::Shift{}) continue;
         const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;
-        for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = at[k].high / job.scale;
+        for (std::size_t k = 0; k < 3; ++k) wrapped[3 * i + k] = at[k].high / job.scale;
     }
-    return places;
+    return wrapped;
 }
 
 }  // namespace votess

@@ -1,4 +1,4 @@
-// What functions of a result ask about where it comes from.
+// The domain of a result, for functions that take one.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace votess {
 
-// Box or cell, periodic axes and walls; seeds outside are dropped, as they were if there were any. Without weights.
+// Returns box or cell, periodic axes and walls, without weights. Seeds outside are dropped.
 Options domain_options(const Tessellation& tessellation);
 
-// Throws invalid_argument for the cells of probes, which do not fit together. function: for the message.
+// Throws invalid_argument for the cells of probes, which do not form a diagram. function: for the message.
 void require_whole_diagram(const Tessellation& tessellation, const std::string& function);
 
 }  // namespace votess

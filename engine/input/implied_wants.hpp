@@ -1,11 +1,11 @@
-// What options mean beyond their words.
+// Arrays that others need.
 #pragma once
 
 #include "votess/votess.hpp"
 
 namespace votess {
 
-// options.want, and the arrays that these, min_face and min_area need.
+// Returns options.want with the arrays that these, min_face and min_area need.
 inline Want with_implied(const Options& options) {
     Want want = options.want;
     want.areas |= options.min_face > 0 || options.min_area > 0;
@@ -14,12 +14,12 @@ inline Want with_implied(const Options& options) {
     return want;
 }
 
-// What needs polytopes, and not only lists, volumes, centroids, counts and areas.
+// Whether lists, volumes, centroids, counts and areas are not enough: whole polytopes are needed.
 inline bool needs_polytopes(const Want& want) {
     return want.vertices || want.normals || want.surfaces || want.radii;
 }
 
-// Whether vertices must be placed, and cells measured.
+// Whether coordinates of vertices are needed.
 inline bool needs_geometry(const Want& want) {
     return want.volumes || want.centroids || want.areas || want.surfaces || want.radii || want.vertices;
 }

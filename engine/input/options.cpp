@@ -12,6 +12,7 @@
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "input/default_box.hpp"
+#include "input/each_option.hpp"
 #include "input/implied_wants.hpp"
 #include "polytope/cell.hpp"
 #include "polytope/cell_kernels.hpp"
@@ -19,10 +20,9 @@
 namespace votess {
 namespace {
 
-constexpr unsigned max_threads = 1024, max_resolution = 1u << 20;
 constexpr std::size_t max_index_digits = 6;
-constexpr std::size_t points_per_look = 4096;      // after which the user may stop
-constexpr double largest_scaled_weight = 0x1p500;  // so that no square overflows
+constexpr std::size_t points_per_stop_check = 4096;
+constexpr double max_scaled_weight = 0x1p500;  // its square does not overflow
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
@@ -34,21 +34,42 @@ bool names_device(const std::string& device) {
            std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
 }
 
+template <class Value>
+void check_option(const char* /*name*/, const Value& /*value*/, decltype(anything)) {}
+
+template <class Number>
+void check_option(const char* name, Number value, UpTo<Number> allowed) {
+    const double given = value, max = allowed.max;
+    if (given >= 0 && given <= max && std::isfinite(given)) return;
+    refuse(std::string(name) + " = " + number(given) + ": give " +
+           (std::isinf(max) ? "a finite number from 0 up" : "0 to " + number(max)));
+}
+
+template <class Enum, std::size_t count>
+void check_option(const char* name, Enum value, const std::array<const char*, count>& allowed) {
+    const auto index = static_cast<std::int64_t>(value);
+    if (index >= 0 && index < static_cast<std::int64_t>(count)) return;
+    std::string known;
+    for (std::size_t i = 0; i < count; ++i)
+        known += (i == 0 ? "" : " or ") + std::to_string(i) + " (" + allowed[i] + ")";
+    refuse(std::string(name) + " = " + std::to_string(index) + ": give " + known);
+}
+
 void check_instructions(const std::string& name) {
     if (name.empty() || cpu::find_kernels(name) != nullptr) return;
     if (name != "avx512" && name != "avx2")
-        refuse("instructions " + in_quotes(name) + " are not known: give baseline, avx2 or avx512");
+        refuse("instructions " + in_quotes(name) + " are unknown: give baseline, avx2 or avx512");
     std::string available;
     for (const cpu::Kernels* kernels : cpu::supported_kernels())
         available += (available.empty() ? "" : ", ") + std::string(kernels->name);
     throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
 }
 
-// Power of two that brings the largest number of the domain to order one; 1 when it is ordinary already.
+// Returns the power of two that brings the largest number of the domain to order one; 1 if it is ordinary already.
 double scale_for(double largest) {
     const int exponent = largest == 0 ? 0 : std::ilogb(largest);
     if (std::abs(exponent) < 64) return 1;
-    // 2^1023 is the largest power; a subnormal box of 2^-1074 is brought to 2^-51, which is near enough.
+    // 2^1023 is the largest power. A subnormal box of 2^-1074 becomes 2^-51, which is near enough.
     return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
 }
 
@@ -89,14 +110,14 @@ std::string text(const char* word) {
 std::string text(std::size_t number) {
     return std::to_string(number);
 }
-// what: names the value, in pieces, so that no string is made for a good one.
-void check_scaled(double value, double scale, const auto&... what) {
+// name: in pieces, so that a good value makes no string.
+void check_scaled(double value, double scale, const auto&... name) {
     if (value * scale / scale != value)
-        refuse((text(what) + ...) + " = " + number(value) +
-               " is too small beside the box to be represented at one scale: move it to 0");
+        refuse((text(name) + ...) + " = " + number(value) +
+               " is too small beside the box to represent both at one scale: move it to 0");
 }
 
-// Weights and the offsets of walls are checked where they are taken.
+// Weights and the offsets of walls are checked by set_weights() and set_walls().
 void check_scaled(const Job& job) {
     if (job.scale >= 1) return;  // only scaling down can lose bits
     for (std::size_t k = 0; k < 3; ++k) {
@@ -109,7 +130,7 @@ void check_scaled(const Job& job) {
         }
     }
     for (std::size_t i = 0; i < job.points.coordinates(); ++i) {
-        if (i % points_per_look == 0) check_stop();
+        if (i % points_per_stop_check == 0) check_stop();
         check_scaled(job.points[i], job.scale, "point ", job.points.first + i / 3, ": ", axis_name[i % 3]);
     }
 }
@@ -120,35 +141,33 @@ void check_domain(const Options& options) {
         refuse("a periodic axis needs a box: give box or cell, whose lengths are the periods");
     if (options.box) check_box(*options.box);
     if (options.cell) {
-        if (options.box) refuse("box and cell are both given: the cell is a box by itself, give one of them");
+        if (options.box) refuse("box and cell are both given: give one of them");
         if (periodic && options.periodic != options.cell->periodic)
-            refuse("cell and periodic contradict each other: the cell says itself along which edges it repeats");
+            refuse("cell and periodic contradict each other: set cell.periodic, and periodic to the same or nothing");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
                 if (!std::isfinite(x))
                     refuse(std::string("cell: ") + name + " holds " + number(x) + ", which is not finite");
     }
     if (!options.walls.empty() && options.cell)
-        refuse("walls and cell are both given: walls go with a box, leave one out");
+        refuse("walls and cell are both given: walls need a box, leave one out");
     if (!options.walls.empty() && periodic)
-        refuse("walls and a periodic domain are both given: walls go with a box that is not periodic");
+        refuse("walls and a periodic domain are both given: walls need a box that is not periodic");
     for (std::size_t w = 0; w < options.walls.size(); ++w)
         (void)domain_wall(options.walls[w], 1, "wall " + std::to_string(w));
-    if (options.outside != Outside::error && options.outside != Outside::drop)
-        refuse("outside = " + std::to_string(static_cast<int>(options.outside)) + " is neither error nor drop");
     if (!options.weights.empty() && !options.radii.empty())
-        refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+        refuse("weights and radii are both given: give one of them, weights are the squares of radii");
 }
 
-void leave_out(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
+void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
     if (outside.empty()) outside.resize(count, CellStatus::certified);
     outside[i] = CellStatus::outside;
 }
 
-constexpr const char* outside_remedy = ": move it, or drop seeds that are outside (outside = drop)";
+constexpr const char* outside_remedy = ": move it, or drop points outside (outside = drop)";
 
-// How far a seed is outside, for a message; "" when that overflows. rounding: what the distance may be wrong by.
-std::string by_how_much(double distance, double rounding) {
+// Returns the distance of a seed outside, for a message; "" if it overflows. rounding: bound of its error.
+std::string distance_text(double distance, double rounding) {
     if (!std::isfinite(distance)) return {};
     const double shown = std::max({distance, rounding, std::numeric_limits<double>::denorm_min()});
     std::array<char, 32> digits{};
@@ -161,12 +180,12 @@ std::string in_parentheses(const exact::Point& x) {
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
-// Without branches. False when some coordinate is not finite.
+// Returns whether all coordinates are finite. Has no branches.
 template <class T>
 bool find_bounds(std::span<const T> coordinates, Box& bounds) {
-    std::array<double, 3> lower = bounds.lower, upper = bounds.upper, zero{};  // or not a number
+    std::array<double, 3> lower = bounds.lower, upper = bounds.upper, zero{};  // NaN after a value that is not finite
     for (std::size_t i = 0; i < coordinates.size(); i += 3)
         for (std::size_t k = 0; k < 3; ++k) {
             const double value = coordinates[i + k];
@@ -185,10 +204,10 @@ void include(Box& box, const Box& other) {
     }
 }
 
-// Bounds of the seeds from `begin` on, looked at one by one. outside: as in the job.
+// Returns the bounds of the seeds from `begin` on, after a check of each. outside: as in the job.
 Box check_each(const Points& points, std::size_t begin, std::size_t end, const Options& options,
                std::vector<CellStatus>& outside) {
-    Box bounds = nothing;
+    Box bounds = no_bounds;
     for (std::size_t i = begin; i < end; ++i) {
         for (int k = 0; k < 3; ++k) {
             const double value = points[3 * i + k];
@@ -198,12 +217,12 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
             const bool beyond = options.box && !options.periodic[k] &&
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
             if (beyond && options.outside == Outside::drop)
-                leave_out(i, points.count(), outside);
+                drop_seed(i, points.count(), outside);
             else if (beyond)
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
                        number(options.box->upper[k]) +
-                       by_how_much(std::max(options.box->lower[k] - value, value - options.box->upper[k]), 0) +
+                       distance_text(std::max(options.box->lower[k] - value, value - options.box->upper[k]), 0) +
                        outside_remedy);
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
@@ -212,8 +231,8 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
     return bounds;
 }
 
-// Seeds that are outside have no say in the range.
-void take_weights(const Job& job, Domain& domain) {
+// Seeds outside do not count in the range.
+void set_weights(const Job& job, Domain& domain) {
     domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
     bool any = false;
     for (std::size_t i = 0; i < domain.weights.size(); ++i) {
@@ -225,7 +244,7 @@ void take_weights(const Job& job, Domain& domain) {
     }
 }
 
-// Names a wall that x is beyond, and how far.
+// Returns which wall x is beyond, and how far.
 std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x) {
     double excess = -plane.wall, size = std::abs(plane.wall);
     for (int k = 0; k < 3; ++k) {
@@ -236,20 +255,20 @@ std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact:
     const auto& n = walls[w].normal;
     return " is outside wall " + std::to_string(w) + " (" + number(n[0]) + " x + " + number(n[1]) + " y + " +
            number(n[2]) + " z <= " + number(walls[w].offset) + ", " + std::to_string(-7 - static_cast<int>(w)) +
-           " in lists)" + by_how_much(excess / length, 8 * 0x1p-53 * size / length);
+           " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length);
 }
 
-void take_walls(Job& job, Domain& domain) {
+void set_walls(Job& job, Domain& domain) {
     const auto& walls = job.options.walls;
     for (std::size_t w = 0; w < walls.size(); ++w)
         domain.walls.push_back(domain_wall(walls[w], job.scale, "wall " + std::to_string(w)));
     if (walls.empty()) return;
-    // Seeds are compared as given: of those far outside, scaling might leave nothing finite.
+    // Seeds are compared as given: scaling could make those far outside infinite.
     std::vector<exact::Plane> as_given;
     for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
     std::optional<exact::Point> any_inside;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
-        if (i % points_per_look == 0) check_stop();
+        if (i % points_per_stop_check == 0) check_stop();
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
         const auto wall = std::ranges::find_if_not(as_given, [&](const auto& w) { return inside(w, x); });
@@ -260,7 +279,7 @@ void take_walls(Job& job, Domain& domain) {
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
                    beyond_wall(walls, static_cast<std::size_t>(wall - as_given.begin()), *wall, x) + outside_remedy);
-        leave_out(i, job.points.count(), job.outside);
+        drop_seed(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;
     if (!any_inside) return;
@@ -271,7 +290,7 @@ void take_walls(Job& job, Domain& domain) {
     if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
 }
 
-// Names the wall of a triclinic box that x is farthest beyond, and how far.
+// Returns the wall of a triclinic box that x is farthest beyond, and how far.
 std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
     const std::array edges{cell.a, cell.b, cell.c};
     double farthest = -infinity, size = 0;
@@ -293,21 +312,21 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
         farthest = beyond, edge = k, side = place > 0 ? 1 : 0;
     }
     return " is outside of the cell, whose edge " + std::string(1, "abc"[edge]) + " is not periodic (wall " +
-           std::to_string(-1 - 2 * edge - side) + ")" + by_how_much(farthest, 0x1p-48 * size);
+           std::to_string(-1 - 2 * edge - side) + ")" + distance_text(farthest, 0x1p-48 * size);
 }
 
-// Seeds beyond the walls of a triclinic box.
-void take_off_outside(Job& job, const Domain& domain) {
+// Refuses or drops seeds beyond the walls of a triclinic box.
+void check_inside_cell(Job& job, const Domain& domain) {
     if (!domain.has_cell_walls()) return;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
-        if (i % points_per_look == 0) check_stop();
+        if (i % points_per_stop_check == 0) check_stop();
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
-        const exact::Point at = scaled(x, job.scale);  // of seeds far outside nothing finite may be left
+        const exact::Point at = scaled(x, job.scale);  // not finite for seeds far outside
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
                    beyond_cell(*job.options.cell, x) + outside_remedy);
-        leave_out(i, job.points.count(), job.outside);
+        drop_seed(i, job.points.count(), job.outside);
     }
 }
 
@@ -317,12 +336,12 @@ void make_domain(Job& job) {
         const TriclinicBox& cell = *job.options.cell;
         *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
                                     scaled(cell.b, job.scale), scaled(cell.c, job.scale), cell.periodic});
-        take_off_outside(job, *domain);
+        check_inside_cell(job, *domain);
         for (std::size_t k = 0; k < 3; ++k) {
             job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
             for (const double x : {job.box.lower[k], job.box.upper[k]})
                 if (!std::isfinite(x))
-                    refuse(std::string("cell: it reaches beyond the largest double along ") + axis_name[k] +
+                    refuse(std::string("cell: it exceeds the largest double along ") + axis_name[k] +
                            ": give lengths in a larger unit");
         }
         job.box_volume = domain->volume / job.scale / job.scale / job.scale;
@@ -330,8 +349,8 @@ void make_domain(Job& job) {
         *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
         job.box_volume = volume_of(job.box);
     }
-    take_walls(job, *domain);
-    take_weights(job, *domain);
+    set_walls(job, *domain);
+    set_weights(job, *domain);
     job.domain = std::move(domain);
 }
 
@@ -339,17 +358,17 @@ void make_domain(Job& job) {
 
 Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
     constexpr std::size_t block = 4096;
-    Box bounds = nothing;
+    Box bounds = no_bounds;
     for (std::size_t begin = 0; begin < points.count(); begin += block) {
         check_stop();
         const std::size_t count = std::min(block, points.count() - begin);
-        Box some = nothing;
-        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), some)
-                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), some);
+        Box of_block = no_bounds;
+        bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), of_block)
+                                       : find_bounds(points.f32.subspan(3 * begin, 3 * count), of_block);
         for (int k = 0; k < 3; ++k)
             if (options.box && !options.periodic[k])
-                good &= some.lower[k] >= options.box->lower[k] && some.upper[k] <= options.box->upper[k];
-        include(bounds, good ? some : check_each(points, begin, begin + count, options, outside));
+                good &= of_block.lower[k] >= options.box->lower[k] && of_block.upper[k] <= options.box->upper[k];
+        include(bounds, good ? of_block : check_each(points, begin, begin + count, options, outside));
     }
     return bounds;
 }
@@ -364,7 +383,7 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
                std::to_string(count) + " " + of + ": give one for each");
     std::vector<double> weights(given.begin(), given.end());  // read once, see input/snapshot.hpp
     for (std::size_t i = 0; i < count; ++i) {
-        if (i % points_per_look == 0) check_stop();
+        if (i % points_per_stop_check == 0) check_stop();
         const double value = weights[i];
         const auto place = [&] { return std::string(radii ? "radius " : "weight ") + std::to_string(first + i); };
         if (!std::isfinite(value)) refuse(place() + " = " + number(value) + " is not finite");
@@ -372,19 +391,12 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
         const double weight = radii ? value * value : value;
         if (!std::isfinite(weight)) refuse(place() + " = " + number(value) + " is too large: its square overflows");
         const double in_units = weight * scale * scale;
-        if (in_units / scale / scale != weight || std::abs(in_units) > largest_scaled_weight)
+        if (in_units / scale / scale != weight || std::abs(in_units) > max_scaled_weight)
             refuse(place() + " = " + number(value) +
-                   " is too large or too small beside the box: give all lengths in one unit");
+                   " is too large or too small for the box: give all lengths in one unit");
         weights[i] = in_units;
     }
     return weights;
-}
-
-void check_k_init(std::uint32_t k_init) {
-    constexpr std::uint32_t most = 1024;
-    if (k_init > most)
-        refuse("k_init = " + std::to_string(k_init) + " is too many: give at most " + std::to_string(most) +
-               ", or 0 for automatic");
 }
 
 void check_box(const Box& box) {
@@ -395,30 +407,16 @@ void check_box(const Box& box) {
                    " is not finite");
         if (!(lower < upper))
             refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bounds first, then the upper");
+                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bound first, then the upper");
     }
 }
 
 void check_options(const Options& options) {
-    if (options.threads > max_threads)
-        refuse("threads = " + std::to_string(options.threads) + " is too many: give at most " +
-               std::to_string(max_threads) + ", or 0 for all");
-    if (options.grid_resolution > max_resolution)
-        refuse("grid_resolution = " + std::to_string(options.grid_resolution) + " is too fine: give at most " +
-               std::to_string(max_resolution) + ", or 0 for automatic");
-    check_k_init(options.k_init);
+    each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
     check_instructions(options.instructions);
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
-               " is not known: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
-    if (options.precision != Precision::single && options.precision != Precision::double_)
-        refuse("precision = " + std::to_string(static_cast<int>(options.precision)) + " is neither single nor double");
-    if (options.duplicates != Duplicates::merge && options.duplicates != Duplicates::error)
-        refuse("duplicates = " + std::to_string(static_cast<int>(options.duplicates)) + " is neither merge nor error");
-    if (!(options.min_face >= 0 && std::isfinite(options.min_face)))
-        refuse("min_face = " + number(options.min_face) + " is no share of the mean face: give a number from 0 on");
-    if (!(options.min_area >= 0 && std::isfinite(options.min_area)))
-        refuse("min_area = " + number(options.min_area) + " is no area: give a number from 0 on");
+               " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     check_domain(options);
 }
 
@@ -437,7 +435,7 @@ Box box_of(const Options& options, const Box& bounds, std::uint64_t count) {
 void check_shape(const Points& points) {
     if (points.coordinates() % 3 != 0)
         refuse("points hold " + std::to_string(points.coordinates()) +
-               " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+               " coordinates, not a multiple of 3: the shape must be (N,3)");
     if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
         throw Error(ErrorCode::unsupported,
                     std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");

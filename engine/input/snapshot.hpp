@@ -1,9 +1,8 @@
-// The points of a call, copied once.
+// A copy of the points of a call.
 //
-// Another thread may write into the caller's arrays during a call, and a mapped file may change. What is read twice
-// may then differ: a count of seeds, the bounds of a grid or a test for NaN no longer fits the coordinates. So each
-// call copies the caller's points before it looks at them, and reads nothing but the copy. Weights are copied by
-// scaled_weights(), queries by check_queries().
+// Another thread may write into the caller's arrays during a call, and a mapped file may change. Two reads may then
+// differ: a count of seeds, the bounds of a grid or a test for NaN would no longer fit the coordinates. So each call
+// copies the points first, and reads only the copy. scaled_weights() copies weights, check_queries() queries.
 #pragma once
 
 #include "core/buffer.hpp"

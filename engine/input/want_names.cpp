@@ -1,4 +1,4 @@
-// The names of arrays, and the words of Want that bring them.
+// The names of arrays, and the groups of Want that they belong to.
 #include <algorithm>
 #include <array>
 #include <string>
@@ -11,7 +11,7 @@ namespace {
 
 struct Name {
     std::string_view name;
-    bool Want::*word;  // null: the array comes with every result that has it
+    bool Want::*word;  // null: in every result
 };
 
 constexpr std::array words{Name{"neighbors", &Want::neighbors}, Name{"volumes", &Want::volumes},
@@ -19,7 +19,7 @@ constexpr std::array words{Name{"neighbors", &Want::neighbors}, Name{"volumes", 
                            Name{"areas", &Want::areas},         Name{"normals", &Want::normals},
                            Name{"surfaces", &Want::surfaces},   Name{"radii", &Want::radii},
                            Name{"vertices", &Want::vertices},   Name{"faces", &Want::faces}};
-// Arrays that are not called like their word.
+// Arrays whose name is not that of their group.
 constexpr std::array arrays{Name{"indptr", &Want::neighbors},
                             Name{"indices", &Want::neighbors},
                             Name{"shifts", &Want::neighbors},
@@ -59,7 +59,7 @@ void add(std::string_view text, Want& want) {
     const Name* name = find(words);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
-        throw Error(ErrorCode::invalid_argument, "want has " + in_quotes(std::string(text)) + ": give words of " +
+        throw Error(ErrorCode::invalid_argument, "want has " + in_quotes(std::string(text)) + ": give groups of " +
                                                      list(words) + ", or arrays of " + list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }

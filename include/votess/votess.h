@@ -89,7 +89,7 @@ typedef void (*votess_log_callback)(const char* message, void* user);
 typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
-    int32_t list_walls;    // nonzero: rows list the ids of walls: -1..-6 of the box, -7, -8, ... of walls
+    int32_t list_walls;    // nonzero: true
     int32_t has_box;       // nonzero: use box_lower and box_upper; 0: the default box, see Options::box in votess.hpp
     double box_lower[3];
     double box_upper[3];
@@ -102,19 +102,19 @@ typedef struct votess_options {
     int32_t cell_periodic[3];  // nonzero: it repeats along a, b, c; default all. Leave periodic 0 or equal
     const double* walls;       // 4 * wall_count: nx, ny, nz, d of each wall n.x <= d; ids -7, -8, ...
     uint64_t wall_count;
-    const double* weights;     // one for each point, or NULL: a power diagram; copied by the call
-    const double* radii;       // the same as radii, whose squares are the weights; not both
-    double min_face;           // drop faces below this share of the mean face, see Options::min_face in votess.hpp
-    double min_area;           // drop faces below this area, see Options::min_area
-    int32_t outside;           // VOTESS_OUTSIDE_*: seeds outside of box or walls
-    int32_t duplicates;        // VOTESS_DUPLICATES_*
-    const char* device;        // "auto", "cpu", "gpu", "lavapipe" or an id of votess_device_info; NULL = auto
-    int32_t precision;         // VOTESS_PRECISION_*; default single
-    uint32_t threads;          // CPU threads, 0 = all that the system gives; at most 1024
-    uint32_t grid_resolution;  // 0 = automatic; at most 2^20
-    uint32_t k_init;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
-    uint32_t chunk_size;       // GPU: cells in flight at once, 0 = automatic
-    const char* instructions;  // CPU: "baseline", "avx2", "avx512"; NULL or "" = the best that it has
+    const double* weights;  // one for each point, or NULL: a power diagram; copied by the call
+    const double* radii;    // the same as radii, whose squares are the weights; not both
+    double min_face;
+    double min_area;
+    int32_t outside;     // VOTESS_OUTSIDE_*
+    int32_t duplicates;  // VOTESS_DUPLICATES_*
+    const char* device;  // NULL: default
+    int32_t precision;   // VOTESS_PRECISION_*
+    uint32_t threads;
+    uint32_t grid_resolution;
+    uint32_t k_init;
+    uint32_t chunk_size;
+    const char* instructions;           // NULL: default
     votess_progress_callback progress;  // may be NULL
     void* progress_user;
     votess_log_callback log;  // may be NULL

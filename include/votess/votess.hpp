@@ -156,36 +156,45 @@ struct Options {
     // in a periodic domain. Without a box the walls bound the domain. On sides where they have no end within a million
     // times the size of the default box, the default box bounds it.
     std::vector<Wall> walls;
+    // Points outside the domain: an error, or dropped, which leaves an empty cell with the status `outside`.
     Outside outside = Outside::error;
-    // List the wall ids -1..-6 (xmin, xmax, ymin, ymax, zmin, zmax) and -7, -8, ... in the rows too.
+    // List walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces of a cell
+    // across a, b and c; -7, -8, ... = walls.
     bool list_walls = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi
     // diagram.
     std::span<const double> weights, radii;
-    // Drop faces between two cells that are smaller than this times the mean area of all such faces. They leave rows,
-    // areas, normals, polygons and face_counts; walls and vertices stay. The cell of lower index decides for both, so
-    // rows stay symmetric. Adds areas and neighbors. 0 drops nothing.
+    // Drop faces between two cells with an area below this share of the mean of all such faces. They leave lists,
+    // areas, normals, polygons and face counts; walls and vertices stay. The cell of lower index decides for both, so
+    // lists stay symmetric. 0 drops none.
     double min_face = 0;
-    // The same for faces smaller than this area, length unit squared. The larger limit counts.
+    // Drop faces below this area, as min_face does; the larger limit counts (length unit squared).
     double min_area = 0;
     Want want;
+    // Points of equal coordinates: the lowest index keeps the cell and the others get an empty one, or the input is
+    // refused.
     Duplicates duplicates = Duplicates::merge;
 
-    // "auto": the first GPU, else the CPU. "cpu". "gpu": the first GPU. "lavapipe": the first Vulkan device in
-    // software. A number: that device of devices(). A device that is missing is `unsupported` and never replaced. Only
-    // "auto" replaces a GPU that fails or cannot serve the request, by the CPU. Below 10,000 seeds "auto" opens no GPU,
-    // since the CPU is quicker. Stats::device names the device that ran.
+    // Where to run: auto = the first GPU, else the CPU; cpu; gpu = the first GPU; lavapipe = the first Vulkan device
+    // that is software; or the id of one of devices(). auto is the CPU for fewer than 10,000 points, which takes less
+    // time than to open a GPU, and if the GPU fails or cannot serve the request. Otherwise a missing device is an
+    // error.
     std::string device = "auto";
+    // Relative error of volumes, centroids and areas from a GPU: 1e-5 or 1e-10. The CPU always reaches 1e-10; the
+    // neighbors are exact either way.
     Precision precision = Precision::single;
     // Tuning: changes speed and memory, never the answer.
-    // CPU threads, at most 1024. Throws `no_threads` where the system gives fewer. 0: one for each processor, or as
-    // many as the system gives.
+
+    // CPU threads, an error if the system gives fewer; 0 = all that it gives (at most 1024).
     unsigned threads = 0;
-    unsigned grid_resolution = 0;  // blocks along an axis of the sorting grid, 0 = automatic; at most 2^20
-    unsigned k_init = 0;           // GPU: nearest neighbors tried first for each cell, 0 = automatic; at most 1024
-    unsigned chunk_size = 0;       // GPU: cells in flight at once, 0 = automatic
-    // CPU: "baseline", "avx2" or "avx512"; `unsupported` where the processor lacks it. "": the best that it has.
+    // Blocks along an axis of the sorting grid; 0 = automatic (at most 1048576).
+    unsigned grid_resolution = 0;
+    // GPU: nearest neighbors tried first for each cell; 0 = automatic (at most 1024).
+    unsigned k_init = 0;
+    // GPU: cells in flight at once; 0 = automatic.
+    unsigned chunk_size = 0;
+    // CPU: baseline, avx2 or avx512; default: the best that the processor has. One that it lacks is an error.
     std::string instructions;
 
     ProgressCallback progress;

@@ -235,7 +235,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
     CHECK(message([&] { test::streamed(with(3 * 3000 + 1, NAN), options, little); }) ==
           "point 3000: y = nan is not finite");
     CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
-          "point 3999: z = 2 is outside the box, which spans 0 to 1, by 1: move it, or drop seeds that are outside "
+          "point 3999: z = 2 is outside the box, which spans 0 to 1, by 1: move it, or drop points outside "
           "(outside = drop)");
     std::vector<double> radii(set.size(), 0.1);
     radii[2500] = -1;

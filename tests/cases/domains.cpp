@@ -283,7 +283,7 @@ TEST_SUITE("cases") {
         const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
         CHECK_THROWS_WITH_AS((void)votess::tessellate(std::span<const double>(points), options),
                              "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
-                             "0.693: move it, or drop seeds that are outside (outside = drop)",
+                             "0.693: move it, or drop points outside (outside = drop)",
                              votess::Error);
         options.outside = votess::Outside::drop;
         const auto t = votess::tessellate(std::span<const double>(points), options);

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -20,11 +21,7 @@ JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "vo
              "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "tiny_faces", "threads", "seconds",
              "peak_memory_bytes", "verified", "verified_cells"]
 SECONDS_KEYS = ["total", "open", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
-OPTIONS = ["--random", "--rng-seed", "--dataset", "--frame", "--weights", "--radii", "--copy", "--density", "--output", "--format", "--want",
-           "--list-walls", "--box", "--periodic", "--cell", "--origin", "--wall", "--wall-sphere", "--wall-cylinder",
-           "--wall-cone", "--outside", "--min-face", "--min-area", "--image", "--image-size", "--slice", "--cut",
-           "--view", "--color", "--colormap", "--seeds", "--locate", "--probe", "--interpolate", "--values", "--natural", "--to-grid", "--shape", "--project", "--memory", "--temporary", "--device", "--threads", "--grid-resolution", "--k-init", "--chunk-size", "--instructions", "--precision", "--duplicates", "--verify",
-           "--json", "--list-devices", "--version", "--quiet", "--help", "--help-all", "--man", "--completion", "--voro++"]
+OPTIONS = re.findall(r'^ *\{"(?:-\w, )?(--[a-z+-]+)', (ROOT / "cli/options.cpp").read_text(), re.M)
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"

@@ -361,10 +361,10 @@ class Streamed(Hdf5Test):
 
     def test_refused(self):
         for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
-                              (["--want", "faces"], "share vertices"), (["--min-face", "0.1"], "--min-area"),
+                              (["--want", "faces"], "share vertices"), (["--min-face", "0.1"], "--memory does not work with --min-face"),
                               (["--duplicates", "error"], "duplicate_of"),
-                              (["--image", "a.png"], "a picture"), (["-x", "lavapipe"], "by the CPU"),
-                              (["--locate", "q.npy"], "queries"), (["--temporary", ""], "is empty"),
+                              (["--image", "a.png"], "--image"), (["-x", "lavapipe"], "by the CPU"),
+                              (["--locate", "q.npy"], "--locate"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:
             self.refuse("--random", 50, "--memory", "400M", *options, says=says)
         for size in ["x", "G", "4Q", "-1", "nan", "4iG"]:

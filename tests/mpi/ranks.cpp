@@ -203,7 +203,7 @@ void check_errors(MPI_Comm comm) {
     if (is_last) bad[0] = 1.5;
     refuses(comm,
             at_last +
-                "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop seeds that are "
+                "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop points "
                 "outside (outside = drop)",
             bad, ids, options);
     std::vector<std::int64_t> twice = ids;

@@ -66,6 +66,8 @@ WANT_BITS: Dict[str, int] = {
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
 OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
+#: Options whose value is a word.
+WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE, "precision": PRECISIONS}
 NATURAL_METHODS: Dict[str, int] = {"sibson": 0, "laplace": 1}
 GRID_METHODS: Dict[str, int] = {"mean": 0, "dtfe": 1, "nearest": 2, "sibson": 3}
 WantWord = Literal[
@@ -92,7 +94,7 @@ LogCallback = CFUNCTYPE(None, c_char_p, c_void_p)
 
 
 class Options(ctypes.Structure):
-    """``votess_options``."""
+    """``votess_options``; tools/options.py writes the fields that are one number, word or text."""
 
     _fields_ = [
         ("struct_size", c_uint32),

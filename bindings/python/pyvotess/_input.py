@@ -142,7 +142,6 @@ class Domain:
     cell: Any = None
     origin: Any = None
     walls: Any = ()
-    outside: _c_api.OutsideWord = "error"
 
     @property
     def is_given(self) -> bool:
@@ -171,7 +170,6 @@ class Domain:
             if self.cell is None:
                 raise ValueError("origin needs cell: the corners of a box define its place")
             options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
-        options.outside = as_word(self.outside, "outside", _c_api.OUTSIDE)
         kept: List[Any] = []
         if len(self.walls) > 0:
             rows = _as_numbers(self.walls, "walls", (len(self.walls), 4), "(M, 4) rows nx, ny, nz, d")

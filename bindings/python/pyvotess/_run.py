@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, Iterable, Optional, Tuple, Union
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 import numpy as np
 
 from . import _c_api
-from ._c_api import DuplicatesWord, PrecisionWord, WantName
-from ._call import Handle, Progress, raise_on_failure, run, showing
+from ._call import Handle, raise_on_failure, run, showing
 from ._input import Domain, as_count, as_points, as_text, as_want, as_word
 from ._library import lib
 
@@ -17,25 +17,28 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def new_options(
-    device: str,
-    threads: int,
-    precision: PrecisionWord = "single",
-    grid_resolution: int = 0,
-    k_init: int = 0,
-    chunk_size: int = 0,
-    instructions: str = "",
-) -> _c_api.Options:
+def new_options(**given: Any) -> _c_api.Options:
+    """Returns the library's defaults with the given values."""
     options = _c_api.Options()
     raise_on_failure(lib.votess_options_init(ctypes.byref(options), ctypes.sizeof(options)))
-    options.device = as_text(device, "device")
-    options.threads = as_count(threads, "threads", 32)
-    options.precision = as_word(precision, "precision", _c_api.PRECISIONS)
-    options.grid_resolution = as_count(grid_resolution, "grid_resolution", 32)
-    options.k_init = as_count(k_init, "k_init", 32)
-    options.chunk_size = as_count(chunk_size, "chunk_size", 32)
-    options.instructions = as_text(instructions, "instructions")
+    set_options(options, given)
     return options
+
+
+def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
+    """Sets ``want`` and the options that are one flag, number, word or text, by name."""
+    types: Dict[str, Any] = {field[0]: field[1] for field in _c_api.Options._fields_}
+    for name, value in given.items():
+        if name == "want":
+            options.want = as_want(value)
+        elif name in _c_api.WORDS:
+            setattr(options, name, as_word(value, name, _c_api.WORDS[name]))
+        elif types[name] is ctypes.c_uint32:
+            setattr(options, name, as_count(value, name, 32))
+        elif types[name] is ctypes.c_char_p:
+            setattr(options, name, as_text(value, name))
+        else:
+            setattr(options, name, float(value) if types[name] is ctypes.c_double else bool(value))
 
 
 def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
@@ -46,24 +49,16 @@ def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
 
 
 def tessellate_points(
-    tessellator: Optional[Handle],
-    options: _c_api.Options,
-    points: Any,
-    domain: Domain,
-    want: Union[str, Iterable[WantName]],
-    list_walls: bool,
-    duplicates: DuplicatesWord,
-    progress: Union[None, bool, Progress],
-    min_face: float,
-    min_area: float,
-) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...]]:
-    """Returns the library's result, the (N, 3) points that it read, and the words of ``want`` that it holds."""
-    array = as_points(points)
-    options.want = as_want(want)
-    options.min_face = float(min_face)
-    options.min_area = float(min_area)
-    options.list_walls = bool(list_walls)
-    options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+    tessellator: Optional[Handle], options: _c_api.Options, given: Dict[str, Any]
+) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], bool]:
+    """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
+
+    Returns the library's result, the (N, 3) points that it read, the words of ``want`` that it holds, and whether
+    the domain was given.
+    """
+    array, progress = as_points(given.pop("points")), given.pop("progress")
+    domain = Domain(**{field.name: given.pop(field.name) for field in fields(Domain)})
+    set_options(options, given)
     kept = domain.fill(options, len(array))
     wanted = implied_words(options)
 
@@ -73,4 +68,4 @@ def tessellate_points(
     with showing(progress) as call:
         run(function, arguments, options, ctypes.byref(result.pointer), call)
     del kept
-    return result, array, wanted
+    return result, array, wanted, domain.is_given

@@ -11,7 +11,7 @@ import numpy as np
 from . import _c_api
 from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
-from ._input import Domain, as_one_each, as_points, as_want, as_word
+from ._input import Domain, as_one_each, as_points, as_word
 from ._library import lib
 from ._run import implied_words, new_options
 from ._state import Cells
@@ -80,9 +80,11 @@ class Diagram:
         progress: Union[None, bool, Progress] = None,
     ) -> None:
         array = np.require(as_points(points), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
-        options = new_options("cpu", threads, grid_resolution=grid_resolution, instructions=instructions)
-        options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
-        kept = Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
+        options = new_options(
+            device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
+            duplicates=duplicates, outside=outside,
+        )  # fmt: skip
+        kept = Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, len(array))
         self._handle = Handle(lib.votess_diagram_free)
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))
@@ -102,7 +104,7 @@ class Diagram:
             return status or int(query(view.pointer, *arguments))
 
         with showing(progress) as shown:
-            run(call, (), new_options("cpu", 0), None, shown)
+            run(call, (), new_options(device="cpu"), None, shown)
 
     def locate(
         self, queries: npt.ArrayLike, progress: Union[None, bool, Progress] = None
@@ -149,9 +151,7 @@ class Diagram:
         ValueError : bad input, or weights where the seeds have none.
         """
         array = _as_queries(queries)
-        options = new_options("cpu", 0)
-        options.want = as_want(want)
-        options.list_walls = bool(list_walls)
+        options = new_options(device="cpu", want=want, list_walls=list_walls)
         numbers = _as_weights(weights, len(array))
         result = Handle(lib.votess_result_free)
         self._ask(

@@ -5,13 +5,12 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
 from ._c_api import ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
-from ._input import Domain
 from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
@@ -50,13 +49,13 @@ class Tessellation(SeedCells):
 
     def _tessellated_again(self) -> Tuple[Handle, str]:
         """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
-        options = new_options("cpu", 0)
         box = self.box if self._domain_given and self.cell is None else None
-        domain = Domain(box, self.periodic, self.weights, None, self.cell, self.origin, self.walls, outside="drop")
-        want: Any = self.wanted
-        result, _, wanted = tessellate_points(
-            None, options, self.points, domain, want, self.lists_walls, "merge", None, 0.0, self.least_face
-        )
+        given: Dict[str, Any] = dict(
+            points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
+            origin=self.origin, walls=self.walls, outside="drop", want=self.wanted, list_walls=self.lists_walls,
+            min_area=self.least_face, progress=None,
+        )  # fmt: skip
+        result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), given)
         return result, differing_array(self._data, read_result(result, wanted))
 
     def __repr__(self) -> str:

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
 from . import _c_api
 from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, raise_on_failure
-from ._input import Domain
 from ._library import lib
 from ._run import new_options, tessellate_points
 from .tessellation import Tessellation
@@ -70,24 +69,28 @@ def tessellate(
     cell, origin : a triclinic box instead of ``box``: its edges as rows, and its corner. It is periodic along all
         edges, or those of ``periodic``; elsewhere its faces are walls.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
-    list_walls : list walls in the rows: -1..-6 = xmin, xmax, ymin, ymax, zmin, zmax, of a
-        ``cell`` across its edges a, b, c in the same order, then those of ``walls``.
-    device : "auto" = the first GPU, else the CPU; "cpu"; "gpu" = the first GPU; "lavapipe" = the first Vulkan device
-        that is software; or an ``id`` of :func:`devices`. A missing device raises VotessError. "auto" uses the CPU for
-        fewer than 10,000 points, which it finishes before a GPU is found.
-    precision : of volumes, centroids and areas from a GPU: "single", relative error 1e-5, or "double", 1e-10. The CPU always
-        gives 1e-10; the neighbor lists are exact either way.
-    threads, grid_resolution, k_init, chunk_size : tuning, 0 = automatic. They change speed and memory, never the
-        lists. CPU threads, at most 1024; blocks along an axis of the sorting grid, at most 2**20; on a GPU the nearest
-        neighbors tried first for each cell, at most 1024, and the cells in flight.
-    instructions : of the CPU: "baseline", "avx2", "avx512", or "" for the best available; never changes the lists.
-        A set that the CPU lacks raises VotessError.
-    duplicates : "merge": the lowest index of equal points keeps the cell; "error": they raise ValueError.
-    min_face : drop faces between two cells that are smaller than this times the mean area, from rows, areas, normals,
-        polygons and face_counts. Each pair of cells is decided once. 0 drops nothing.
-    min_area : the same for faces below this area, length unit squared.
-    outside : points outside of ``box`` or ``walls``: "error" raises ValueError, "drop" gives them an empty cell with
-        status OUTSIDE.
+    list_walls : list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces
+        of a cell across a, b and c; -7, -8, ... = walls.
+    device : where to run: auto = the first GPU, else the CPU; cpu; gpu = the first GPU; lavapipe = the first Vulkan
+        device that is software; or the id of one of devices(). auto is the CPU for fewer than 10,000 points, which
+        takes less time than to open a GPU, and if the GPU fails or cannot serve the request. Otherwise a missing device
+        is an error.
+    precision : "single" or "double"; relative error of volumes, centroids and areas from a GPU: 1e-5 or 1e-10. The
+        CPU always reaches 1e-10; the neighbors are exact either way.
+    threads : CPU threads, an error if the system gives fewer; 0 = all that it gives (at most 1024).
+    grid_resolution : blocks along an axis of the sorting grid; 0 = automatic (at most 1048576).
+    k_init : GPU: nearest neighbors tried first for each cell; 0 = automatic (at most 1024).
+    chunk_size : GPU: cells in flight at once; 0 = automatic.
+    instructions : CPU: baseline, avx2 or avx512; default: the best that the processor has. One that it lacks is an
+        error.
+    duplicates : "merge" or "error"; points of equal coordinates: the lowest index keeps the cell and the others get
+        an empty one, or the input is refused.
+    min_face : drop faces between two cells with an area below this share of the mean of all such faces. They leave
+        lists, areas, normals, polygons and face counts; walls and vertices stay. The cell of lower index decides for
+        both, so lists stay symmetric. 0 drops none.
+    min_area : drop faces below this area, as min_face does; the larger limit counts (length unit squared).
+    outside : "error" or "drop"; points outside the domain: an error, or dropped, which leaves an empty cell with
+        the status `outside`.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -100,14 +103,7 @@ def tessellate(
     MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED for a missing device, DEVICE_LOST
         for one that failed.
     """
-    options = new_options(device, threads, precision, grid_resolution, k_init, chunk_size, instructions)
-    domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
-    return Tessellation(
-        *tessellate_points(
-            None, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area
-        ),
-        domain.is_given,
-    )
+    return Tessellation(*tessellate_points(None, new_options(), dict(locals())))
 
 
 class Tessellator:
@@ -134,10 +130,10 @@ class Tessellator:
         k_init: int = 0,
         chunk_size: int = 0,
         instructions: str = "",
-        ) -> None:
-        self._options = new_options(
-            device, threads, precision, grid_resolution, k_init, chunk_size, instructions
-        )
+    ) -> None:
+        given = dict(locals())
+        del given["self"]
+        self._options = new_options(**given)
         self._lock = threading.Lock()
         self._handle = Handle(lib.votess_tessellator_free)
         raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
@@ -173,17 +169,13 @@ class Tessellator:
         min_area: float = 0.0,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
-        domain = Domain(box, periodic, weights, radii, cell, origin, walls, outside)
+        given = dict(locals())
+        del given["self"]
         with self._alone():
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
-            options = _c_api.Options.from_buffer_copy(self._options)  # the original owns its texts
-            return Tessellation(
-                *tessellate_points(
-                    self._handle, options, points, domain, want, list_walls, duplicates, progress, min_face, min_area
-                ),
-                domain.is_given,
-            )
+            options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
+            return Tessellation(*tessellate_points(self._handle, options, given))
 
     def close(self) -> None:
         """Frees device and buffers. Further calls do nothing."""

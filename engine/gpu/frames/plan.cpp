@@ -32,7 +32,9 @@ void check(const PlanOptions& options) {
     if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
-    check_k_init(options.k_init);
+    Options of_run;
+    of_run.k_init = options.k_init;
+    check_options(of_run);
     if (options.areas && !options.neighbors) refuse("areas follow the rows: request neighbors too");
     detail::check_domain(options);
 }

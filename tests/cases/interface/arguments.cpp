@@ -1,11 +1,14 @@
 // Bad input: a one-line error that names the first offending index and its value, and nothing else happens.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <type_traits>
 
+#include "input/each_option.hpp"
 #include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -151,32 +154,50 @@ TEST_SUITE("api") {
             options.device = device;
             CHECK(has(refusal({0, 0, 0}, options), "auto, cpu, gpu, lavapipe"));
         }
-        options = {};
-        options.threads = 1025;
-        CHECK(has(refusal({0, 0, 0}, options), "1025"));
-        options = {};
-        options.grid_resolution = (1u << 20) + 1;
-        CHECK(has(refusal({0, 0, 0}, options), "1048577"));
-        options = {};
-        options.k_init = 1025;
-        CHECK(has(refusal({0, 0, 0}, options), "k_init = 1025"));
         for (const std::string name : {"sse", "AVX2", "avx2 ", " ", "avx512\n"}) {
             options = {};
             options.instructions = name;
             CHECK(has(refusal({0, 0, 0}, options), "baseline, avx2 or avx512"));
         }
         options = {};
-        options.precision = static_cast<votess::Precision>(2);
-        CHECK(has(refusal({0, 0, 0}, options), "precision = 2"));
-        options = {};
-        options.duplicates = static_cast<votess::Duplicates>(9);
-        CHECK(refusal({0, 0, 0}, options) != "");
-        options = {};
         options.device = "cpu";
         CHECK(refusal({0, 0, 0}, options) == "");
     }
 
-    TEST_CASE("a cell says itself along which edges it repeats: periodic says the same or nothing") {
+    TEST_CASE("options out of their range") {
+        votess::each_option([](const std::string& name, auto member, auto, auto allowed) {
+            votess::Options options;
+            auto& value = options.*member;
+            using Value = std::remove_reference_t<decltype(value)>;
+            if constexpr (std::is_same_v<decltype(allowed), votess::UpTo<Value>>) {
+                if (allowed.max == std::numeric_limits<Value>::max()) return;
+                value = allowed.max + 1;  // or infinity
+            } else if constexpr (std::is_enum_v<Value>) {
+                value = static_cast<Value>(allowed.size());
+            } else {
+                return;
+            }
+            CHECK(has(refusal({0, 0, 0}, options), name + " = "));
+        });
+        for (double votess::Options::*const limit : {&votess::Options::min_face, &votess::Options::min_area})
+            for (const double value : {-1e-300, not_a_number}) {
+                votess::Options options;
+                options.*limit = value;
+                CHECK(has(refusal({0, 0, 0}, options), "give a finite number from 0 up"));
+            }
+    }
+
+    TEST_CASE("votess_options has no padding at its end, where a field could be added unseen") {
+        const votess_options options{};
+        const auto end_of = [&](const auto& field) {
+            return reinterpret_cast<const char*>(&field + 1) - reinterpret_cast<const char*>(&options);
+        };
+        auto end = end_of(options.log_user);
+        votess::each_option([&](auto, auto, auto c_member, auto) { end = std::max(end, end_of(options.*c_member)); });
+        CHECK(end == sizeof options);
+    }
+
+    TEST_CASE("periodic of a cell: Options::periodic is unset or equal") {
         votess::Options options;
         options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.25, 1, 0}, {0, 0, 1}};
         for (unsigned axes = 0; axes < 8; ++axes) {

@@ -16,7 +16,7 @@ import numpy as np
 from .. import _c_api
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from .._input import Domain, as_points, as_want, as_word
+from .._input import Domain, as_points, as_word
 from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
@@ -198,12 +198,11 @@ def tessellate(
         try:
             array = as_points(points).astype(np.float64, copy=False)
             numbers = None if ids is None else _as_ids(ids, len(array))
-            options = new_options("cpu", threads)
-            options.want = as_want(want)
-            options.list_walls = bool(list_walls)
-            options.duplicates = as_word(duplicates, "duplicates", _c_api.DUPLICATES)
+            options = new_options(
+                device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates, outside=outside
+            )
             which = as_word(cells, "cells", _CELLS)
-            kept += Domain(box, periodic, weights, radii, cell, origin, walls, outside).fill(options, len(array))
+            kept += Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, len(array))
             shown = stack.enter_context(showing(progress))
         except BaseException as error:  # reported to the other ranks below
             failure = error

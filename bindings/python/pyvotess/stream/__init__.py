@@ -20,7 +20,7 @@ import numpy as np
 from .. import _c_api
 from .._c_api import OutsideWord, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
-from .._input import Domain, as_count, as_one_each, as_points, as_text, as_want
+from .._input import Domain, as_count, as_one_each, as_points, as_text
 from .._run import new_options
 from .._state import no_attribute
 from ..stats import Stats, VerifyReport, stats_of
@@ -190,10 +190,10 @@ def tessellate_stream(
         raise ValueError(f"beside is {beside!r}: give 'weights', 'radii' or None")
     if not callable(rows):
         raise TypeError(f"rows must be callable, not {type(rows).__name__}")
-    options = new_options("cpu", threads, instructions=instructions)
-    options.want = as_want(want)
-    options.list_walls = bool(list_walls)
-    kept = Domain(box, periodic, None, None, cell, origin, walls, outside).fill(options, 0)
+    options = new_options(
+        device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions
+    )
+    kept = Domain(box, periodic, None, None, cell, origin, walls).fill(options, 0)
     source = _Source(pieces, rows, beside)
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
