@@ -96,7 +96,7 @@ if [[ $vulkan != ON ]]; then
     skip "votess is built without Vulkan"
 else
     built "$frames" "$work/frames"
-    # With the validation layer, if it is installed; it looks for missing barriers too.
+    # Uses the validation layer if it is installed; the layer looks for missing barriers too.
     if output=$(VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation \
                 VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT \
                 "$work/frames/vulkan_frames" --frames 7 --output "$work/frame.png" 2>&1); then

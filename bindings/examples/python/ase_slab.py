@@ -16,8 +16,8 @@ import pyvotess as vt
 def coordination(atoms):
     """Returns the number of neighbors and the volume of each atom's cell.
 
-    Positions of a crystal are rounded, so cells that should touch in an edge or a corner share a tiny face. min_face
-    drops faces smaller than this share of the mean face.
+    Positions of a crystal are rounded. So cells that should touch in an edge or a corner share a tiny face; min_face
+    drops faces below this share of the mean face.
     """
     cells = vt.from_ase(atoms, want="neighbors,volumes", min_face=1e-3)
     return np.diff(cells.neighbors.indptr), cells.volumes

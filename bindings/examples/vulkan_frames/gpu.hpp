@@ -44,7 +44,7 @@ inline Gpu make_gpu(const std::vector<const char*>& instance_extensions, std::ve
     gpu.handles.host = {*gpu.instance, vkGetInstanceProcAddr, VK_API_VERSION_1_3};
     const votess::vulkan::Requirements needs = choose(gpu);
 
-    // Step 1: enable what votess requires, and what the program itself uses.
+    // Step 1: enable the features that votess requires, beside the program's own.
     for (const std::string& extension : needs.extensions) device_extensions.push_back(extension.c_str());
     const auto features = std::bit_cast<vk::PhysicalDeviceFeatures>(gpu.handles.features = needs.features);
     vk::PhysicalDeviceVulkan13Features newer{.dynamicRendering = true};

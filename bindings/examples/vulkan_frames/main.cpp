@@ -1,5 +1,5 @@
-// Moving Voronoi cells in a program's own Vulkan. One command buffer a frame: a compute shader moves the seeds, votess
-// finds their cells, and a fragment shader draws these from the buffers that votess wrote. Nothing leaves the GPU.
+// Moving Voronoi cells in a program's own Vulkan. A frame is one command buffer: a compute shader moves the seeds,
+// votess finds their cells, and a fragment shader draws them from votess's buffers. Nothing leaves the GPU.
 //
 //     vulkan_frames                                                draws in a window until it is closed
 //     vulkan_frames --frames N [--samples N] [--output FILE.png]   draws N frames without a window, checks the last one
@@ -133,7 +133,7 @@ struct Scene {
     vk::UniqueImageView view;
 };
 
-// What the host reads of a frame.
+// A frame on the host.
 struct ReadBack {
     votess::vulkan::Header header;
     std::array<float, std::size_t{4} * count> seeds, geometry;

@@ -1,6 +1,6 @@
-// Draws the cells in perspective, colored by volume, one octant cut open. Rays walk from cell to cell: a ray leaves a
-// cell through the nearest bisector, the plane halfway to a neighbor, and enters that neighbor's cell. So the rows of
-// neighbors are all that a ray needs.
+// Draws the cells in perspective, colored by volume, one octant cut open. Rays walk from cell to cell. A ray leaves a
+// cell through the nearest bisector, the plane halfway to a neighbor, and enters the neighbor's cell. So a ray needs
+// the rows of neighbors only.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "push.glsl"
@@ -29,7 +29,7 @@ float distance_squared(vec3 a, vec3 b) {
 }
 
 // Returns the cell that holds the point, NONE if no cell is certified where it looks first. It starts at the nearest of
-// a few seeds and walks to a neighbor while one is nearer. Beside a pending cell it may end one cell away.
+// a few seeds and walks to a neighbor while one is nearer. It may end one cell away next to a pending cell.
 int locate(vec3 point) {
     int here = NONE;
     float nearest = FAR;
