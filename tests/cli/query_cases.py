@@ -158,8 +158,8 @@ class Probe(CliTest):
         asked = ["cube.txt", "--probe", "q.txt"]
         for arguments, says in [(asked, "-o FILE"), ([*asked, "-o", "a.ply"], "not 'a.ply'"), ([*asked, "-o", "q.txt"], "'q.txt'"),
                                 ([*asked, "-o", "a.npz", "--verify"], "--verify is for cells of the points"),
-                                ([*asked, "-o", "a.npz", "--copy", "4"], "--copy is for"), ([*asked, "-o", "-", "--json"], "stdout"),
-                                ([*asked, "-o", "a.npz", "--image", "a.png"], "--image is for"),
+                                ([*asked, "-o", "a.npz", "--copy", "4"], "--copy is for cells"), ([*asked, "-o", "-", "--json"], "stdout"),
+                                ([*asked, "-o", "a.npz", "--image", "a.png"], "--image is for cells"),
                                 ([*asked, "-o", "a.npz", "--locate", "q.txt"], "not several"),
                                 ([*asked, "-o", "a.npz", "--want", "cells"], "'cells'"), ([*asked, "-o", "a.npz", "-x", "gpu"], "CPU"),
                                 (["cube.txt", "--probe", "", "-o", "a.npz"], "--probe is empty"),
@@ -228,7 +228,7 @@ class Interpolate(CliTest):
                                 ([*asked, "--values", "c", "-o", "a.npy"], "c"),
                                 ([*asked, "--values", "a,", "-o", "a.npy"], "--values is empty"),
                                 ([*asked, "--values", "a", "--natural", "linear", "-o", "a.npy"], "sibson or laplace"),
-                                ([*asked, "--values", "a", "--want", "faces", "-o", "a.npy"], "--want is for"),
+                                ([*asked, "--values", "a", "--want", "faces", "-o", "a.npy"], "--want is for cells"),
                                 ([*asked, "--values", "a", "--locate", "q.txt", "-o", "a.npy"], "not several"),
                                 ([*asked, "--values", "a", "-o", "q.txt"], "'q.txt'"),
                                 (["p.csv", "--values", "a", "-o", "a.npz"], "--values goes with --interpolate QUERIES or --to-grid"),
@@ -305,20 +305,20 @@ class ToGrid(CliTest):
     def test_refused(self):
         out = ["-o", "g.npy"]
         for arguments, says in [([*self.asked, "cic", "--values", "a", *out], "mean, dtfe, nearest or sibson"),
-                                ([*self.asked, "mean", *out], "needs --values COLUMN"),
+                                ([*self.asked, "mean", *out], "add --values COLUMN"),
                                 ([*self.asked, "mean", "--values", "a"], "-o FILE.npy, FILE.h5 or FILE.vti"),
                                 ([*self.asked, "mean", "--values", "a", "-o", "g.txt"], "not 'g.txt'"),
                                 ([*self.asked, "mean", "--values", "a", "-o", "-"], "not '-'"),
                                 ([*self.asked, "mean", "--values", "a", "--project", "w", *out], "must be x, y or z"),
                                 ([*self.asked, "mean", "--values", "a", "--image", "g.png"], "add --project"),
-                                ([*self.asked, "mean", "--values", "a", "--want", "faces", *out], "--want is for"),
+                                ([*self.asked, "mean", "--values", "a", "--want", "faces", *out], "--want is for cells"),
                                 ([*self.asked, "mean", "--values", "a", "--locate", "p.csv", *out], "not several"),
                                 ([*self.asked, "mean", "--values", "a,<b>", "--project", "x", "--image", "g.png"], "one column"),
-                                (["p.csv", "--to-grid", "dtfe", *out], "needs --shape"),
+                                (["p.csv", "--to-grid", "dtfe", *out], "add --shape"),
                                 (["p.csv", "--shape", "3", *out], "--shape goes with --to-grid"),
                                 (["p.csv", "--project", "x", *out], "--project goes with --to-grid"),
                                 (["p.csv", "--cell", "9,0,0,1,9,0,0,0,9", "--to-grid", "dtfe", "--shape", "2", "-o", "g.vti"],
-                                 "right angles")]:
+                                 "of a triclinic box")]:
             self.refuse(*arguments, says=says)
         for shape in ("0", "1,2", "1,2,3,4", "2,,2", "x", "", "1,2,", "9999999"):
             self.refuse("p.csv", "--to-grid", "dtfe", "--shape", shape, *out, says="--shape must be")
