@@ -31,8 +31,9 @@ public:
     // Puts more values of an array whose length has been put.
     template <class T, std::size_t N>
     void append(std::span<const T, N> values) {
-        const auto bytes = std::as_bytes(values);
-        bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+        const std::size_t size = bytes_.size();
+        bytes_.resize(size + values.size_bytes());
+        if (!values.empty()) std::memcpy(bytes_.data() + size, values.data(), values.size_bytes());
     }
     [[nodiscard]] Message take() { return std::move(bytes_); }
 
