@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <votess/votess.hpp>
 
 namespace clvotess {
 
@@ -32,12 +31,6 @@ private:
     std::ranges::replace_if(
         message, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
     return message.size() <= longest ? message : message.substr(0, longest) + "...";
-}
-
-// Returns the exit code for an error of the library.
-[[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {
-    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
-    return users ? exit_code::bad_input : exit_code::runtime_failure;
 }
 
 [[nodiscard]] inline Failure bad_input(const std::string& message) {

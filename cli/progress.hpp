@@ -1,4 +1,5 @@
-// A bar on stderr. It is drawn when stderr is a terminal and the run lasts longer than a second.
+// Calls of the library: a bar, Ctrl-C and exit codes. The bar goes to stderr. It is drawn when stderr is a terminal and
+// the run lasts longer than a second.
 #pragma once
 
 #include <chrono>
@@ -6,6 +7,7 @@
 #include <utility>
 #include <votess/votess.hpp>
 
+#include "failure.hpp"
 #include "interrupt.hpp"
 
 namespace clvotess {
@@ -50,6 +52,12 @@ auto run_stoppable(Progress& progress, const Work& work) {
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;
     }
+}
+
+// Returns the exit code for an error of the library.
+[[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {
+    const bool users = code == votess::ErrorCode::invalid_argument || code == votess::ErrorCode::unsupported;
+    return users ? exit_code::bad_input : exit_code::runtime_failure;
 }
 
 }  // namespace clvotess

@@ -20,6 +20,7 @@
 #include "mpi/ranks.hpp"
 #include "mpi/read_share.hpp"
 #include "mpi/write_ranks.hpp"
+#include "progress.hpp"
 #include "summary.hpp"
 
 namespace clvotess {

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <votess/votess.hpp>
 
-#include "failure.hpp"
+#include "progress.hpp"
 
 namespace clvotess {
 namespace {

@@ -282,7 +282,7 @@ class VoroppCommand(CliTest):
     def test_refused(self):
         self.put("a", "0 0.5 0.5 0.5\n")
         box = "0 1 0 1 0 1".split()
-        for arguments, says in [([], "needs more"), (["-p"], "needs more"), ([*box], ["x_min", "6 words"]),
+        for arguments, says in [([], "needs a value"), (["-p"], "needs a value"), ([*box], ["x_min", "6 words"]),
                                 (["-g", *box, "a"], "gnuplot"), (["-ws", "0", "0", "0", "1", *box, "a"], "--wall-sphere"),
                                 (["-z", *box, "a"], "'-z'"), (["-n", "3", "x", "3", *box, "a"], ["-n", "'x'"]),
                                 ([*box, "b"], "b"), ([*box, "a", "more"], "8 words"), (["-c", "%k", *box, "a"], "%k"),
@@ -361,7 +361,7 @@ class ArrayOutput(CliTest):
             self.skipTest("no compiler")
         self.put("driver.cpp", """
             #include <array>
-            #include "files/atomic_file.hpp"
+            #include "files/output_file.hpp"
             #include "files/formats/zip_writer.hpp"
             int main() {
                 const std::string small(99, 's'), large(100, 'l');
@@ -374,7 +374,7 @@ class ArrayOutput(CliTest):
                 file.finish();
                 file.publish();
             }""")
-        sources = [ROOT / "cli" / name for name in ["files/formats/zip_writer.cpp", "files/atomic_file.cpp",
+        sources = [ROOT / "cli" / name for name in ["files/formats/zip_writer.cpp", "files/output_file.cpp",
                                                     "interrupt.cpp", "files/numbers.cpp"]]
         subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o",
                         "driver"],

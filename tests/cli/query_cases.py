@@ -305,7 +305,7 @@ class ToGrid(CliTest):
     def test_refused(self):
         out = ["-o", "g.npy"]
         for arguments, says in [([*self.asked, "cic", "--values", "a", *out], "mean, dtfe, nearest or sibson"),
-                                ([*self.asked, "mean", *out], "needs --values COLUMN"),
+                                ([*self.asked, "mean", *out], "add --values COLUMN"),
                                 ([*self.asked, "mean", "--values", "a"], "-o FILE.npy, FILE.h5 or FILE.vti"),
                                 ([*self.asked, "mean", "--values", "a", "-o", "g.txt"], "not 'g.txt'"),
                                 ([*self.asked, "mean", "--values", "a", "-o", "-"], "not '-'"),
@@ -314,11 +314,11 @@ class ToGrid(CliTest):
                                 ([*self.asked, "mean", "--values", "a", "--want", "faces", *out], "--want is for"),
                                 ([*self.asked, "mean", "--values", "a", "--locate", "p.csv", *out], "not several"),
                                 ([*self.asked, "mean", "--values", "a,<b>", "--project", "x", "--image", "g.png"], "one column"),
-                                (["p.csv", "--to-grid", "dtfe", *out], "needs --shape"),
+                                (["p.csv", "--to-grid", "dtfe", *out], "add --shape"),
                                 (["p.csv", "--shape", "3", *out], "--shape goes with --to-grid"),
                                 (["p.csv", "--project", "x", *out], "--project goes with --to-grid"),
                                 (["p.csv", "--cell", "9,0,0,1,9,0,0,0,9", "--to-grid", "dtfe", "--shape", "2", "-o", "g.vti"],
-                                 "right angles")]:
+                                 "of a triclinic box")]:
             self.refuse(*arguments, says=says)
         for shape in ("0", "1,2", "1,2,3,4", "2,,2", "x", "", "1,2,", "9999999"):
             self.refuse("p.csv", "--to-grid", "dtfe", "--shape", shape, *out, says="--shape must be")
