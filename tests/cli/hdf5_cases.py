@@ -360,10 +360,10 @@ class Streamed(Hdf5Test):
         self.assertEqual(self.files(), [])
 
     def test_refused(self):
-        for options, says in [(["-o", "out.npz"], ".h5 only"), (["-o", "out.h5", "-o", "-"], ".h5 only"),
+        for options, says in [(["-o", "out.npz"], "only be written to .h5"), (["-o", "out.h5", "-o", "-"], "only be written to .h5"),
                               (["--want", "faces"], "share vertices"), (["--min-face", "0.1"], "--memory does not work with --min-face"),
                               (["--duplicates", "error"], "duplicate_of"),
-                              (["--image", "a.png"], "--image"), (["-x", "lavapipe"], "by the CPU"),
+                              (["--image", "a.png"], "--image"), (["-x", "lavapipe"], "on the CPU"),
                               (["--locate", "q.npy"], "--locate"), (["--temporary", ""], "is empty"),
                               (["--temporary", "absent"], "'absent'")]:
             self.refuse("--random", 50, "--memory", "400M", *options, says=says)
