@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <type_traits>
 
 #include "core/progress.hpp"
 #include "core/text.hpp"
@@ -39,10 +40,15 @@ void check_option(const char* /*name*/, const Value& /*value*/, decltype(anythin
 
 template <class Number>
 void check_option(const char* name, Number value, UpTo<Number> allowed) {
-    const double given = value, max = allowed.max;
-    if (given >= 0 && given <= max && std::isfinite(given)) return;
-    refuse(std::string(name) + " = " + number(given) + ": give " +
-           (std::isinf(max) ? "a finite number from 0 up" : "0 to " + number(max)));
+    if (value >= 0 && value <= allowed.max && std::isfinite(static_cast<double>(value))) return;
+    const auto text = [](Number n) {
+        if constexpr (std::is_integral_v<Number>)
+            return std::to_string(n);
+        else
+            return number(n);
+    };
+    refuse(std::string(name) + " = " + text(value) + ": give " +
+           (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
 }
 
 template <class Enum, std::size_t count>

@@ -16,7 +16,7 @@ import numpy as np
 from helpers import EVERYTHING, PACKAGE_PARENT, UNIT_BOX, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _c_api, _call, _input, _library  # noqa: E402
+from pyvotess import _c_api, _call, _library, _run  # noqa: E402
 
 
 class Verify(unittest.TestCase):
@@ -126,7 +126,7 @@ class Loading(unittest.TestCase):
             ("k_init", 5000, "k_init = 5000"),
             ("instructions", b"mmx", "instructions 'mmx'"),
         ):
-            options = _input.new_options(device="cpu")
+            options = _run.new_options(device="cpu")
             setattr(options, field, value)
             result = ctypes.c_void_p()
             arguments = (None, points.ctypes.data, 4, ctypes.byref(options), ctypes.byref(result))
