@@ -4,7 +4,6 @@
 #include <cmath>
 #include <optional>
 
-#include "oracle/brute_force.hpp"
 #include "support/check.hpp"
 
 namespace {
@@ -29,9 +28,9 @@ TEST_SUITE("oracle") {
         const std::size_t seeds = test::by_size(8, 1);
         for (std::uint64_t seed = 1; seed <= seeds; ++seed)
             for (const test::PointSet& set : test::families(30, seed)) {
-                const auto t = test::run(set);
-                INFO("seed " << seed << " " << set.name << "\n" << test::print_points(set.points, t.box()));
-                CHECK(test::check_exact(t, set.points) == "");
+                CAPTURE(set.name);
+                CAPTURE(seed);
+                CHECK(test::check_exact(test::run(set), set.points) == "");
             }
     }
 

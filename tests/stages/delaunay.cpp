@@ -11,7 +11,6 @@
 #include "core/progress.hpp"
 #include "cpu/cell_builder.hpp"
 #include "exact/insphere.hpp"
-#include "oracle/brute_force.hpp"
 #include "polytope/cell.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
@@ -261,13 +260,13 @@ TEST_SUITE("stages") {
             const Delaunay delaunay(seeds);
             REQUIRE(delaunay.valid());
             const auto t = test::run(set);
-            const test::ExactDiagram exact = test::brute_force(set.points, t.box());
+            REQUIRE(test::check_exact(t, set.points) == "");
             std::vector<std::int32_t> neighbors;
             for (std::size_t i = 0; i < seeds.size(); ++i) {
                 delaunay.neighbors(i, neighbors);
                 std::vector<std::int32_t> inputs;
                 for (const std::int32_t n : neighbors) inputs.push_back(seeds.input[n]);
-                for (const std::int32_t face : exact.cells[seeds.input[i]].faces)
+                for (const std::int32_t face : t.neighbors(seeds.input[i]))
                     if (face >= 0) REQUIRE(std::ranges::count(inputs, face) == 1);
             }
         }

@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "oracle/brute_force.hpp"
+#include "oracle/certificate.hpp"
 #include "polytope/cell_kernels.hpp"
 #include "support/text.hpp"
 
@@ -245,35 +245,8 @@ std::string check_same_cells(const votess::Tessellation& a, const votess::Tessel
 }
 
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points) {
-    const ExactDiagram exact = brute_force(points, t.box());
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        const ExactCell& cell = exact.cells[i];
-        if (is_duplicate(t, i) != (exact.duplicate_of[i] >= 0)) return text("status of ", i);
-        if (is_duplicate(t, i)) {
-            if (t.duplicate_of()[i] != exact.duplicate_of[i]) return text("duplicate_of[", i, "]");
-            continue;
-        }
-        if (!equal(t.neighbors(i), std::span<const std::int32_t>(cell.faces)))
-            return text("row ", i, " is ", text_row(t.neighbors(i)), " instead of ", text_row(cell.faces));
-        if (t.face_counts()[i] != cell.faces.size() || t.edge_counts()[i] != cell.edges ||
-            t.vertex_counts()[i] != cell.vertices)
-            return text("cell ", i, " has ", t.vertex_counts()[i], " vertices, ", t.edge_counts()[i], " edges, ",
-                        t.face_counts()[i], " faces instead of ", cell.vertices, ", ", cell.edges, ", ",
-                        cell.faces.size());
-        const mpf_class error = abs(mpf_class(t.volumes()[i]) - cell.volume);
-        // The last term is for volumes among the subnormal numbers.
-        if (!std::isfinite(t.volumes()[i]) || error > cell.volume * 1e-10 + 64 * mpf_class(0x1p-1074))
-            return text("volume ", i, " is ", t.volumes()[i], " instead of ", cell.volume.get_d());
-        // The absolute coordinate is rounded once more; nothing can be asked below its last digits.
-        const double size = std::max({cell.extent[0], cell.extent[1], cell.extent[2]});
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double c = t.centroids()[3 * i + a], exact_c = cell.centroid[a].get_d();
-            if (!std::isfinite(c) ||
-                abs(mpf_class(c) - cell.centroid[a]) > 1e-10 * size + 4 * 0x1p-53 * std::abs(exact_c) + 4 * 0x1p-1074)
-                return text("centroid ", i, " axis ", a, " is ", c, " instead of ", exact_c);
-        }
-    }
-    return check_invariants(t, points, true);
+    const std::string wrong = check_certificate(t, points, all_options(t.box()));
+    return wrong.empty() ? check_invariants(t, points, true) : wrong;
 }
 
 std::string print_points(std::span<const double> points, const votess::Box& box) {
