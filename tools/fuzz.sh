@@ -1,20 +1,20 @@
 #!/usr/bin/env bash
-# Tries random sets of hard kinds on all cores until the time is over, and proves each answer cell by cell. Or feeds
-# damaged files to the readers of clvotess.
-#   ./tools/fuzz.sh HOURS [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
-#   ./tools/fuzz.sh --replay FILE [--device cpu|lavapipe]
+# Proves the answers to random inputs cell by cell, on all cores until the time is over. Or feeds damaged files to the
+# readers of clvotess.
+#   ./tools/fuzz.sh HOURS|--sets N [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
+#   ./tools/fuzz.sh --replay FILE... [--device cpu|lavapipe]
 #   ./tools/fuzz.sh --readers HOURS [READER...]
-# Kinds: wrapped thin skewed clusters weights walls wedges lattices spheres jobs many; default: all.
+# Kinds: ties extremes wrapped thin skewed clusters weights walls wedges lattices spheres jobs many; default: all.
 # Readers: number text csv gz xyz poscar lammps_dump lammps_data ply vtk npy npz hdf5; default: all, for equal times.
-# Prints the number of sets of each kind, and the seed, which differs from run to run. A set that fails, hangs, crashes
-# or takes too much is reduced and written to FOLDER (default build/fuzz), as a text that --replay runs again.
-# --readers needs clang with libFuzzer. It continues with the inputs of earlier runs in build/fuzz/readers, and writes
-# findings there as READER-crash-... Exits 1 when something was found.
+# Prints the seed, which is random unless given, and how many sets of each kind it tried. A wrong answer, crash, hang or
+# excess of time or memory is a finding: it is reduced and kept in FOLDER (default build/fuzz) as a text for --replay.
+# --readers needs clang with libFuzzer. It starts from the inputs that earlier runs kept in build/fuzz/readers and keeps
+# findings there as READER-crash-... Exits 1 when there is a finding.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 if [[ $# -eq 0 ]]; then
-    sed -n '2,14s/^# //p' "$0" >&2
+    sed -n '2,13s/^# //p' "$0" >&2
     exit 2
 fi
 log=$(mktemp)

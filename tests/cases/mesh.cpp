@@ -130,7 +130,7 @@ TEST_SUITE("cases") {
             for (double& x : set.points)
                 if (round % 3 == 0 && random.chance(0.1) && x > 0) x = std::nextafter(x, 0);
             if (round % 5 == 0) set = test::scaled(set, 1e-10);
-            INFO(test::print_points(set.points, set.box.value_or(votess::Box{})));
+            CAPTURE(round);
             const auto t = mesh_of(set);
             REQUIRE(test::check_mesh(t, set.points) == "");
             const auto dual = votess::delaunay(t);

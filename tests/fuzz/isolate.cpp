@@ -49,7 +49,8 @@ std::string judge_apart(const Case& c, const Limits& limits) {
         close(ends[0]);
         limit_memory(limits);
         start_limits(limits);
-        const std::string failure = judge(c, limits.device, limits.device == "cpu" && !reduced()).failure;
+        votess::Tessellator kept;
+        const std::string failure = judge(c, limits.device, limits.device == "cpu" && !reduced(), kept).failure;
         (void)!::write(ends[1], failure.data(), std::min<std::size_t>(failure.size(), 60000));
         _exit(0);
     }

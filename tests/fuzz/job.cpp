@@ -75,6 +75,10 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         in >> job.threads;
     } else if (word == "instructions") {
         in >> job.instructions;
+    } else if (word == "k_init") {
+        in >> job.k_init;
+    } else if (word == "chunk") {
+        in >> job.chunk_size;
     } else if (word == "drop") {
         job.drop = true;
     } else if (word == "list_walls") {
@@ -83,6 +87,10 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         job.may_refuse = true;
     } else if (word == "closed") {
         job.closed = true;
+    } else if (word == "double") {
+        job.double_precision = true;
+    } else if (word == "subgroup") {
+        job.by_subgroup = true;
     } else {
         throw std::runtime_error("'" + word + "' is not known");
     }
@@ -106,6 +114,9 @@ votess::Options Job::options(const std::string& device) const {
     options.weights = weights;
     options.grid_resolution = grid_resolution;
     options.threads = threads;
+    options.k_init = k_init;
+    options.chunk_size = chunk_size;
+    if (double_precision) options.precision = votess::Precision::double_;
     if (votess::cpu::find_kernels(instructions) != nullptr) options.instructions = instructions;
     return options;
 }
@@ -145,8 +156,12 @@ void write(const Case& c, std::ostream& out) {
         }
         out << "want " << job.want << "\ngrid " << job.grid_resolution << "\nthreads " << job.threads << '\n';
         if (!job.instructions.empty()) out << "instructions " << job.instructions << '\n';
+        if (job.k_init != 0) out << "k_init " << job.k_init << '\n';
+        if (job.chunk_size != 0) out << "chunk " << job.chunk_size << '\n';
         for (const auto& [name, on] : {std::pair{"drop", job.drop}, std::pair{"list_walls", job.list_walls},
-                                       std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed}})
+                                       std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
+                                       std::pair{"double", job.double_precision},
+                                       std::pair{"subgroup", job.by_subgroup}})
             if (on) out << name << '\n';
         for (std::size_t i = 0; i < job.size(); ++i) {
             out << "seed";

@@ -1,4 +1,4 @@
-// What the fuzz of many kinds hands to the library, as text too: a finding can be kept and run again.
+// The input of one fuzz case. It is written as text, so that a finding can be kept and replayed.
 #pragma once
 
 #include <array>
@@ -27,18 +27,22 @@ struct Job {
     bool list_walls = false;
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
-    std::string instructions;  // where the processor has them; "" = the best
-    bool may_refuse = false;   // invalid_argument and unsupported are answers too
-    bool closed = false;       // the walls alone bound the domain, so those of the box touch no cell
+    std::string instructions;  // used where the processor has them; "" = the best
+    // Of GPUs.
+    unsigned k_init = 0, chunk_size = 0;
+    bool double_precision = false;
+    bool by_subgroup = false;  // the kernel
+    bool may_refuse = false;   // invalid_argument and unsupported are right answers too
+    bool closed = false;       // only the walls bound the domain: those of the box touch no cell
 
     [[nodiscard]] std::size_t size() const { return points.size() / 3; }
-    // The weights stay the job's.
+    // The options refer to the weights of this job.
     [[nodiscard]] votess::Options options(const std::string& device) const;
-    // Without these seeds.
+    // Returns the job without these seeds.
     [[nodiscard]] Job without(std::size_t first, std::size_t end) const;
 };
 
-// Jobs that one Tessellator does one after the other.
+// Jobs for one Tessellator, in their order.
 struct Case {
     std::string kind;
     std::uint64_t number = 0;

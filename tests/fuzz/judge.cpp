@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <ctime>
 #include <sstream>
 
@@ -16,7 +17,7 @@
 namespace test::fuzz {
 namespace {
 
-constexpr std::size_t few = 100;  // seeds, whose cells are all proven
+constexpr std::size_t few = 100;  // all cells of so many seeds are proven
 constexpr std::size_t proven_of_many = 16;
 constexpr double max_seconds = 2, max_megabytes = 200;  // for few seeds
 
@@ -34,12 +35,13 @@ double peak_megabytes() {
 
 struct Answer {
     votess::Tessellation t;
-    std::string refusal;  // "" when there is a t
-    bool proper = false;  // the refusal says what is wrong with the input
+    std::string refusal;  // "": t is the answer
+    bool proper = false;  // the refusal blames the input
 };
 
 Answer ask(votess::Tessellator& tessellator, const Job& job, const std::string& device) {
     Answer answer;
+    setenv("VOTESS_VULKAN_KERNEL", job.by_subgroup ? "subgroup" : "invocation", 1);
     try {
         answer.t = tessellator.tessellate(job.points, job.options(device));
     } catch (const votess::Error& error) {
@@ -52,7 +54,7 @@ Answer ask(votess::Tessellator& tessellator, const Job& job, const std::string& 
     return answer;
 }
 
-// Rows of the same seeds in another order, translated back.
+// Compares the rows with those of the same seeds in another order.
 std::string check_shuffled(const votess::Tessellation& t, const Job& job, const std::string& device,
                            std::uint64_t number) {
     Random random(number);
@@ -82,11 +84,11 @@ std::string check_shuffled(const votess::Tessellation& t, const Job& job, const 
     for (std::size_t i = 0; i < order.size(); ++i)
         if (t.status()[i] != answer.t.status()[static_cast<std::size_t>(place[i])] ||
             faces(t, i, &place) != faces(answer.t, static_cast<std::size_t>(place[i]), nullptr))
-            return text("order: cell ", i, " is another when the seeds come in another order");
+            return text("order: cell ", i, " depends on the order of the seeds");
     return "";
 }
 
-// Whether coordinates are so different in size that integers which hold them all take the oracle long.
+// Returns whether the oracle's integers are so long that it takes much time.
 bool spans_many_binades(const Job& job) {
     double least = 1, largest = 0;
     for (const double x : job.points)
@@ -102,7 +104,6 @@ std::string check_answer(const votess::Tessellation& t, const Job& job, const st
         for (std::size_t i = 0; i < t.size(); ++i)
             for (const std::int32_t j : t.neighbors(i))
                 if (j < 0 && j > -7) return text("domain: a wall of the box cuts the polyhedron: cell ", i);
-    // The rows' own contradictions first, which need no oracle.
     if (options.want.neighbors && options.want.volumes && !single && t.size() > 0)
         if (const std::string wrong = check_domain(t); !wrong.empty()) return "contradiction: " + wrong;
     if (options.want.neighbors) {
@@ -136,9 +137,8 @@ std::string sort_of(const std::string& failure) {
     return sort;
 }
 
-Judgement judge(const Case& c, const std::string& device, bool measure) {
+Judgement judge(const Case& c, const std::string& device, bool measure, votess::Tessellator& kept) {
     Judgement judgement;
-    votess::Tessellator kept;
     for (std::size_t k = 0; k < c.jobs.size() && judgement.right(); ++k) {
         const Job& job = c.jobs[k];
         const double seconds = processor_seconds(), megabytes = peak_megabytes();
@@ -155,6 +155,8 @@ Judgement judge(const Case& c, const std::string& device, bool measure) {
             ++judgement.refused;
         } else {
             wrong = check_answer(answer.t, job, device, c.number);
+            judgement.cells += answer.t.size();
+            judgement.fallback_cells += answer.t.stats().fallback_cells;
         }
         if (wrong.empty() && c.jobs.size() > 1) {
             votess::Tessellator fresh;

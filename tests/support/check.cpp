@@ -249,33 +249,4 @@ std::string check_exact(const votess::Tessellation& t, std::span<const double> p
     return wrong.empty() ? check_invariants(t, points, true) : wrong;
 }
 
-std::string print_points(std::span<const double> points, const votess::Box& box) {
-    std::ostringstream out;
-    out << std::hexfloat << "box {{";
-    for (std::size_t a = 0; a < 3; ++a) out << (a ? ", " : "") << box.lower[a];
-    out << "}, {";
-    for (std::size_t a = 0; a < 3; ++a) out << (a ? ", " : "") << box.upper[a];
-    out << "}}\npoints {";
-    for (std::size_t i = 0; i < points.size(); ++i)
-        out << (i == 0 ? "" : i % 3 == 0 ? ",\n        " : ", ") << points[i];
-    out << '}';
-    return out.str();
-}
-
-Coordinates minimize(Coordinates points, const std::function<bool(const Coordinates&)>& fails) {
-    for (bool shrunk = true; shrunk;) {
-        shrunk = false;
-        for (std::size_t i = points.size() / 3; i-- > 0;) {
-            Coordinates fewer = points;
-            fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(3 * i),
-                        fewer.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
-            if (fails(fewer)) {
-                points = std::move(fewer);
-                shrunk = true;
-            }
-        }
-    }
-    return points;
-}
-
 }  // namespace test

@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -39,12 +38,6 @@ std::string check_identical(const votess::Tessellation& a, const votess::Tessell
 std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b);
 // Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points);
-
-// The points as C++ source with hexadecimal floats, ready to become a named case.
-std::string print_points(std::span<const double> points, const votess::Box& box);
-
-// Leaves out points, one after the other, as long as `fails` stays true.
-Coordinates minimize(Coordinates points, const std::function<bool(const Coordinates&)>& fails);
 
 // Returns the code of the votess::Error that `call` throws, and nothing when it returns.
 template <class Call>

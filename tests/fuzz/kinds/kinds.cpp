@@ -8,6 +8,8 @@ namespace test::fuzz {
 namespace {
 
 constexpr Kind kinds[] = {
+    {"ties", "few seeds on grids, spheres, planes and walls, and a hair off, at any scale", ties},
+    {"extremes", "coordinates of one set that span hundreds of binary digits", extremes},
     {"wrapped", "seeds and their rounded translations by box vectors, or a unit in the last place beside",
      wrapped_pairs},
     {"thin", "few seeds in boxes whose sides differ by up to ten decades", thin_cells},
@@ -38,6 +40,13 @@ Case make_case(const Kind& kind, std::uint64_t number) {
         job.instructions = instructions[number % std::size(instructions)];
         // Rows without normals and polygons are written by another way.
         if (job.want == want_all && number % 4 == 0) job.want = want_rows_and_volumes;
+        constexpr unsigned chunks[] = {0, 0, 0, 64, 150};
+        job.chunk_size = chunks[number % std::size(chunks)];
+        // New pipelines take long to make.
+        const std::uint64_t group = number / 8;
+        job.by_subgroup = group % 2 == 0;
+        job.k_init = group % 4 == 1 ? 12 : 0;
+        job.double_precision = group % 4 == 2;
     }
     return c;
 }

@@ -1,4 +1,4 @@
-// Kinds of inputs that bounds and roundings were derived for, each made from a number.
+// Kinds of inputs near the limits of bounds and roundings, each made from a number.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,26 @@ struct Kind {
 };
 
 std::span<const Kind> all_kinds();
-// The case of a kind's number; the same on every platform.
+// Returns the case of a kind with this number, the same on every platform.
 Case make_case(const Kind& kind, std::uint64_t number);
 
 // ---- shared by the kinds ----
 
 using Vector = std::array<double, 3>;
 
-// 10^lower .. 10^upper, its logarithm uniform.
+// Returns a number from 10^lower to 10^upper with a uniform logarithm.
 double decades(Random& random, double lower, double upper);
-// x, or one or few representable numbers beside it.
+// Returns x, or with this probability a double few steps away.
 double beside(double x, Random& random, double probability);
 void add_seed(Job& job, const Vector& x);
 void shuffle(Job& job, Random& random);
-// A box of these sides somewhere, periodic along some axes, at least one when must_repeat.
+// Sets a box that is periodic along some axes, at least one when must_repeat.
 void take_box(Job& job, const Vector& lower, const Vector& sides, Random& random, bool must_repeat);
 
-// ---- the kinds, small but the last ----
+// ---- the kinds ----
 
+std::vector<Job> ties(Random& random);
+std::vector<Job> extremes(Random& random);
 std::vector<Job> wrapped_pairs(Random& random);
 std::vector<Job> thin_cells(Random& random);
 std::vector<Job> skewed_cells(Random& random);

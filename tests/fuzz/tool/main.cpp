@@ -1,7 +1,8 @@
-// votess_fuzz: random sets of all kinds until the time is over, on all cores. tools/fuzz.sh builds and starts it.
-//   votess_fuzz HOURS [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
-//   votess_fuzz --replay FILE [--device cpu|lavapipe]
-// Exits 0 when nothing was found, 1 when something was, 2 when the arguments are wrong.
+// votess_fuzz: proves the library's answers to random inputs, on all cores. tools/fuzz.sh builds and starts it.
+//   votess_fuzz HOURS|--sets N [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
+//   votess_fuzz --replay FILE... [--device cpu|lavapipe]
+// --sets tries N sets of each kind, numbered from the seed. Exits 0 when all answers were right, 1 when one was wrong, 2
+// when the arguments are wrong.
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -36,9 +37,11 @@ constexpr int kept_of_a_sort = 3;
 
 struct Arguments {
     double hours = 0;
+    std::uint64_t sets = 0;  // of each kind; 0: any number
     std::vector<const Kind*> kinds;
     std::uint64_t first = std::random_device{}() * 1000000ull;
-    std::string replay, findings = "build/fuzz";
+    std::vector<std::string> replay;
+    std::string findings = "build/fuzz";
     Limits limits;
     unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
 };
@@ -52,7 +55,7 @@ Arguments parse(int count, char** values) {
             x = std::stod(text, &used);
         } catch (const std::exception&) {
         }
-        if (used != text.size() || !(x >= 0)) throw std::invalid_argument(name + ": '" + text + "' is no number");
+        if (used != text.size() || !(x >= 0)) throw std::invalid_argument(name + ": '" + text + "' is not a number");
         return x;
     };
     bool has_hours = false;
@@ -64,7 +67,11 @@ Arguments parse(int count, char** values) {
         };
         const auto kind = std::ranges::find(all_kinds(), word, &Kind::name);
         if (word == "--replay") {
-            arguments.replay = value();
+            arguments.replay.push_back(value());
+            while (k + 1 < count && !std::string_view(values[k + 1]).starts_with("--"))
+                arguments.replay.emplace_back(values[++k]);
+        } else if (word == "--sets") {
+            arguments.sets = static_cast<std::uint64_t>(number(word, value()));
         } else if (word == "--device") {
             arguments.limits.device = value();
         } else if (word == "--seed") {
@@ -81,24 +88,25 @@ Arguments parse(int count, char** values) {
         } else {
             std::string names;
             for (const Kind& k : all_kinds()) names += ' ' + std::string(k.name);
-            throw std::invalid_argument("'" + word + "' is no kind: these are" + names);
+            throw std::invalid_argument("'" + word + "' is not a kind; use" + names);
         }
     }
-    if (!has_hours && arguments.replay.empty()) throw std::invalid_argument("give HOURS, or --replay FILE");
+    if (!has_hours && arguments.sets == 0 && arguments.replay.empty())
+        throw std::invalid_argument("give HOURS, --sets N or --replay FILE");
     if (arguments.kinds.empty())
         for (const Kind& kind : all_kinds()) arguments.kinds.push_back(&kind);
     return arguments;
 }
 
-// What a worker does, seen by its parent.
+// Written by a worker, read by its parent.
 struct Progress {
-    std::atomic<std::uint64_t> kind, number, next;
+    std::atomic<std::uint64_t> kind, number, next, cells, fallback_cells;
     std::atomic<std::uint64_t> tried[max_kinds], refused[max_kinds], milliseconds[max_kinds];
 };
 
 struct Worker {
     pid_t id = -1;
-    int reports = -1;
+    int reports = -1;  // -1 once it has tried all its sets
     std::string text;  // of reports, up to the last whole line
 };
 
@@ -118,11 +126,11 @@ public:
     }
 
     int run() {
-        const auto end = Clock::now() + std::chrono::duration<double>(arguments_.hours * 3600);
+        const auto end = Clock::now() + std::chrono::duration<double>(arguments_.sets > 0 ? 1e9 : arguments_.hours * 3600);
         std::printf("fuzz: %u processes, seed %llu, device %s\n", arguments_.jobs,
                     static_cast<unsigned long long>(arguments_.first), arguments_.limits.device.c_str());
         for (std::size_t w = 0; w < workers_.size(); ++w) start(w);
-        while (Clock::now() < end) {
+        while (Clock::now() < end && std::ranges::any_of(workers_, [](const Worker& w) { return w.reports >= 0; })) {
             std::vector<pollfd> waiting;
             for (const Worker& worker : workers_) waiting.push_back({worker.reports, POLLIN, 0});
             poll(waiting.data(), waiting.size(), 200);
@@ -130,6 +138,7 @@ public:
                 if (waiting[w].revents != 0) hear(w);
         }
         for (Worker& worker : workers_) {
+            if (worker.reports < 0) continue;
             kill(worker.id, SIGKILL);
             waitpid(worker.id, nullptr, 0);
         }
@@ -152,22 +161,43 @@ private:
         workers_[w] = {child, ends[0], ""};
     }
 
-    // Takes the kind that had the least time, so that all have the same.
+    // Chooses the next kind and number. Without --sets all kinds get the same time.
+    bool choose(std::size_t w, Progress& mine) const {
+        const std::uint64_t next = w + workers_.size() * mine.next++;
+        std::size_t kind = 0;
+        for (std::size_t k = 1; k < arguments_.kinds.size(); ++k)
+            if (mine.milliseconds[k] < mine.milliseconds[kind]) kind = k;
+        mine.kind = arguments_.sets > 0 ? next / arguments_.sets : kind;
+        mine.number = arguments_.first + (arguments_.sets > 0 ? next % arguments_.sets : next);
+        return mine.kind < arguments_.kinds.size();
+    }
+
+    // Returns the case after it was written and read, and a failure when that changed it.
+    static std::pair<Case, std::string> read_again(const Case& c) {
+        std::stringstream text, same;
+        write(c, text);
+        std::pair<Case, std::string> again{read(text), ""};
+        write(again.first, same);
+        if (text.str() != same.str()) again.second = "text: another case when it is read";
+        return again;
+    }
+
     [[noreturn]] void work(std::size_t w, int reports) {
         Progress& mine = progress_[w];
-        const bool measure = arguments_.limits.device == "cpu" && !test::reduced();
-        for (;;) {
-            std::size_t kind = 0;
-            for (std::size_t k = 1; k < arguments_.kinds.size(); ++k)
-                if (mine.milliseconds[k] < mine.milliseconds[kind]) kind = k;
-            mine.kind = kind;
-            mine.number = arguments_.first + w + workers_.size() * mine.next++;
+        const bool on_cpu = arguments_.limits.device == "cpu", measure = on_cpu && !test::reduced();
+        votess::Tessellator device;  // a new one for each set would take long to open it
+        while (choose(w, mine)) {
+            const std::size_t kind = mine.kind;
             const auto begin = Clock::now();
             start_limits(arguments_.limits);
-            const Judgement judgement =
-                judge(make_case(*arguments_.kinds[kind], mine.number), arguments_.limits.device, measure);
+            const auto [set, wrong] = read_again(make_case(*arguments_.kinds[kind], mine.number));
+            votess::Tessellator fresh;
+            Judgement judgement = judge(set, arguments_.limits.device, measure, on_cpu ? fresh : device);
+            if (!wrong.empty()) judgement.failure = wrong;
             ++mine.tried[kind];
             mine.refused[kind] += judgement.refused;
+            mine.cells += judgement.cells;
+            mine.fallback_cells += judgement.fallback_cells;
             mine.milliseconds[kind] +=
                 static_cast<std::uint64_t>(std::chrono::duration<double, std::milli>(Clock::now() - begin).count() + 1);
             if (judgement.right()) continue;
@@ -176,9 +206,10 @@ private:
             line.resize(std::min<std::size_t>(line.size(), 3000));
             line += '\n';
             (void)!::write(reports, line.data(), line.size());
-            // The peak of memory cannot be taken back.
+            // Only a new process has another peak of memory.
             if (judgement.failure.starts_with("memory")) _exit(0);
         }
+        _exit(finished);
     }
 
     void hear(std::size_t w) {
@@ -201,6 +232,10 @@ private:
         waitpid(worker.id, &status, 0);
         close(worker.reports);
         Progress& of = progress_[w];
+        if (WIFEXITED(status) && WEXITSTATUS(status) == finished) {
+            worker.reports = -1;
+            return;
+        }
         const std::string end = describe_end(status);
         const Finding finding{of.kind, of.number, end};
         if (!end.empty()) {
@@ -247,11 +282,21 @@ private:
                         static_cast<unsigned long long>(refused), found);
         }
         for (const auto& [sort, times] : found_) std::printf("found %d times: %s\n", times, sort.c_str());
-        std::printf("fuzz: %llu sets tried in %.2f hours by %u processes, findings in %s\n",
-                    static_cast<unsigned long long>(all), arguments_.hours, arguments_.jobs,
-                    arguments_.findings.c_str());
-        return found_.empty() ? 0 : 1;
+        std::printf("fuzz: %llu sets tried by %u processes, findings in %s\n", static_cast<unsigned long long>(all),
+                    arguments_.jobs, arguments_.findings.c_str());
+        bool right = found_.empty() && (arguments_.sets == 0 || all == arguments_.sets * arguments_.kinds.size());
+        if (arguments_.limits.device != "cpu") {
+            std::uint64_t cells = 0, fallback_cells = 0;
+            for (std::size_t w = 0; w < workers_.size(); ++w)
+                cells += progress_[w].cells, fallback_cells += progress_[w].fallback_cells;
+            std::printf("fuzz: the device made %llu of %llu cells\n",
+                        static_cast<unsigned long long>(cells - fallback_cells), static_cast<unsigned long long>(cells));
+            right = right && 50 * (cells - fallback_cells) >= cells;
+        }
+        return right ? 0 : 1;
     }
+
+    static constexpr int finished = 17;  // the exit status of a worker that has tried all its sets
 
     const Arguments& arguments_;
     std::vector<Worker> workers_;
@@ -260,11 +305,15 @@ private:
 };
 
 int replay(const Arguments& arguments) {
-    std::ifstream in(arguments.replay);
-    if (!in) throw std::runtime_error(arguments.replay + " cannot be read");
-    const std::string failure = judge_apart(read(in), arguments.limits);
-    std::printf("%s\n", failure.empty() ? "right" : failure.c_str());
-    return failure.empty() ? 0 : 1;
+    int wrong = 0;
+    for (const std::string& file : arguments.replay) {
+        std::ifstream in(file);
+        if (!in) throw std::runtime_error(file + " cannot be read");
+        const std::string failure = judge_apart(read(in), arguments.limits);
+        std::printf("%s: %s\n", file.c_str(), failure.empty() ? "right" : failure.c_str());
+        wrong += failure.empty() ? 0 : 1;
+    }
+    return wrong == 0 ? 0 : 1;
 }
 
 }  // namespace
