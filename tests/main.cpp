@@ -9,33 +9,21 @@
 
 namespace {
 
-std::string variable(const char* name) {
-    const char* value = std::getenv(name);
-    return value != nullptr ? value : "";
-}
-
-// As on a processor that has nothing better than these; false when this one lacks them or has nothing better.
-bool lower_to(const std::string& instructions) {
-    const votess::cpu::Kernels* kernels = votess::cpu::find_kernels(instructions);
-    if (kernels == nullptr || kernels == &votess::cpu::best_kernels()) return false;
-    votess::cpu::set_best_kernels(*kernels);
-    return true;
+// Makes the named instructions the best ones. Returns false where the processor lacks them.
+bool limit_instructions(const std::string& name) {
+    const votess::cpu::Kernels* kernels = votess::cpu::find_kernels(name);
+    if (kernels != nullptr) votess::cpu::set_best_kernels(*kernels);
+    return kernels != nullptr;
 }
 
 }  // namespace
 
-// VOTESS_TEST_BEST: the best instructions that the processor shall seem to have, for a run of all tests.
-// VOTESS_TEST_INSTRUCTIONS: set by ctest for tests that run once more with these.
+// VOTESS_TEST_BEST limits the vector instructions of all tests: avx512, avx2 or baseline.
 int main(int count, char** values) {
-    const std::string best = variable("VOTESS_TEST_BEST"), again = variable("VOTESS_TEST_INSTRUCTIONS");
-    if (!best.empty() && best != "avx512" && best != "avx2" && best != "baseline") {
-        std::printf("VOTESS_TEST_BEST=%s: give avx512, avx2 or baseline\n", best.c_str());
+    const char* best = std::getenv("VOTESS_TEST_BEST");
+    if (best != nullptr && !limit_instructions(best)) {
+        std::printf("VOTESS_TEST_BEST=%s: this processor has no such instructions; use avx512, avx2 or baseline\n", best);
         return 2;
-    }
-    lower_to(best);
-    if (!again.empty() && !lower_to(again)) {
-        std::printf("skipped: this processor lacks the instructions, or all tests run with them\n");
-        return 77;
     }
     return doctest::Context(count, values).run();
 }

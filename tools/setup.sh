@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
-#   ./tools/setup.sh [run|test|bench|wheel]...     default: the first three
-# With nothing missing it does nothing and needs no network. Elsewhere it says what to install.
+#   ./tools/setup.sh [run|quick|test|bench|wheel]...     default: run test bench
+# run: clvotess. quick: the tests of tools/test.sh. test: all tests. It needs no network when nothing is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -37,11 +37,14 @@ for part in "$@"; do
             need libvulkan1
             need mesa-vulkan-drivers
             ;;
-        test)
+        quick | test)
             need doctest-dev
             need libgmp-dev
             need libqhull-dev
             need voro++-dev
+            tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
+            tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py
+            [[ $part == test ]] || continue
             need voro++
             need vulkan-validationlayers
             need spirv-tools
@@ -51,8 +54,6 @@ for part in "$@"; do
             need openmpi-bin
             tools/python.sh -c 'import mpi4py' 2>/dev/null || need python3-mpi4py
             need_command pkg-config pkg-config
-            tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
-            tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py
             tools/python.sh -c 'import vtkmodules' 2>/dev/null || need python3-vtk9
             ;;
         bench)
@@ -66,7 +67,7 @@ for part in "$@"; do
             python3 -c 'import ensurepip' 2>/dev/null || wanted+=(python3-venv)
             ;;
         *)
-            echo "setup: unknown part '$part'; it is run, test, bench or wheel" >&2
+            echo "setup: unknown part '$part'; use run, quick, test, bench or wheel" >&2
             exit 2
             ;;
     esac

@@ -1,17 +1,19 @@
 #!/usr/bin/env bash
-# Everything that must hold, in three builds: release (all tests), then address and undefined-behaviour sanitizers
-# (tests labelled "sanitize") and the thread sanitizer ("threads"), which compiles without precompiled headers, so that an
-# include that is missing is found.
-#   ./tools/test.sh [release|asan|tsan]...     default: all three
-# VOTESS_TEST_BEST=avx2 (or baseline) tests as on a processor that has no better instructions.
-# Exits 0 when every test of every build passed; the last line counts them.
+# Builds votess and tests it. Exits 0 when every test passed; the last line counts them.
+#   ./tools/test.sh                             the quick tests: release build, no GPU, in minutes
+#   ./tools/test.sh --all                       all tests: release, then the sanitizers
+#   ./tools/test.sh quick|release|asan|tsan...  these builds
+# asan is AddressSanitizer with UBSan and runs the tests labeled "sanitize". tsan is ThreadSanitizer, runs those labeled
+# "threads", and compiles without precompiled headers, which finds missing includes.
+# VOTESS_TEST_BEST=avx2 (or baseline) limits the CPU's vector instructions.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-[[ $# -gt 0 ]] || set -- release asan tsan
-tools/setup.sh run test
+[[ $# -gt 0 ]] || set -- quick
+[[ $* != --all ]] || set -- release asan tsan
+if [[ $* == quick ]]; then tools/setup.sh run quick; else tools/setup.sh run test; fi
 jobs=$(nproc)
-# What lavapipe compiles takes most of the time of tests on it: kept here for all builds.
+# Compiling for lavapipe takes most of the time of its tests: all builds share one cache.
 mkdir -p build
 export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-$PWD/build/mesa}
 passed=0
@@ -20,23 +22,23 @@ broken=()
 log=$(mktemp)
 trap 'rm -f "$log"' EXIT
 
-run_tree() {  # preset, then arguments of ctest
-    local preset=$1
-    shift
+run_tree() {  # preset, target or "all", label or "" for all tests
+    local preset=$1 target=$2 label=$3
     echo "== $preset: build"
-    # Bench is on in release: it has a smoke test. Options are set here because run.sh may have turned them off.
-    local bench=OFF
-    [[ $preset != release ]] || bench=ON
-    if ! { cmake --preset "$preset" -DVOTESS_BUILD_TESTS=ON -DVOTESS_BUILD_BENCH=$bench &&
-           cmake --build --preset "$preset" --parallel "$jobs"; } >"$log" 2>&1; then
+    # The options are set because run.sh may have turned them off. A smoke test runs the benchmark.
+    local options=(-DVOTESS_BUILD_TESTS=ON)
+    [[ $preset-$target != release-all ]] || options+=(-DVOTESS_BUILD_BENCH=ON)
+    if ! { cmake --preset "$preset" "${options[@]}" &&
+           cmake --build --preset "$preset" --parallel "$jobs" --target "$target"; } >"$log" 2>&1; then
         cat "$log"
         broken+=("$preset")
         return
     fi
     grep -E 'warning:|CMake Warning' "$log" || true
     echo "== $preset: test"
-    local command=(ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel "$jobs" "$@")
-    # GCC 12's thread sanitizer cannot place its shadow where newer kernels randomize widely.
+    local command=(ctest --test-dir "build/$preset" --output-on-failure --no-tests=error --parallel "$jobs")
+    [[ -z $label ]] || command+=(--label-regex "^$label\$")
+    # GCC 12's ThreadSanitizer cannot place its shadow memory where newer kernels randomize widely.
     if [[ $preset == tsan ]] && setarch "$(uname -m)" -R true 2>/dev/null; then
         command=(setarch "$(uname -m)" -R "${command[@]}")
     fi
@@ -52,12 +54,13 @@ run_tree() {  # preset, then arguments of ctest
     passed=$((passed + ${counts#* } - ${counts% *}))
 }
 
-for preset in "$@"; do
-    case $preset in
-        release) run_tree release ;;
-        asan) run_tree asan --label-regex '^sanitize$' ;;
-        tsan) run_tree tsan --label-regex '^threads$' ;;
-        *) echo "test: unknown build '$preset'; it is release, asan or tsan" >&2; exit 2 ;;
+for build in "$@"; do
+    case $build in
+        quick) run_tree release votess_quick quick ;;
+        release) run_tree release all "" ;;
+        asan) run_tree asan all sanitize ;;
+        tsan) run_tree tsan all threads ;;
+        *) echo "test: unknown build '$build'; use --all, quick, release, asan or tsan" >&2; exit 2 ;;
     esac
 done
 
