@@ -6,7 +6,6 @@
 #include <numeric>
 #include <vector>
 
-#include "oracle/certificate.hpp"
 #include "support/check.hpp"
 
 namespace {
@@ -162,22 +161,30 @@ TEST_SUITE("cases") {
         }
     }
 
-    // The fuzz found the first: |q - p|^2 + w_p - w_q is 1e-27, all but the last 34 bits of what it is the sum of.
-    TEST_CASE("volumes of power cells whose planes lie nearer to the seed than digits of the weights reach") {
-        const double far = 0x1.205ec3593b46dp+4, near = 0x1.145ec3593b46dp+4;
-        const std::vector<double> points{far,  far, near, far, near, 0x1.105ec3593b46dp+4, 0x1.185ec3593b46dp+4,
-                                         near, far};
-        for (const double own : {0x1.3ce9a36f23c1p-88, 0x1p-60, 0x1p-140}) {
-            const std::vector<double> weights{own, 0.625, 1.375};
-            for (const bool wall : {false, true}) {
-                votess::Options options = test::all_options(votess::Box{{0, 0, 0}, {far, far, 20}});
-                if (wall) options.walls = {{{1, 1, 1}, 3 * far}, {{1, 1, 0.5}, std::nextafter(far * 2 + near / 2, 99)}};
-                options.weights = weights;
-                const auto t = votess::tessellate(std::span<const double>(points), options);
-                CAPTURE(own);
-                CAPTURE(wall);
-                CHECK(test::check_certificate(t, points, options) == "");
-            }
+    TEST_CASE("normals: unit vectors, also between the nearest of doubles") {
+        const double least = 0x1p-1074;
+        const std::vector<test::Coordinates> sets{{0, 0, 0, least, least, 0},
+                                            {0, 0, 0, least, least, least},
+                                            {0, 0, 0, 3 * least, -2 * least, least},
+                                            {0, 0, 0, 0x1p-600, 0x1p-601, 0},
+                                            {0.25, 0.25, 0.25, 0.25, 0.25, 0.5}};
+        for (const test::Coordinates& points : sets) {
+            votess::Options options = test::all_options(test::cube(-1, 1));
+            options.want.normals = true;
+            const auto t = votess::tessellate(points, options);
+            const auto normals = t.face_normals();
+            REQUIRE(normals.size() == 3 * t.indices().size());
+            for (std::size_t f = 0; f < t.indices().size(); ++f)
+                CHECK(std::hypot(normals[3 * f], normals[3 * f + 1], normals[3 * f + 2]) ==
+                      doctest::Approx(1).epsilon(4e-16));
+            const double length =
+                std::hypot(points[3] * 0x1p500 - points[0] * 0x1p500, points[4] * 0x1p500 - points[1] * 0x1p500,
+                           points[5] * 0x1p500 - points[2] * 0x1p500);
+            const std::size_t last = t.neighbors(0).size() - 1;  // the other seed, behind the walls
+            REQUIRE(t.neighbors(0)[last] == 1);
+            for (std::size_t k = 0; k < 3; ++k)
+                CHECK(normals[3 * last + k] ==
+                      doctest::Approx((points[3 + k] * 0x1p500 - points[k] * 0x1p500) / length).epsilon(4e-16));
         }
     }
 

@@ -134,7 +134,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star bounds: vertices and powers of cells among heavy seeds") {
         Random random(4);
         std::size_t vertices = 0, beyond_length = 0;
-        for (std::uint64_t i = 0; i < test::environment("VOTESS_BOUNDS_CELLS", test::by_size(300, 60)); ++i) {
+        for (std::uint64_t i = 0; i < test::by_size(300, 60); ++i) {
             const double size = decades(random, -13, -1);
             const Small small(random, size);
             votess::Options options;

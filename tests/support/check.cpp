@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "oracle/certificate.hpp"
+#include "oracle/half_spaces.hpp"
 #include "polytope/cell_kernels.hpp"
 #include "support/text.hpp"
 
@@ -105,11 +106,6 @@ bool reduced() {
 
 std::size_t by_size(std::size_t full, std::size_t when_reduced) {
     return reduced() ? when_reduced : full;
-}
-
-std::uint64_t environment(const char* name, std::uint64_t otherwise) {
-    const char* value = std::getenv(name);
-    return value != nullptr && *value != '\0' ? std::strtoull(value, nullptr, 0) : otherwise;
 }
 
 votess::Options all_options(const std::optional<votess::Box>& box) {
@@ -247,6 +243,20 @@ std::string check_same_cells(const votess::Tessellation& a, const votess::Tessel
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points) {
     const std::string wrong = check_certificate(t, points, all_options(t.box()));
     return wrong.empty() ? check_invariants(t, points, true) : wrong;
+}
+
+std::string check_right(const Coordinates& points, const votess::Options& options) {
+    const auto t = votess::tessellate(points, options);
+    if (const std::string wrong = check_domain(t); !wrong.empty()) return wrong;
+    if (const std::string wrong = votess::verify(t, points).failure; !wrong.empty()) return wrong;
+    return check_certificate(t, points, options);
+}
+
+std::string refusal(const Coordinates& points, const votess::Options& options, votess::ErrorCode code) {
+    std::string message;
+    const auto found = error_of([&] { (void)votess::tessellate(points, options); }, &message);
+    if (found && found != code) return "another code than the test expects";
+    return has(message, "\n") ? "several lines" : message;
 }
 
 }  // namespace test

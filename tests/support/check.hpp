@@ -1,5 +1,4 @@
-// Judging a tessellation. Each check returns one line on the first thing that is wrong, "" when all is well, so that
-// a test can print the input beside it and a minimizer can call it again.
+// Checks of a tessellation. Each returns one line on the first error, "" when all is right.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +14,11 @@
 
 namespace test {
 
-// VOTESS_TEST_REDUCED=1 (sanitizers): ten times smaller.
+// Returns whether VOTESS_TEST_REDUCED is set: tests are ten times smaller under sanitizers.
 bool reduced();
 std::size_t by_size(std::size_t full, std::size_t when_reduced);
-std::uint64_t environment(const char* name, std::uint64_t otherwise);
 
-// Everything wanted, walls listed, the CPU, one thread.
+// Returns options for the CPU with one thread, walls listed, and volumes, centroids, counts and areas wanted.
 votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);
 votess::Tessellation run(const PointSet& set);
 votess::Tessellation run(const PointSet& set, votess::Options options);
@@ -29,15 +27,20 @@ using Rows = std::vector<std::vector<std::int32_t>>;
 Rows rows_of(const votess::Tessellation& t);
 std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
 
-// What holds for any input: shapes, order, symmetry, volumes that fill the box, Euler, statuses, stats.
-// may_underflow: cells are allowed whose volume is below the least double.
+// Checks sizes, order, symmetry, volumes that fill the box, Euler's formula, statuses and stats.
+// may_underflow: a volume may be below the least double.
 std::string check_invariants(const votess::Tessellation& t, std::span<const double> points, bool may_underflow = false);
-// Exact equality of every array.
+// Checks that every array is equal.
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
-// The same cells, however they were found: geometry equal to the digits promised, all else exactly.
+// Checks that lists are equal, and geometry to the promised digits.
 std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b);
-// Equal to the exact diagram: rows, counts, statuses; volumes and centroids to 1e-10. Needs all_options().
+// Proves a tessellation with all_options() and the invariants.
 std::string check_exact(const votess::Tessellation& t, std::span<const double> points);
+// Tessellates and proves the answer: check_domain(), verify() and the certificate.
+std::string check_right(const Coordinates& points, const votess::Options& options);
+// Returns the message of the refusal, "" when there is none. The message must be one line and have this code.
+std::string refusal(const Coordinates& points, const votess::Options& options = {},
+                    votess::ErrorCode code = votess::ErrorCode::invalid_argument);
 
 // Returns the code of the votess::Error that `call` throws, and nothing when it returns.
 template <class Call>

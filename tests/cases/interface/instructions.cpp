@@ -6,6 +6,7 @@
 
 #include "polytope/cell_kernels.hpp"
 #include "support/check.hpp"
+#include "support/text.hpp"
 
 namespace {
 
@@ -110,5 +111,21 @@ TEST_SUITE("cases") {
                     CHECK_THROWS_AS((void)tessellator.tessellate(set.points, options), votess::Error);
                 }
         CHECK(some_differ);  // else the choice has no effect
+    }
+
+    TEST_CASE("instructions that the processor lacks are unsupported") {
+        const auto supported = votess::cpu::supported_kernels();
+        for (const std::string name : {"baseline", "avx2", "avx512"}) {
+            CAPTURE(name);
+            votess::Options options = test::all_options();
+            options.instructions = name;
+            const std::string message = test::refusal({0, 0, 0}, options, votess::ErrorCode::unsupported);
+            CHECK(message.empty() == (votess::cpu::find_kernels(name) != nullptr));
+            if (message.empty()) continue;
+            CHECK(test::has(message, "'" + name + "'"));
+            for (const auto* kernels : supported) CHECK(test::has(message, kernels->name));
+        }
+        CHECK(votess::cpu::find_kernels("") == supported.front());
+        CHECK(test::has(votess::devices().front().description, supported.front()->name));
     }
 }

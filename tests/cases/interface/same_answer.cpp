@@ -96,38 +96,6 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("grid_resolution 1000 with a thousand seeds") {
-        const test::PointSet set = test::uniform(test::by_size(1000, 200), 52);
-        votess::Options options = test::all_options();
-        options.grid_resolution = 1000;
-        CHECK(same_rows(test::run(set), test::run(set, options)));
-    }
-
-    TEST_CASE("what is wanted changes nothing in the rest") {
-        const test::PointSet set = test::uniform(test::by_size(2000, 300), 53);
-        const auto full = test::run(set);
-        for (int bits = 0; bits < 32; ++bits) {
-            votess::Options options = test::all_options();
-            options.want = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0, (bits & 8) != 0, (bits & 16) != 0};
-            CAPTURE(bits);
-            const auto t = test::run(set, options);
-            CHECK(t.size() == set.size());
-            CHECK(t.status().size() == set.size());
-            if (bits & 17)  // areas add neighbors
-                CHECK(same_rows(full, t));
-            else
-                CHECK(t.indices().empty());
-            CHECK(t.face_areas().size() == (bits & 16 ? full.indices().size() : 0));
-            CHECK(std::equal(t.face_areas().begin(), t.face_areas().end(), full.face_areas().begin()));
-            CHECK(t.volumes().size() == (bits & 2 ? set.size() : 0));
-            CHECK(std::equal(t.volumes().begin(), t.volumes().end(), full.volumes().begin()));
-            CHECK(t.centroids().size() == (bits & 4 ? 3 * set.size() : 0));
-            CHECK(std::equal(t.centroids().begin(), t.centroids().end(), full.centroids().begin()));
-            CHECK(t.face_counts().size() == (bits & 8 ? set.size() : 0));
-            CHECK(std::equal(t.vertex_counts().begin(), t.vertex_counts().end(), full.vertex_counts().begin()));
-        }
-    }
-
     TEST_CASE("float32 input is widened") {
         test::PointSet set = test::uniform(test::by_size(3000, 300), 54);
         std::vector<float> narrow(set.points.begin(), set.points.end());

@@ -22,7 +22,7 @@ votess::Options with_threads(unsigned threads) {
 }  // namespace
 
 TEST_SUITE("threads") {
-    TEST_CASE("1, 2, 4 and 7 threads give identical results") {
+    TEST_CASE("threads: 1, 2, 4 and 7 threads give identical results") {
         const std::size_t n = test::by_size(20000, 1500);
         for (const test::PointSet& set :
              {test::uniform(n, 61), test::clustered(n, 62), test::cubic(test::by_size(20, 8)),
@@ -39,7 +39,7 @@ TEST_SUITE("threads") {
         }
     }
 
-    TEST_CASE("measures do not depend on where stretches begin, to the last digit") {
+    TEST_CASE("threads: measures do not depend on where stretches begin, to the last digit") {
         const std::size_t n = test::by_size(20000, 5000);
         for (const test::PointSet& set :
              {test::uniform(n, 68), test::clustered(n, 69), test::fcc(8), test::bcc(9),
@@ -58,18 +58,7 @@ TEST_SUITE("threads") {
         }
     }
 
-    TEST_CASE("one Tessellator, changing numbers of threads") {
-        const test::PointSet set = test::uniform(test::by_size(5000, 800), 65);
-        const auto expected = test::run(set);
-        votess::Tessellator tessellator;
-        for (const unsigned threads : {4u, 1u, 3u, 4u, 4u, 2u}) {
-            auto options = with_threads(threads);
-            options.box = set.box;
-            CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
-        }
-    }
-
-    TEST_CASE("different Tessellators in different threads are independent") {
+    TEST_CASE("threads: different Tessellators in different threads are independent") {
         const test::PointSet sets[] = {test::uniform(test::by_size(4000, 500), 66), test::cubic(test::by_size(12, 6)),
                                        test::clustered(test::by_size(4000, 500), 67)};
         std::atomic<int> wrong = 0;
@@ -177,16 +166,7 @@ TEST_SUITE("threads") {
         CHECK_FALSE(tessellator);
     }
 
-    TEST_CASE("threads: a Tessellator that was moved from refuses") {
-        const test::PointSet set = test::uniform(100, 74);
-        votess::Tessellator tessellator;
-        const votess::Tessellator other = std::move(tessellator);
-        CHECK(test::error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
-        tessellator = votess::Tessellator();
-        CHECK(tessellator.tessellate(set.points).size() == 100);
-    }
-
-    TEST_CASE("a result is read from many threads") {
+    TEST_CASE("threads: a result is read from many threads") {
         const test::PointSet set = test::uniform(1000, 68);
         const auto t = test::run(set, with_threads(4));
         std::atomic<std::size_t> total = 0;
@@ -198,23 +178,6 @@ TEST_SUITE("threads") {
                 });
         }
         CHECK(total == 4 * t.indices().size());
-    }
-
-    TEST_CASE("cancelling with 4 threads leaves a usable Tessellator") {
-        const test::PointSet set = test::uniform(test::by_size(300000, 60000), 69);
-        votess::Tessellator tessellator;
-        auto options = with_threads(4);
-        options.box = set.box;
-        options.progress = [](double) { return false; };
-        try {
-            const auto t = tessellator.tessellate(set.points, options);
-            FAIL("was not cancelled");
-        } catch (const votess::Error& error) {
-            CHECK(error.code() == votess::ErrorCode::cancelled);
-        }
-        const test::PointSet small = test::uniform(500, 70);
-        options.progress = {};
-        CHECK(test::check_invariants(tessellator.tessellate(small.points, options), small.points) == "");
     }
 
     TEST_CASE("threads: a Diagram is asked from many at the same time, and has any number of its own") {

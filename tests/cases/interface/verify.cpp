@@ -87,6 +87,25 @@ votess::Options periodic_options(int domain) {
     return options;
 }
 
+// The result of an engine with another precision, whose volumes are all larger by this factor.
+votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision precision, double factor) {
+    const auto copy = [](auto& to, const auto& from) {
+        to.resize_uninitialized(from.size());
+        std::ranges::copy(from, to.begin());
+    };
+    auto result = std::make_shared<votess::detail::Result>();
+    result->box = t.box();
+    copy(result->indptr, t.indptr());
+    copy(result->indices, t.indices());
+    copy(result->status, t.status());
+    copy(result->volumes, t.volumes());
+    for (double& volume : result->volumes) volume *= factor;
+    result->stats = t.stats();
+    result->stats.volume_sum *= factor;
+    result->stats.precision = precision;
+    return votess::Tessellation(std::move(result));
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
@@ -247,5 +266,60 @@ TEST_SUITE("cases") {
         parts.status[13] = votess::CellStatus::empty;
         CHECK(votess::verify(with_parts(t, parts), set.points).failure ==
               "seed 13 is reported to have no cell, trying every seed leaves one");
+    }
+
+    TEST_CASE("verify passes a good result and fails on points that do not belong") {
+        const test::PointSet set = test::uniform(400, 93), other = test::uniform(400, 94);
+        const auto t = test::run(set);
+        CHECK(votess::verify(t, set.points).passed);
+        CHECK(votess::verify(t, set.points, {400, 7}).passed);
+        const auto report = votess::verify(t, other.points);
+        CHECK_FALSE(report.passed);
+        CHECK(report.failure != "");
+        CHECK(report.failure.find('\n') == std::string::npos);
+        CHECK_THROWS_AS((void)votess::verify(t, std::span(set.points).first(3 * 399)), votess::Error);
+        CHECK_THROWS_AS((void)votess::verify(t, std::span(set.points).first(3 * 400 - 1)), votess::Error);
+
+        // One seed moved a little: only the sample can see it, and must when it takes every cell.
+        test::Coordinates moved = set.points;
+        moved[3 * 200] += moved[3 * 200] < 0.5 ? 0.05 : -0.05;
+        CHECK_FALSE(votess::verify(t, moved, {400, 1}).passed);
+    }
+
+    TEST_CASE("verify allows the errors of the precision, no more") {
+        const test::PointSet set = test::uniform(400, 96);
+        votess::Options options;
+        options.device = "cpu";
+        options.box = set.box;
+        const auto t = votess::tessellate(set.points, options);
+        CHECK(t.stats().precision == votess::Precision::double_);
+        const auto passes = [&](votess::Precision precision, double error, std::size_t sample) {
+            return votess::verify(with_error(t, precision, 1 + error), set.points, {sample, 1}).passed;
+        };
+        using enum votess::Precision;
+        for (const double sign : {1.0, -1.0}) {
+            CHECK(passes(double_, sign * 1e-11, 400));
+            CHECK_FALSE(passes(double_, sign * 5e-10, 400));  // cells
+            CHECK(passes(double_, sign * 5e-10, 0));
+            CHECK_FALSE(passes(double_, sign * 2e-9, 0));  // sum
+            CHECK(passes(single, sign * 9e-6, 400));
+            CHECK_FALSE(passes(single, sign * 2e-5, 400));
+            CHECK(passes(single, sign * 9e-5, 0));
+            CHECK_FALSE(passes(single, sign * 2e-4, 0));
+        }
+    }
+
+    TEST_CASE("verify names what it skips") {
+        const test::PointSet set = test::uniform(300, 95);
+        votess::Options options;
+        options.threads = 1;
+        options.want = {false, false, false, false};
+        const auto nothing = votess::verify(test::run(set, options), set.points);
+        CHECK(nothing.passed);
+        CHECK(nothing.skipped.size() == 4);
+        options.want = {true, true, false, false};
+        const auto usual = votess::verify(test::run(set, options), set.points);
+        CHECK(usual.passed);
+        CHECK(usual.skipped == std::vector<std::string>{"euler"});
     }
 }

@@ -102,8 +102,8 @@ void check_probes(const test::QueryCase& c, const Coordinates& queries, const st
 
 TEST_SUITE("probe") {
     TEST_CASE("probe: random domains and queries are what tessellating with them gives") {
-        test::Random random(test::environment("VOTESS_PROBE_SEED", 21));
-        for (std::size_t set = 0; set < test::environment("VOTESS_PROBE_SETS", test::by_size(300, 40)); ++set) {
+        test::Random random(21);
+        for (std::size_t set = 0; set < test::by_size(300, 40); ++set) {
             CAPTURE(set);
             test::QueryCase c = test::random_query_case(random, set % 2 == 0);
             const auto& o = c.options;
@@ -160,8 +160,8 @@ TEST_SUITE("probe") {
 
     // Cells so flat that seeds are moved into a reduced one, thin and far boxes, queries next to seeds and far outside.
     TEST_CASE("probe: extreme domains") {
-        test::Random random(test::environment("VOTESS_PROBE_SEED", 23));
-        for (std::size_t set = 0; set < test::environment("VOTESS_PROBE_SETS", test::by_size(120, 24)); ++set) {
+        test::Random random(23);
+        for (std::size_t set = 0; set < test::by_size(120, 24); ++set) {
             CAPTURE(set);
             test::QueryCase c;
             c.options.threads = 1;

@@ -1,4 +1,4 @@
-// A Tessellator that is kept gives what a new one gives, whatever its calls before were.
+// A Tessellator that is kept gives what a new one gives, whatever its earlier calls were. Results, stats and devices.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -82,8 +82,8 @@ std::vector<Call> all_kinds(std::size_t n) {
 
 }  // namespace
 
-TEST_SUITE("reuse") {
-    TEST_CASE("reuse: any call after any other") {
+TEST_SUITE("interface") {
+    TEST_CASE("tessellator: any call after any other") {
         const std::vector<Call> calls = all_kinds(test::by_size(150, 60));
         std::vector<votess::Tessellation> expected;
         for (const Call& c : calls) {
@@ -100,7 +100,7 @@ TEST_SUITE("reuse") {
             }
     }
 
-    TEST_CASE("reuse: the kinds of calls are what their names say") {
+    TEST_CASE("tessellator: the kinds of calls are what their names say") {
         const std::vector<Call> calls = all_kinds(60);
         for (const Call& c : calls) {
             CAPTURE(c.name);
@@ -114,7 +114,7 @@ TEST_SUITE("reuse") {
         }
     }
 
-    TEST_CASE("reuse: seeds that move") {
+    TEST_CASE("tessellator: seeds that move") {
         const std::size_t n = test::by_size(6000, 600);
         const double spacing = 1 / std::cbrt(static_cast<double>(n));
         for (const unsigned threads : {1u, 3u})
@@ -134,21 +134,58 @@ TEST_SUITE("reuse") {
             }
     }
 
-    TEST_CASE("reuse: after a cancelled call, a refused one and one whose callback throws") {
-        Call c = call("uniform", test::uniform(test::by_size(200000, 60000), 90).points);
-        c.options.want = {};
-        votess::Tessellator fresh, kept;
-        const auto expected = c.on(fresh);
-        Call stopped = c, outside = c, throwing = c;
-        stopped.options.progress = [](double fraction) { return fraction < 0.1; };
-        outside.points[5] = 2;
-        throwing.options.progress = [](double) -> bool { throw 7; };
-        CHECK_THROWS_AS((void)stopped.on(kept), votess::Error);
-        CHECK(test::check_identical(c.on(kept), expected) == "");
-        CHECK_THROWS_AS((void)outside.on(kept), votess::Error);
-        CHECK(test::check_identical(c.on(kept), expected) == "");
-        CHECK_THROWS_AS((void)throwing.on(kept), int);
-        CHECK(test::check_identical(c.on(kept), expected) == "");
-        CHECK(test::check_identical(c.on(kept), expected) == "");
+    TEST_CASE("tessellator: a Tessellator that was moved from refuses") {
+        const test::PointSet set = test::uniform(100, 74);
+        votess::Tessellator tessellator;
+        const votess::Tessellator other = std::move(tessellator);
+        CHECK(test::error_of([&] { (void)tessellator.tessellate(set.points); }) == votess::ErrorCode::invalid_use);
+        tessellator = votess::Tessellator();
+        CHECK(tessellator.tessellate(set.points).size() == 100);
+    }
+
+    TEST_CASE("tessellator: a result outlives its Tessellator and its copies") {
+        const test::PointSet set = test::uniform(500, 84);
+        const auto expected = test::run(set);
+        votess::Tessellation kept;
+        {
+            votess::Tessellator tessellator;
+            const auto t = tessellator.tessellate(set.points, test::all_options(set.box));
+            kept = t;
+            const auto other = tessellator.tessellate(test::uniform(700, 85).points);
+            CHECK(other.size() == 700);
+        }
+        CHECK(test::check_identical(expected, kept) == "");
+    }
+
+    TEST_CASE("tessellator: a default-constructed Tessellation is empty") {
+        const votess::Tessellation t;
+        CHECK(t.size() == 0);
+        CHECK(t.indices().empty());
+        CHECK(t.volumes().empty());
+        CHECK(t.status().empty());
+        CHECK(t.stats().points == 0);
+    }
+
+    TEST_CASE("tessellator: stats") {
+        const test::PointSet set = test::cubic(8);
+        const auto t = test::run(set);
+        CHECK(t.stats().points == 512);
+        CHECK(t.stats().faces == 512 * 6);
+        CHECK(t.stats().mean_faces == 6);
+        CHECK(t.stats().box_volume == 512);
+        CHECK(t.stats().exact_cells > 0);  // a lattice is all ties
+        CHECK(test::run(test::uniform(500, 87)).stats().fallback_cells == 0);
+    }
+
+    TEST_CASE("tessellator: devices") {
+        const auto all = votess::devices();
+        REQUIRE_FALSE(all.empty());
+        CHECK(std::any_of(all.begin(), all.end(), [](const auto& device) { return device.id == "cpu"; }));
+        for (const auto& device : all) {
+            CHECK(device.name != "");
+            votess::Options options;
+            options.device = device.id;
+            CHECK(votess::tessellate(test::uniform(50, 92).points, options).size() == 50);
+        }
     }
 }

@@ -1,4 +1,5 @@
-// Queries report progress and stop on request; what a callback throws arrives. Small enough for the thread sanitizer.
+// The option `progress`: calls report it, stop when it returns false, and pass on its exceptions. Small enough for
+// ThreadSanitizer.
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,30 +26,18 @@ using votess::ProgressCallback;
 
 struct Mine {};
 
-// A call of the library, and its numbers; it may be called several times.
+// A call of the library that returns its numbers.
 struct Call {
     const char* name;
     std::function<std::vector<double>(const ProgressCallback&)> run;
 };
-
-// 0 when there was none.
-template <class Function>
-votess::ErrorCode error_of(const Function& function, std::string* said = nullptr) {
-    try {
-        function();
-        return {};
-    } catch (const votess::Error& error) {
-        if (said != nullptr) *said = error.what();
-        return error.code();
-    }
-}
 
 template <class Numbers>
 std::vector<double> numbers(const Numbers& list) {
     return {list.begin(), list.end()};
 }
 
-// Each query, twice where it is answered in two ways; and a Diagram.
+// Returns each kind of call, and each query once for each of its methods.
 std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet& set, const test::PointSet& queries) {
     const auto natural = [&diagram, &queries](const ProgressCallback& progress, votess::NaturalMethod method) {
         votess::NaturalOptions options;
@@ -55,7 +45,15 @@ std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet&
         options.progress = progress;
         return numbers(diagram.natural_neighbors(queries.points, options).weights);
     };
+    const auto tessellator = std::make_shared<votess::Tessellator>();
     std::vector<Call> calls{
+        {"tessellate",
+         [&set, tessellator](const ProgressCallback& progress) {
+             votess::Options options = test::all_options(set.box);
+             options.threads = 3;
+             options.progress = progress;
+             return numbers(tessellator->tessellate(set.points, options).volumes());
+         }},
         {"Diagram",
          [&](const ProgressCallback& progress) {
              votess::Options options;
@@ -91,11 +89,11 @@ std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet&
 
 }  // namespace
 
-TEST_SUITE("stops") {
+TEST_SUITE("interface") {
     // A callback that takes as long as the pause between two calls is called at each look.
     constexpr std::chrono::milliseconds pause{101};
 
-    TEST_CASE("queries report from 0 to 1, stop when the callback says so, and answer the next call") {
+    TEST_CASE("progress: calls report from 0 to 1, stop, pass exceptions on, and answer the next call") {
         const test::PointSet set = test::uniform(600, 81), queries = test::uniform(700, 82);
         votess::Options options;
         options.threads = 3;
@@ -105,9 +103,9 @@ TEST_SUITE("stops") {
         for (std::size_t k = 0; k < calls.size(); ++k) {
             CAPTURE(calls[k].name);
             CAPTURE(k);
-            // Before any number: the first of Sibson's calls makes the graph.
+            // First, because the first of Sibson's calls makes the graph.
             int count = 0;
-            const auto code = error_of([&] {
+            const auto code = test::error_of([&] {
                 (void)calls[k].run([&](double) {
                     if (++count == 3) return false;
                     std::this_thread::sleep_for(pause);
@@ -116,7 +114,6 @@ TEST_SUITE("stops") {
             });
             CHECK(code == votess::ErrorCode::cancelled);
             CHECK(count == 3);
-            // What it throws arrives.
             count = 0;
             CHECK_THROWS_AS((void)calls[k].run([&](double) {
                 if (++count == 2) throw Mine{};
@@ -137,11 +134,11 @@ TEST_SUITE("stops") {
         }
     }
 
-    TEST_CASE("fractions of a query that makes cells first grow within it") {
+    TEST_CASE("progress: fractions of a query that makes cells first grow within it") {
         const test::PointSet set = test::uniform(2000, 83), queries = test::uniform(2000, 84);
         const votess::Diagram diagram(set.points);
         const auto calls = calls_of(diagram, set, queries);
-        for (const Call& call : {calls[3], calls[6], calls[7]}) {
+        for (const Call& call : {calls[4], calls[7], calls[8]}) {
             CAPTURE(call.name);
             std::vector<double> fractions;
             (void)call.run([&](double fraction) {
@@ -155,17 +152,17 @@ TEST_SUITE("stops") {
         }
     }
 
-    TEST_CASE("a callback that asks its own Diagram is refused; a call that waits for another can stop") {
+    TEST_CASE("progress: a callback that asks its own Diagram is refused; a call that waits for another can stop") {
         const test::PointSet set = test::uniform(300, 85);
         const votess::Diagram diagram(set.points), other(set.points);
         const auto expected = other.locate(set.points);
-        CHECK(error_of([&] {
+        CHECK(test::error_of([&] {
                   (void)diagram.locate(set.points, [&](double fraction) {
                       CHECK(other.locate(set.points) == expected);
                       return fraction == 0 || !diagram.locate(set.points).empty();
                   });
-              }) == votess::ErrorCode{});  // the callback of a query's end comes after its turn
-        std::string said;
+              }) == std::nullopt);  // the last callback of a query may ask again
+        std::string message;
         const auto asks_itself = [&] {
             votess::ProbeOptions options;
             options.progress = [&, calls = 0](double) mutable {
@@ -175,8 +172,8 @@ TEST_SUITE("stops") {
             };
             (void)diagram.probe(set.points, options);
         };
-        CHECK(error_of(asks_itself, &said) == votess::ErrorCode::invalid_use);
-        CHECK(said.find("callback") != std::string::npos);
+        CHECK(test::error_of(asks_itself, &message) == votess::ErrorCode::invalid_use);
+        CHECK(message.find("callback") != std::string::npos);
 
         std::atomic<bool> at_work = false, stopped = false;
         std::jthread worker([&] {
@@ -190,7 +187,7 @@ TEST_SUITE("stops") {
             });
         });
         at_work.wait(false);
-        CHECK(error_of([&] {
+        CHECK(test::error_of([&] {
                   (void)diagram.locate(set.points, [calls = 0](double) mutable { return ++calls < 2; });
               }) == votess::ErrorCode::cancelled);
         stopped = true;
@@ -199,7 +196,7 @@ TEST_SUITE("stops") {
         CHECK(diagram.locate(set.points) == expected);
     }
 
-    TEST_CASE("tessellate() stops in each stage, and the Tessellator serves on") {
+    TEST_CASE("progress: tessellate() stops in each stage, and the Tessellator serves on") {
         const test::PointSet set = test::uniform(3000, 86);
         votess::Options options = test::all_options(set.box);
         options.threads = 3;
@@ -215,14 +212,14 @@ TEST_SUITE("stops") {
                 if (count > last - 3) std::this_thread::sleep_for(pause);  // else the earlier looks pass
                 return true;
             };
-            const auto code = error_of([&] { (void)tessellator.tessellate(set.points, options); });
+            const auto code = test::error_of([&] { (void)tessellator.tessellate(set.points, options); });
             CHECK((code == votess::ErrorCode::cancelled) == (count >= last));
         }
         options.progress = nullptr;
         CHECK(test::check_identical(expected, tessellator.tessellate(set.points, options)) == "");
     }
 
-    TEST_CASE("a task of any thread stops soon, also while the calling thread only waits") {
+    TEST_CASE("progress: a task of any thread stops soon, also while the calling thread only waits") {
         votess::ThreadPool pool(3);
         int calls = 0;
         votess::Progress progress([&](double) { return ++calls < 3; });
@@ -233,15 +230,15 @@ TEST_SUITE("stops") {
         };
         {
             const votess::Stoppable stoppable(progress);
-            CHECK(error_of([&] { pool.run(2, endless); }) == votess::ErrorCode::cancelled);
+            CHECK(test::error_of([&] { pool.run(2, endless); }) == votess::ErrorCode::cancelled);
         }
         CHECK(calls == 3);
         pool.run(5, [&](std::size_t, unsigned) { ++done; });
         CHECK(done == 5);
     }
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take all addresses
-    TEST_CASE("threads that the system does not give are named, and fewer do where none were requested") {
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take all addresses
+    TEST_CASE("progress: threads that the system does not give are named, and fewer do where none were requested") {
         const test::PointSet set = test::uniform(50, 87);
         int ends[2];
         REQUIRE(pipe(ends) == 0);
@@ -249,36 +246,36 @@ TEST_SUITE("stops") {
         if (child == 0) {
             const rlimit room{rlim_t{1} << 30, rlim_t{1} << 30};  // stacks of 8 MB each
             setrlimit(RLIMIT_AS, &room);
-            std::string said;
+            std::string message;
             votess::Options options;
             options.device = "cpu";
             options.threads = 1024;
             votess::Tessellator tessellator;
             for (int repeat = 0; repeat < 2; ++repeat)
-                if (error_of([&] { (void)tessellator.tessellate(set.points, options); }, &said) !=
+                if (test::error_of([&] { (void)tessellator.tessellate(set.points, options); }, &message) !=
                     votess::ErrorCode::no_threads)
-                    said = "no error: " + said;
+                    message = "no error: " + message;
             for (const unsigned threads : {2u, 0u}) {
                 options.threads = threads;
-                if (tessellator.tessellate(set.points, options).size() != 50) said = "no cells";
+                if (tessellator.tessellate(set.points, options).size() != 50) message = "no cells";
             }
-            (void)!write(ends[1], said.data(), said.size());
+            (void)!write(ends[1], message.data(), message.size());
             _exit(0);
         }
         close(ends[1]);
-        std::string said(1000, ' ');
-        const ssize_t size = read(ends[0], said.data(), said.size());
+        std::string message(1000, ' ');
+        const ssize_t size = read(ends[0], message.data(), message.size());
         close(ends[0]);
         int status = 0;
         CHECK(waitpid(child, &status, 0) == child);
         CHECK(status == 0);
-        said.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-        CAPTURE(said);
-        CHECK(said.starts_with("threads = 1024, but the system gives only "));
+        message.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+        CAPTURE(message);
+        CHECK(message.starts_with("threads = 1024, but the system gives only "));
     }
 #endif
 
-    TEST_CASE("C: what a callback of the caller throws is the caller's") {
+    TEST_CASE("progress: C reports what a callback throws") {
         const test::PointSet set = test::uniform(50, 88);
         votess_options options;
         REQUIRE(votess_options_init(&options, sizeof options) == VOTESS_OK);

@@ -1,0 +1,88 @@
+// The option `box`, the default box, and coordinates at the limits of exact arithmetic.
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/check.hpp"
+#include "support/text.hpp"
+
+namespace {
+
+using test::has;
+using test::refusal;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("box: the default of one seed is half the largest coordinate around it, 0.5 around the origin") {
+        const auto at_origin = votess::tessellate(test::Coordinates{0, 0, 0}, test::all_options());
+        CHECK(at_origin.box().lower == std::array{-0.5, -0.5, -0.5});
+        CHECK(at_origin.box().upper == std::array{0.5, 0.5, 0.5});
+        CHECK(at_origin.volumes()[0] == doctest::Approx(1).epsilon(1e-14));
+        const auto t = votess::tessellate(test::Coordinates{1, -4, 2}, test::all_options());
+        CHECK(t.box().lower == std::array{-1.0, -6.0, 0.0});
+        CHECK(t.box().upper == std::array{3.0, -2.0, 4.0});
+        CHECK(t.volumes()[0] == doctest::Approx(64).epsilon(1e-14));
+    }
+
+    TEST_CASE("box: the default moves bounds out by half of the longest side over the cube root of N") {
+        const test::Coordinates points{0, 0,   0, 8, 1,   2, 4, 0.5, 2, 4, 0.5, 1,
+                                       1, 0.5, 1, 2, 0.5, 1, 3, 0.5, 1, 5, 0.5, 1};
+        const auto t = votess::tessellate(points, test::all_options());
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double upper[] = {8, 1, 2};
+            CHECK(std::abs(t.box().lower[a] + 2) <= 1e-12);
+            CHECK(std::abs(t.box().upper[a] - upper[a] - 2) <= 1e-12);
+        }
+        CHECK(test::check_exact(t, points) == "");
+    }
+
+    TEST_CASE("box: empty, inverted and infinite ones are refused") {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const auto& [lower, upper] :
+                 {std::pair{0.5, 0.5}, std::pair{0.75, 0.25}, std::pair{not_a_number, 1.0},
+                  std::pair{0.0, not_a_number}, std::pair{-infinity, 1.0}, std::pair{0.0, infinity}}) {
+                votess::Options options = test::all_options(test::unit_box());
+                options.box->lower[axis] = lower;
+                options.box->upper[axis] = upper;
+                CAPTURE(lower);
+                CAPTURE(upper);
+                CHECK(refusal({0.5, 0.5, 0.5}, options) != "");
+                CHECK(refusal({}, options) != "");
+            }
+    }
+
+    TEST_CASE("box: bounds, walls, normals and weights that scaling would round are refused") {
+        votess::Options options = test::all_options(votess::Box{{0x1p-1000, 0, 0}, {0x1p100, 0x1p100, 0x1p100}});
+        CHECK(has(refusal({1, 1, 1}, options), "box: lower x"));
+        options.box = votess::Box{{0, 0, -0x1p100}, {0x1p100, 0x1p100, 0x1p-1000}};
+        CHECK(has(refusal({1, 1, -1}, options), "box: upper z"));
+        options.box = test::cube(0, 0x1p100);
+        CHECK(has(refusal({1, 1, 0x1p-1000}, options), "point 0: z"));
+        options.walls = {{{-1, 0, 0}, -0x1p-1000}};
+        CHECK(has(refusal({1, 1, 1}, options), "wall 0"));
+        options.walls = {{{0, 0, 1}, 0x1p99}, {{0x1p1000, 0x1p-1074, 0}, 0x1p1020}};
+        CHECK(has(refusal({1, 1, 1}, options), "wall 1"));
+        options.walls.clear();
+        const std::vector<double> weights{0, 0x1p-1000}, radii{0, 0x1p-450};
+        options.weights = weights;
+        CHECK(has(refusal({1, 1, 1, 2, 2, 2}, options), "weight 1"));
+        options.weights = {};
+        options.radii = radii;
+        CHECK(has(refusal({1, 1, 1, 2, 2, 2}, options), "radius 1"));
+    }
+
+    TEST_CASE("box: coordinates beyond the range of exact arithmetic are refused, never guessed") {
+        const double huge = std::numeric_limits<double>::max(), tiny = std::numeric_limits<double>::denorm_min();
+        for (const test::Coordinates& points :
+             {test::Coordinates{-huge, 0, 0, huge, 1, 2}, test::Coordinates{0, 0, 0, tiny, 0, 0, 0, tiny, tiny},
+              test::Coordinates{huge, huge, huge}, test::Coordinates{0, 0, 0, 1, 1, 1, 1, tiny, 0}}) {
+            if (refusal(points, test::all_options()) != "") continue;
+            CHECK(test::check_invariants(votess::tessellate(points, test::all_options()), points, true) == "");
+        }
+    }
+}

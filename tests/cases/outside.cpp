@@ -1,0 +1,176 @@
+// The option `outside`: seeds beyond the box, the cell or walls are refused or dropped.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+#include "support/text.hpp"
+
+namespace {
+
+using test::Coordinates;
+using test::has;
+using test::refusal;
+using votess::Options;
+using enum votess::CellStatus;
+
+std::vector<votess::CellStatus> statuses(const votess::Tessellation& t) {
+    return {t.status().begin(), t.status().end()};
+}
+
+Options dropping(const std::optional<votess::Box>& box = test::unit_box()) {
+    Options options = test::all_options(box);
+    options.outside = votess::Outside::drop;
+    return options;
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("outside: a seed beyond the box is refused") {
+        const Options options = test::all_options(test::unit_box());
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (const double value : {2.25, -0.125, std::nextafter(1.0, 2.0), -0x1p-1074}) {
+                Coordinates points = test::uniform(300, 72).points;
+                points[3 * 217 + axis] = value;
+                points[3 * 290] = 7;
+                const auto message = refusal(points, options);
+                CAPTURE(message);
+                CHECK(has(message, "217"));
+                if (value == 2.25) CHECK(has(message, "2.25"));
+                if (value == -0.125) CHECK(has(message, "-0.125"));
+                CHECK_FALSE(has(message, "290"));
+            }
+        CHECK(refusal({0, 0, 0, 1, 1, 1, 0, 1, 0}, options) == "");  // the walls belong to the box
+    }
+
+    TEST_CASE("outside: the error states how far, and of what") {
+        const auto distance_in = [](const std::string& message) {
+            const auto at = message.find(", by ");
+            return at == std::string::npos ? -1 : std::stod(message.substr(at + 5));
+        };
+        test::Random random(17);
+        for (int run = 0; run < 60; ++run) {
+            const double scale = std::ldexp(1, static_cast<int>(random.below(800)) - 400);
+            const double beyond = scale * std::ldexp(random.uniform(0.5, 1), -static_cast<int>(random.below(30)));
+            const auto axis = static_cast<std::size_t>(random.below(3));
+            const double sign = random.below(2) == 0 ? -1 : 1;
+            // Box -scale..scale.
+            Coordinates points(9, 0.25 * scale);
+            points[3] = points[7] = -0.5 * scale;
+            points[6 + axis] = sign * (scale + beyond);
+            Options options;
+            options.box = test::cube(-scale, scale);
+            std::string message = refusal(points, options);
+            CAPTURE(message);
+            CHECK(has(message, "point 2: " + std::string(1, "xyz"[axis]) + " = "));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+            CHECK(has(message, "outside = drop"));
+            // The same box as a cell.
+            options.box.reset();
+            options.cell = {{-scale, -scale, -scale}, {2 * scale, 0, 0}, {0, 2 * scale, 0}, {0, 0, 2 * scale}, {}};
+            message = refusal(points, options);
+            CHECK(has(message, "wall " + std::to_string(-1 - 2 * static_cast<int>(axis) - (sign > 0)) + ")"));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+            // Walls whose normals have the length 7.
+            options = {};
+            options.walls = {{{-1, 0, 0}, 2 * scale}, {{2, 3, -6}, 7 * scale}, {{-2, -3, 6}, 7 * scale}};
+            for (std::size_t k = 0; k < 3; ++k)
+                points[6 + k] = sign * options.walls[1].normal[k] / 7 * (scale + beyond);
+            message = refusal(points, options);
+            CHECK(has(message, sign > 0 ? "wall 1 (2 x + 3 y + -6 z <= " : "wall 2 (-2 x + -3 y + 6 z <= "));
+            CHECK(has(message, sign > 0 ? ", -8 in lists)" : ", -9 in lists)"));
+            CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
+        }
+        // Beyond a wall by less than rounding shows: 3 times 0.1 is more than 0.3.
+        Options options = test::all_options(test::unit_box());
+        options.walls = {{{3, 0, 0}, 0.3}};
+        CHECK(has(refusal({0.1, 0.5, 0.5}, options), ", by less than "));
+        CHECK(distance_in(refusal({-1e308, 0, 0, 1e308, 0, 0}, test::all_options(test::cube(-1e308, 0.9e308)))) > 0);
+    }
+
+    TEST_CASE("outside: a seed beyond a wall is refused or dropped") {
+        Options options = test::all_options(test::unit_box());
+        options.walls.push_back({{1, 1, 1}, 1.5});
+        const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
+        CHECK(refusal(points, options) ==
+              "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
+              "0.693: move it, or drop points outside (outside = drop)");
+        options.outside = votess::Outside::drop;
+        const auto t = votess::tessellate(points, options);
+        CHECK(statuses(t) == std::vector{certified, outside, certified, certified});  // the third is on the wall
+        CHECK(t.stats().empty_cells == 1);
+        CHECK(t.stats().box_volume == doctest::Approx(0.5).epsilon(1e-12));
+        CHECK(std::ranges::count(t.neighbors(2), -7) == 1);
+        CHECK(test::check_right(points, options) == "");
+    }
+
+    TEST_CASE("outside: along an axis that is periodic, seeds are wrapped") {
+        Options options = dropping();
+        options.periodic = {true, false, true};
+        const Coordinates points{0.1, 0.2,  0.3, 1.6, 0.5, 0.5, 0.4, 1.2, 0.1,
+                                 0.7, -0.1, 0.9, 0.6, 0.5, 0.5, 0.3, 0.8, 0.2};
+        const auto t = votess::tessellate(points, options);
+        CHECK(t.status()[1] == certified);
+        CHECK(t.status()[2] == outside);
+        CHECK(t.status()[3] == outside);
+        CHECK(t.stats().empty_cells == 2 + t.stats().duplicates);
+        CHECK(test::check_right(points, options) == "");
+        // The same cells as without them.
+        const Coordinates inside{0.1, 0.2, 0.3, 1.6, 0.5, 0.5, 0.6, 0.5, 0.5, 0.3, 0.8, 0.2};
+        CHECK(test::check_right(inside, options) == "");
+        const auto same = votess::tessellate(inside, options);
+        const std::array<std::size_t, 4> from{0, 1, 4, 5};
+        for (std::size_t i = 0; i < from.size(); ++i)
+            CHECK(t.volumes()[from[i]] == doctest::Approx(same.volumes()[i]).epsilon(1e-14));
+    }
+
+    // Walls and box both drop seeds; the first seed is not in the domain that both leave.
+    TEST_CASE("outside: of a box with more walls") {
+        Options options = dropping();
+        options.walls.push_back({{1, 0, 0}, 0.75});
+        const Coordinates points{-0.5, 0.5, 0.5, 0.9, 0.5, 0.5, 0.25, 0.5, 0.5, 0.5, 0.5, 0.5};
+        const auto t = votess::tessellate(points, options);
+        CHECK(t.stats().empty_cells == 2);
+        CHECK(t.stats().box_volume == doctest::Approx(0.75).epsilon(1e-14));
+        CHECK(test::check_right(points, options) == "");
+    }
+
+    TEST_CASE("outside: of a cell it is decided exactly") {
+        // The wall across c goes through (1/3, 1/3, 1) as rounded: its normal has no doubles.
+        Options options = test::all_options();
+        options.cell = {{}, {1, 0, 1.0 / 3}, {0, 1, 1.0 / 7}, {1.0 / 3, 1.0 / 3, 1}, {true, true, false}};
+        const Coordinates on{1.0 / 3, 1.0 / 3, 1, 0.5, 0.5, 0.5};
+        CHECK(refusal(on, options) == "");
+        Coordinates above = on;
+        above[2] = std::nextafter(above[2], 2);
+        CHECK(refusal(above, options).starts_with("point 0: ("));
+        CHECK(has(refusal(above, options), "is outside of the cell"));
+        options.outside = votess::Outside::drop;
+        const auto t = votess::tessellate(above, options);
+        CHECK(statuses(t) == std::vector{outside, certified});
+        CHECK(t.volumes()[1] == doctest::Approx(t.stats().box_volume).epsilon(1e-12));
+        above[2] = 1e300;  // more periods away than there are
+        CHECK(votess::tessellate(above, options).status()[0] == outside);
+        options = dropping();
+        options.periodic = {true, false, false};
+        above[0] = 1e300;
+        CHECK(votess::tessellate(above, options).status()[0] == outside);
+    }
+
+    TEST_CASE("outside: a dropped seed may lie beyond what scaling leaves finite") {
+        Options options = dropping(std::nullopt);
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const double sign : {-1, 1}) {
+                votess::Wall wall{{0, 0, 0}, 0x1p-300};
+                wall.normal[k] = sign;
+                options.walls.push_back(wall);
+            }
+        const auto t = votess::tessellate(Coordinates{0, 0, 0, 0x1p900, 0, 0, 0, -0x1p1000, 0, 0x1p-301, 0, 0}, options);
+        CHECK(statuses(t) == std::vector{certified, outside, outside, certified});
+        CHECK(t.neighbors(0).size() == 6);
+    }
+}

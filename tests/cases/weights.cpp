@@ -1,0 +1,91 @@
+// The option `weights`: power diagrams.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::Coordinates;
+using votess::Options;
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("weights: a flat cell's face is that of the seed behind") {
+        // Bisectors of the outer two with the middle one both lie at x = 1/2: the middle cell has no interior.
+        const std::vector<double> weights{0, -0.0625, 0};
+        Options options = test::all_options(test::unit_box());
+        options.weights = weights;
+        for (const auto& points : {Coordinates{0.25, 0.5, 0.5, 0.5, 0.5, 0.5, 0.75, 0.5, 0.5},
+                                   Coordinates{0.75, 0.5, 0.5, 0.5, 0.5, 0.5, 0.25, 0.5, 0.5}}) {
+            const auto t = votess::tessellate(points, options);
+            CHECK(t.status()[1] == votess::CellStatus::empty);
+            CHECK(t.stats().empty_cells == 1);
+            CHECK(std::ranges::count(t.neighbors(0), 2) == 1);
+            CHECK(std::ranges::count(t.neighbors(0), 1) == 0);
+            CHECK(test::check_right(points, options) == "");
+        }
+    }
+
+    TEST_CASE("weights: seeds at one place") {
+        const Coordinates points{0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.2, 0.2, 0.2, 0.5, 0.5, 0.5};
+        const std::vector<double> weights{0.01, 0.02, 0, 0.02};
+        Options options = test::all_options(test::unit_box());
+        options.weights = weights;
+        const auto t = votess::tessellate(points, options);
+        CHECK(t.status()[0] == votess::CellStatus::empty);
+        CHECK(t.status()[1] == votess::CellStatus::certified);
+        CHECK(t.status()[3] == votess::CellStatus::duplicate);
+        CHECK(std::ranges::equal(t.duplicate_of(), std::vector<std::int32_t>{-1, -1, -1, 1}));
+        CHECK(t.stats().empty_cells == 2);
+        CHECK(test::check_right(points, options) == "");
+    }
+
+    TEST_CASE("weights: far above the squared spacing, full of near-ties") {
+        for (std::size_t n = 0; n < test::by_size(40, 8); ++n) {
+            CAPTURE(n);
+            test::Random random(n + 1);
+            // A crowd around 0, and a few heavy seeds at distances that nearly touch its cells.
+            const double spacing = std::pow(10.0, -3 - 4 * random.uniform()), most = 0.3 + random.uniform();
+            Coordinates points(300);
+            std::vector<double> weights(100);
+            for (double& x : points) x = spacing * random.gaussian();
+            for (std::size_t i = 0; i < 12; ++i) {
+                std::array<double, 3> u;
+                double length = 0;
+                for (double& x : u) x = random.gaussian(), length += x * x;
+                weights.push_back(most * random.uniform(0.2, 1));
+                // The bisector with 0 passes 0 at some spacings.
+                const double distance = std::sqrt(weights.back()) * (1 + spacing * random.uniform(0, 2));
+                for (const double x : u) points.push_back(x / std::sqrt(length) * distance);
+            }
+            Options options = test::all_options(test::cube(-2, 2));
+            options.weights = weights;
+            const auto t = votess::tessellate(points, options);
+            REQUIRE(test::check_domain(t) == "");
+            REQUIRE(votess::verify(t, points).failure == "");
+        }
+    }
+
+    // The fuzz found the first: |q - p|^2 + w_p - w_q is 1e-27, in the last 34 bits of the sum.
+    TEST_CASE("weights: volumes of cells whose planes lie nearer to the seed than the digits of the weights reach") {
+        const double far = 0x1.205ec3593b46dp+4, near = 0x1.145ec3593b46dp+4;
+        const Coordinates points{far,  far, near, far, near, 0x1.105ec3593b46dp+4, 0x1.185ec3593b46dp+4,
+                                 near, far};
+        for (const double own : {0x1.3ce9a36f23c1p-88, 0x1p-60, 0x1p-140})
+            for (const bool wall : {false, true}) {
+                const std::vector<double> weights{own, 0.625, 1.375};
+                Options options = test::all_options(votess::Box{{0, 0, 0}, {far, far, 20}});
+                if (wall) options.walls = {{{1, 1, 1}, 3 * far}, {{1, 1, 0.5}, std::nextafter(far * 2 + near / 2, 99)}};
+                options.weights = weights;
+                CAPTURE(own);
+                CAPTURE(wall);
+                CHECK(test::check_right(points, options) == "");
+            }
+    }
+}
