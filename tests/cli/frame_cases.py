@@ -107,11 +107,11 @@ class FrameFiles(ReaderTest):
 
 
 class Regressions(CliTest):
-    """Files of data/ that once gave asymmetric lists."""
+    """Files of data/ that once gave asymmetric lists; their digits matter."""
 
     def test_verify(self):
-        for name, options in [("spacing_1e-8_periodic.xyz", ["--box", "0,0,0,1,1,1", "--periodic"]),
-                              ("weights_above_spacing.csv", ["--box=-2,-2,-2,2,2,2", "--weights", "w"])]:
+        for name, options in [("spacing_1e-8_periodic.xyz.gz", ["--box", "0,0,0,1,1,1", "--periodic"]),
+                              ("weights_above_spacing.csv.gz", ["--box=-2,-2,-2,2,2,2", "--weights", "w"])]:
             done = self.run_cli(str(Path(__file__).parent / "data" / name), *options, "--verify")
             self.assertRegex(done.stdout, "(?m)^verified +yes")
 
