@@ -169,7 +169,8 @@ TEST_SUITE("cases") {
                 wall.normal[k] = sign;
                 options.walls.push_back(wall);
             }
-        const auto t = votess::tessellate(Coordinates{0, 0, 0, 0x1p900, 0, 0, 0, -0x1p1000, 0, 0x1p-301, 0, 0}, options);
+        const auto t =
+            votess::tessellate(Coordinates{0, 0, 0, 0x1p900, 0, 0, 0, -0x1p1000, 0, 0x1p-301, 0, 0}, options);
         CHECK(statuses(t) == std::vector{certified, outside, outside, certified});
         CHECK(t.neighbors(0).size() == 6);
     }

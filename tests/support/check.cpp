@@ -108,6 +108,11 @@ std::size_t by_size(std::size_t full, std::size_t when_reduced) {
     return reduced() ? when_reduced : full;
 }
 
+std::uint64_t environment(const char* name, std::uint64_t otherwise) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0' ? std::strtoull(value, nullptr, 0) : otherwise;
+}
+
 votess::Options all_options(const std::optional<votess::Box>& box) {
     votess::Options options;
     options.device = "cpu";

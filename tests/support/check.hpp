@@ -17,6 +17,7 @@ namespace test {
 // Returns whether VOTESS_TEST_REDUCED is set: tests are ten times smaller under sanitizers.
 bool reduced();
 std::size_t by_size(std::size_t full, std::size_t when_reduced);
+std::uint64_t environment(const char* name, std::uint64_t otherwise);
 
 // Returns options for the CPU with one thread, walls listed, and volumes, centroids, counts and areas wanted.
 votess::Options all_options(const std::optional<votess::Box>& box = std::nullopt);

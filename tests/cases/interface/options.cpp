@@ -28,7 +28,8 @@ TEST_SUITE("interface") {
                 test::Coordinates points = test::uniform(300, 71).points;
                 points[3 * 217 + 1] = value;
                 points[3 * 290] = not_a_number;  // not the first
-                const auto message = refusal(points, with_box ? test::all_options(test::unit_box()) : votess::Options{});
+                const auto message =
+                    refusal(points, with_box ? test::all_options(test::unit_box()) : votess::Options{});
                 CAPTURE(message);
                 CHECK(has(message, "217"));
                 CHECK(has(message, name));
