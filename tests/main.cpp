@@ -22,7 +22,8 @@ bool limit_instructions(const std::string& name) {
 int main(int count, char** values) {
     const char* best = std::getenv("VOTESS_TEST_BEST");
     if (best != nullptr && !limit_instructions(best)) {
-        std::printf("VOTESS_TEST_BEST=%s: this processor has no such instructions; use avx512, avx2 or baseline\n", best);
+        std::printf("VOTESS_TEST_BEST=%s: this processor has no such instructions; use avx512, avx2 or baseline\n",
+                    best);
         return 2;
     }
     return doctest::Context(count, values).run();

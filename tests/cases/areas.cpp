@@ -164,10 +164,10 @@ TEST_SUITE("cases") {
     TEST_CASE("normals: unit vectors, also between the nearest of doubles") {
         const double least = 0x1p-1074;
         const std::vector<test::Coordinates> sets{{0, 0, 0, least, least, 0},
-                                            {0, 0, 0, least, least, least},
-                                            {0, 0, 0, 3 * least, -2 * least, least},
-                                            {0, 0, 0, 0x1p-600, 0x1p-601, 0},
-                                            {0.25, 0.25, 0.25, 0.25, 0.25, 0.5}};
+                                                  {0, 0, 0, least, least, least},
+                                                  {0, 0, 0, 3 * least, -2 * least, least},
+                                                  {0, 0, 0, 0x1p-600, 0x1p-601, 0},
+                                                  {0.25, 0.25, 0.25, 0.25, 0.25, 0.5}};
         for (const test::Coordinates& points : sets) {
             votess::Options options = test::all_options(test::cube(-1, 1));
             options.want.normals = true;

@@ -98,8 +98,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("neighbors: every row of a cubic lattice, walls included") {
-        for (const auto& [n, spacing] : {std::pair<std::size_t, double>{2, 1}, {5, 1}, {test::by_size(24, 8), 1},
-                                         {6, 0x1p-40}, {6, 3 * 0x1p40}}) {
+        for (const auto& [n, spacing] :
+             {std::pair<std::size_t, double>{2, 1}, {5, 1}, {test::by_size(24, 8), 1}, {6, 0x1p-40}, {6, 3 * 0x1p40}}) {
             const test::PointSet set = test::cubic(n, spacing);
             const auto t = test::run(set);
             CHECK(test::check_invariants(t, set.points) == "");
@@ -130,7 +130,7 @@ TEST_SUITE("cases") {
         const int cubic = size(16, 8), fcc = size(14, 7), prisms = size(14, 8), packed = size(30, 22),
                   diamond = size(18, 12);
         for (const Lattice& lattice : {Lattice{test::bcc(cubic), 1. * cubic, 2, 14, 36, 24, 4},  // truncated octahedra
-                                       {test::fcc(fcc), 1. * fcc, 2, 12, 24, 14, 2},  // rhombic dodecahedra
+                                       {test::fcc(fcc), 1. * fcc, 2, 12, 24, 14, 2},             // rhombic dodecahedra
                                        {test::hexagonal(prisms), 1. * prisms, 3, 8, 18, 12, 3},
                                        {test::close_packed(packed), 1. * packed, 7, 12, 24, 14, 54},
                                        {test::diamond(diamond), 1. * diamond, 4, 16, 30, 16, 8}}) {

@@ -39,7 +39,8 @@ Coordinates lattice(int length, std::initializer_list<std::array<double, 3>> mot
 }
 
 // Returns the row of a seed with the seeds renamed, sorted.
-std::vector<test::ExactFace> row_of(const votess::Tessellation& t, std::size_t i, const std::vector<std::size_t>& name) {
+std::vector<test::ExactFace> row_of(const votess::Tessellation& t, std::size_t i,
+                                    const std::vector<std::size_t>& name) {
     std::vector<test::ExactFace> row;
     for (auto e = static_cast<std::size_t>(t.indptr()[i]); e < static_cast<std::size_t>(t.indptr()[i + 1]); ++e) {
         test::ExactFace face{t.indices()[e], {}};

@@ -1,12 +1,11 @@
 // Wanted vertices and faces: shared vertices and polygons.
-#include "support/mesh.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "support/check.hpp"
+#include "support/mesh.hpp"
 #include "support/random.hpp"
 
 TEST_SUITE("cases") {
@@ -163,7 +162,8 @@ TEST_SUITE("cases") {
 
     TEST_CASE("vertices: periodic domains, cells close up to a torus") {
         const auto set = test::uniform(test::by_size(2000, 400), 44);
-        votess::Options box = test::mesh_options(test::unit_box()), slab = box, triclinic = test::mesh_options(), few = box;
+        votess::Options box = test::mesh_options(test::unit_box()), slab = box, triclinic = test::mesh_options(),
+                        few = box;
         box.periodic = few.periodic = {true, true, true};
         slab.periodic = {true, false, true};
         triclinic.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0.1, 0}, {0.4, 1.1, 0.2}, {-0.3, 0.2, 0.9}};

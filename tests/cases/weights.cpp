@@ -75,8 +75,7 @@ TEST_SUITE("cases") {
     // The fuzz found the first: |q - p|^2 + w_p - w_q is 1e-27, in the last 34 bits of the sum.
     TEST_CASE("weights: volumes of cells whose planes lie nearer to the seed than the digits of the weights reach") {
         const double far = 0x1.205ec3593b46dp+4, near = 0x1.145ec3593b46dp+4;
-        const Coordinates points{far,  far, near, far, near, 0x1.105ec3593b46dp+4, 0x1.185ec3593b46dp+4,
-                                 near, far};
+        const Coordinates points{far, far, near, far, near, 0x1.105ec3593b46dp+4, 0x1.185ec3593b46dp+4, near, far};
         for (const double own : {0x1.3ce9a36f23c1p-88, 0x1p-60, 0x1p-140})
             for (const bool wall : {false, true}) {
                 const std::vector<double> weights{own, 0.625, 1.375};

@@ -158,10 +158,10 @@ void write(const Case& c, std::ostream& out) {
         if (!job.instructions.empty()) out << "instructions " << job.instructions << '\n';
         if (job.k_init != 0) out << "k_init " << job.k_init << '\n';
         if (job.chunk_size != 0) out << "chunk " << job.chunk_size << '\n';
-        for (const auto& [name, on] : {std::pair{"drop", job.drop}, std::pair{"list_walls", job.list_walls},
-                                       std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
-                                       std::pair{"double", job.double_precision},
-                                       std::pair{"subgroup", job.by_subgroup}})
+        for (const auto& [name, on] :
+             {std::pair{"drop", job.drop}, std::pair{"list_walls", job.list_walls},
+              std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
+              std::pair{"double", job.double_precision}, std::pair{"subgroup", job.by_subgroup}})
             if (on) out << name << '\n';
         for (std::size_t i = 0; i < job.size(); ++i) {
             out << "seed";

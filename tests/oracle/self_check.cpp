@@ -32,7 +32,8 @@ TEST_SUITE("oracle") {
         const votess::Options options = test::all_options(square.box);
         const auto row = [&](std::size_t i) {
             std::vector<std::int32_t> ids;
-            for (const test::ExactFace& face : test::exact_cell(square.points, options, i).faces) ids.push_back(face.id);
+            for (const test::ExactFace& face : test::exact_cell(square.points, options, i).faces)
+                ids.push_back(face.id);
             return ids;
         };
         CHECK(row(0) == std::vector<std::int32_t>{-6, -5, -3, -1, 1, 2});

@@ -66,8 +66,7 @@ std::string check_cell(const Tessellation& t, std::size_t i) {
     std::ranges::sort(edges);
     if (std::ranges::adjacent_find(edges) != edges.end()) return text("cell ", i, " has an edge twice");
     for (const std::uint64_t edge : edges)
-        if (!std::ranges::binary_search(edges, edge << 32 | edge >> 32))
-            return text("cell ", i, " has a hole");
+        if (!std::ranges::binary_search(edges, edge << 32 | edge >> 32)) return text("cell ", i, " has a hole");
     std::ranges::sort(corners);
     corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
     const auto begin = at(t.cell_vertex_indptr()[i]), end = at(t.cell_vertex_indptr()[i + 1]);
@@ -103,8 +102,7 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
             const double d = std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]);
             height = d / 2;
             for (int k = 0; k < 3; ++k)
-                if (std::abs((q[k] - p[k]) / d - n[k]) > 1e-15)
-                    return text("cell ", i, ": normal of ", j);
+                if (std::abs((q[k] - p[k]) / d - n[k]) > 1e-15) return text("cell ", i, ": normal of ", j);
         }
         const auto corners = polygon(t, e);
         const double* first = t.vertices().data() + 3 * at(corners[0]);
@@ -121,8 +119,7 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
                 rim += std::abs(w[c] - v[c]);
             }
             farthest = std::max(farthest, std::sqrt(away));
-            if (std::abs(above) > place)
-                return text("cell ", i, ": a vertex is off its face with ", j, " by ", above);
+            if (std::abs(above) > place) return text("cell ", i, ": a vertex is off its face with ", j, " by ", above);
             for (int c = 0; c < 3; ++c) doubled[c] += a[(c + 1) % 3] * b[(c + 2) % 3] - a[(c + 2) % 3] * b[(c + 1) % 3];
         }
         const double area = (doubled[0] * n[0] + doubled[1] * n[1] + doubled[2] * n[2]) / 2;
@@ -132,8 +129,7 @@ std::string check_geometry(const Tessellation& t, std::span<const double> points
         for (int k = 0; k < 3; ++k) closed[k] += t.face_areas()[e] * n[k];
     }
     if (std::abs(sum - surface) > 1e-12 * surface) return text("cell ", i, ": surface area");
-    if (std::hypot(closed[0], closed[1], closed[2]) > 1e-9 * surface)
-        return text("cell ", i, " is not closed");
+    if (std::hypot(closed[0], closed[1], closed[2]) > 1e-9 * surface) return text("cell ", i, " is not closed");
     if (std::abs(farthest - reach) > 1e-9 * reach + 4e-16 * largest)
         return text("cell ", i, ": security radius ", t.security_radii()[i], ", not ", 2 * farthest);
     return {};
@@ -179,7 +175,8 @@ std::string check_complex(const Tessellation& t) {
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     const auto euler = static_cast<std::int64_t>(t.vertices().size() / 3 - edges.size() + faces - cells);
     if (t.size() > 0 && euler != 1)
-        return text("V - E + F - C = ", t.vertices().size() / 3, " - ", edges.size(), " + ", faces, " - ", cells, " = ", euler);
+        return text("V - E + F - C = ", t.vertices().size() / 3, " - ", edges.size(), " + ", faces, " - ", cells, " = ",
+                    euler);
     return {};
 }
 

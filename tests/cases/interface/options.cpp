@@ -66,7 +66,7 @@ TEST_SUITE("interface") {
         CHECK(refusal({0, 0, 0}, options) == "");
     }
 
-    TEST_CASE("options: each option out of its range") {
+    TEST_CASE("options: out of their range") {
         votess::each_option([](const std::string& name, auto member, auto, auto allowed) {
             votess::Options options;
             auto& value = options.*member;

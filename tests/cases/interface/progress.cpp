@@ -1,5 +1,7 @@
 // The option `progress`: calls report it, stop when it returns false, and pass on its exceptions. Small enough for
 // ThreadSanitizer.
+#include "core/progress.hpp"
+
 #include <doctest/doctest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -15,7 +17,6 @@
 #include <vector>
 #include <votess/diagram.hpp>
 
-#include "core/progress.hpp"
 #include "core/thread_pool.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"

@@ -87,20 +87,14 @@ votess::Options periodic_options(int domain) {
     return options;
 }
 
-// The result of an engine with another precision, whose volumes are all larger by this factor.
+// Returns the result of an engine with another precision, whose volumes are all larger by this factor.
 votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision precision, double factor) {
-    const auto copy = [](auto& to, const auto& from) {
-        to.resize_uninitialized(from.size());
-        std::ranges::copy(from, to.begin());
-    };
-    auto result = std::make_shared<votess::detail::Result>();
-    result->box = t.box();
+    auto result = domain_of(t);
     copy(result->indptr, t.indptr());
     copy(result->indices, t.indices());
     copy(result->status, t.status());
     copy(result->volumes, t.volumes());
     for (double& volume : result->volumes) volume *= factor;
-    result->stats = t.stats();
     result->stats.volume_sum *= factor;
     result->stats.precision = precision;
     return votess::Tessellation(std::move(result));

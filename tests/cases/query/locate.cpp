@@ -1,15 +1,14 @@
-// Diagram::locate against rational arithmetic: every seed, every image that may matter.
+// Diagram::locate() against exact arithmetic with every seed and image.
 #include <doctest/doctest.h>
-#include <gmpxx.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
 #include <votess/diagram.hpp>
 
 #include "cases/query/query_cases.hpp"
+#include "oracle/integer_domain.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -18,71 +17,27 @@ namespace {
 
 using test::Coordinates;
 using Case = test::QueryCase;
-using Vec = std::array<mpq_class, 3>;
-
-Vec rational(const double* x) {
-    return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
-}
-
-mpq_class determinant(const Vec& a, const Vec& b, const Vec& c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
-
-// The edges of the domain; those that repeat.
-struct Lattice {
-    Vec origin;
-    std::array<Vec, 3> edge;
-    std::array<bool, 3> periodic;
-};
-
-Lattice lattice_of(const votess::Options& o) {
-    if (o.cell)
-        return {rational(o.cell->origin.data()),
-                {rational(o.cell->a.data()), rational(o.cell->b.data()), rational(o.cell->c.data())},
-                o.cell->periodic};
-    Lattice l{rational(o.box->lower.data()), {}, o.periodic};
-    for (std::size_t k = 0; k < 3; ++k) l.edge[k][k] = mpq_class(o.box->upper[k]) - mpq_class(o.box->lower[k]);
-    return l;
-}
-
-bool inside(const Case& c, const Lattice& l, const Vec& x) {
-    for (const votess::Wall& wall : c.options.walls) {
-        mpq_class at = 0;
-        for (std::size_t k = 0; k < 3; ++k) at += mpq_class(wall.normal[k]) * x[k];
-        if (at > mpq_class(wall.offset)) return false;
+// Returns the seed of the least power distance, the lowest of equal ones; -1 for a query outside the domain.
+std::int32_t nearest(const Case& c, const double* query) {
+    Coordinates points = c.points;
+    points.insert(points.end(), query, query + 3);
+    std::vector<double> weights = c.weights;
+    if (!weights.empty()) weights.push_back(0);
+    votess::Options options = c.options;
+    options.weights = weights;
+    const test::IntegerDomain domain(points, options);
+    const std::size_t q = domain.size() - 1;
+    if (domain.is_outside(q)) return -1;
+    std::int32_t best = -1;
+    mpz_class least;
+    for (std::size_t i = 0; i < q; ++i) {
+        if (domain.is_outside(i)) continue;
+        for (const auto& shift : domain.near_shifts(q, i)) {
+            const mpz_class power = domain.bisector(q, i, shift).h;  // the query has no weight
+            if (best < 0 || power < least) least = power, best = static_cast<std::int32_t>(i);
+        }
     }
-    const mpq_class whole = determinant(l.edge[0], l.edge[1], l.edge[2]);
-    for (std::size_t j = 0; j < 3; ++j) {
-        if (l.periodic[j]) continue;
-        std::array<Vec, 3> edges = l.edge;
-        for (std::size_t k = 0; k < 3; ++k) edges[j][k] = x[k] - l.origin[k];
-        const mpq_class f = determinant(edges[0], edges[1], edges[2]) / whole;
-        if (f < 0 || f > 1) return false;
-    }
-    return true;
-}
-
-std::int32_t brute_force(const Case& c, const double* query) {
-    const Lattice l = lattice_of(c.options);
-    const Vec x = rational(query);
-    if (!inside(c, l, x)) return -1;
-    std::int32_t nearest = -1;
-    mpq_class least;
-    std::array<int, 3> reach{};
-    for (std::size_t j = 0; j < 3; ++j) reach[j] = l.periodic[j] ? 3 : 0;
-    for (std::size_t i = 0; i < c.points.size() / 3; ++i)
-        for (int s = -reach[0]; s <= reach[0]; ++s)
-            for (int t = -reach[1]; t <= reach[1]; ++t)
-                for (int u = -reach[2]; u <= reach[2]; ++u) {
-                    mpq_class square = c.weights.empty() ? mpq_class(0) : mpq_class(-mpq_class(c.weights[i]));
-                    for (std::size_t k = 0; k < 3; ++k) {
-                        const mpq_class d = mpq_class(c.points[3 * i + k]) + s * l.edge[0][k] + t * l.edge[1][k] +
-                                            u * l.edge[2][k] - x[k];
-                        square += d * d;
-                    }
-                    if (nearest < 0 || square < least) least = square, nearest = static_cast<std::int32_t>(i);
-                }
-    return nearest;
+    return best;
 }
 
 std::vector<std::int32_t> nearest_by_distance(const Coordinates& points, const Coordinates& queries) {
@@ -103,37 +58,25 @@ std::vector<std::int32_t> nearest_by_distance(const Coordinates& points, const C
 
 }  // namespace
 
-TEST_SUITE("locate") {
-    TEST_CASE("locate: random domains and queries against rational arithmetic") {
+TEST_SUITE("query") {
+    TEST_CASE("locate: random domains and queries against exact arithmetic") {
         test::Random random(7);
         for (std::size_t set = 0; set < test::by_size(200, 30); ++set) {
             CAPTURE(set);
             Case c = test::random_query_case(random, set % 2 == 0);
             c.options.weights = c.weights;
             const votess::Diagram diagram(c.points, c.options);
-            // Dropped seeds are none.
-            const auto t = votess::tessellate(c.points, c.options);
-            Case kept = c;
-            kept.points.clear(), kept.weights.clear();
-            std::vector<std::int32_t> index;
-            for (std::size_t i = 0; i < c.points.size() / 3; ++i) {
-                if (t.status()[i] == votess::CellStatus::outside) continue;
-                index.push_back(static_cast<std::int32_t>(i));
-                kept.points.insert(kept.points.end(), &c.points[3 * i], &c.points[3 * i] + 3);
-                if (!c.weights.empty()) kept.weights.push_back(c.weights[i]);
-            }
-            const Lattice l = lattice_of(c.options);
+            const auto& periodic = c.options.cell ? c.options.cell->periodic : c.options.periodic;
             Coordinates queries;
             for (int q = 0; q < 10; ++q) {
-                const auto x = test::random_query(random, c, l.periodic[0] && l.periodic[1] && l.periodic[2]);
+                const auto x = test::random_query(random, c, periodic == std::array{true, true, true});
                 queries.insert(queries.end(), x.begin(), x.end());
             }
             const auto found = diagram.locate(queries);
             REQUIRE(found.size() == queries.size() / 3);
             for (std::size_t q = 0; q < found.size(); ++q) {
                 CAPTURE(q);
-                const std::int32_t expected = brute_force(kept, &queries[3 * q]);
-                REQUIRE(found[q] == (expected < 0 ? -1 : index[static_cast<std::size_t>(expected)]));
+                REQUIRE(found[q] == nearest(c, &queries[3 * q]));
             }
         }
     }
@@ -203,7 +146,7 @@ TEST_SUITE("locate") {
             for (int q = 0; q < 30; ++q)
                 for (int k = 0; k < 3; ++k) queries.push_back(random.uniform());
             const auto found = diagram.locate(queries);
-            for (std::size_t q = 0; q < found.size(); ++q) CHECK(found[q] == brute_force(c, &queries[3 * q]));
+            for (std::size_t q = 0; q < found.size(); ++q) CHECK(found[q] == nearest(c, &queries[3 * q]));
         }
     }
 
@@ -222,13 +165,10 @@ TEST_SUITE("locate") {
         CHECK(votess::Diagram(points, options).locate(points) == std::vector<std::int32_t>{2, 2, 2});
         options.weights = {};
 
-        const auto refusal = [](const auto& ask) -> std::string {
-            try {
-                ask();
-            } catch (const votess::Error& error) {
-                return error.what();
-            }
-            return "";
+        const auto refusal = [](const auto& call) {
+            std::string message;
+            CHECK(test::error_of(call, &message));
+            return message;
         };
         const double nan = std::numeric_limits<double>::quiet_NaN();
         CHECK(refusal([&] { (void)diagram.locate(Coordinates{0, 0, 0, 0, nan, 0}); }).find("query 1") == 0);

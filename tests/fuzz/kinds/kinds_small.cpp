@@ -15,7 +15,7 @@ Vector draw(int shape, int size, double jitter, Random& random) {
     const auto grid = [&] { return static_cast<double>(random.integer(0, size)); };
     const auto any = [&] { return random.uniform(); };
     const auto off = [&] { return jitter * random.uniform(-1, 1); };
-    const auto mixed = [&](const int (&values)[3]) {  // any axes and signs
+    const auto mixed = [&](const int(&values)[3]) {  // any axes and signs
         const auto turn = random.below(3);
         Vector x;
         for (std::size_t k = 0; k < 3; ++k) x[k] = (random.chance(0.5) ? 1 : -1) * values[(k + turn) % 3];

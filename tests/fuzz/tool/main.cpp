@@ -1,8 +1,8 @@
 // votess_fuzz: proves the library's answers to random inputs, on all cores. tools/fuzz.sh builds and starts it.
 //   votess_fuzz HOURS|--sets N [KIND...] [--device cpu|lavapipe] [--seed N] [--findings FOLDER] [--jobs N]
 //   votess_fuzz --replay FILE... [--device cpu|lavapipe]
-// --sets tries N sets of each kind, numbered from the seed. Exits 0 when all answers were right, 1 when one was wrong, 2
-// when the arguments are wrong.
+// --sets tries N sets of each kind, numbered from the seed. Exits 0 when all answers were right, 1 when one was wrong,
+// 2 when the arguments are wrong.
 #include <poll.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
@@ -126,7 +126,8 @@ public:
     }
 
     int run() {
-        const auto end = Clock::now() + std::chrono::duration<double>(arguments_.sets > 0 ? 1e9 : arguments_.hours * 3600);
+        const auto end =
+            Clock::now() + std::chrono::duration<double>(arguments_.sets > 0 ? 1e9 : arguments_.hours * 3600);
         std::printf("fuzz: %u processes, seed %llu, device %s\n", arguments_.jobs,
                     static_cast<unsigned long long>(arguments_.first), arguments_.limits.device.c_str());
         for (std::size_t w = 0; w < workers_.size(); ++w) start(w);
@@ -290,7 +291,8 @@ private:
             for (std::size_t w = 0; w < workers_.size(); ++w)
                 cells += progress_[w].cells, fallback_cells += progress_[w].fallback_cells;
             std::printf("fuzz: the device made %llu of %llu cells\n",
-                        static_cast<unsigned long long>(cells - fallback_cells), static_cast<unsigned long long>(cells));
+                        static_cast<unsigned long long>(cells - fallback_cells),
+                        static_cast<unsigned long long>(cells));
             right = right && 50 * (cells - fallback_cells) >= cells;
         }
         return right ? 0 : 1;
