@@ -1,9 +1,8 @@
-// Face areas: known ones, what ties them to the volumes, and that both cells of a face agree.
+// Wanted areas and normals.
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "support/check.hpp"
@@ -12,49 +11,6 @@ namespace {
 
 std::span<const double> areas_of(const votess::Tessellation& t, std::size_t i) {
     return t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]), t.neighbors(i).size());
-}
-
-double surface_of(const votess::Tessellation& t, std::size_t i) {
-    const auto areas = areas_of(t, i);
-    return std::accumulate(areas.begin(), areas.end(), 0.0);
-}
-
-// Distance of the seed to the plane of a face.
-double height(const votess::Tessellation& t, const test::PointSet& set, std::size_t i, std::int32_t j) {
-    const double* p = set.points.data() + 3 * i;
-    if (j < 0) {
-        const auto axis = static_cast<std::size_t>(-1 - j) / 2;
-        return std::abs(((-1 - j) % 2 == 0 ? t.box().lower[axis] : t.box().upper[axis]) - p[axis]);
-    }
-    const double* q = set.points.data() + 3 * static_cast<std::size_t>(j);
-    return std::hypot(q[0] - p[0], q[1] - p[1], q[2] - p[2]) / 2;
-}
-
-// A cell is the pyramids over its faces, and its surface is closed only if no face is missing.
-void check_pyramids(const votess::Tessellation& t, const test::PointSet& set) {
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        double volume = 0, error = 0;
-        const double surface = surface_of(t, i);
-        for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
-            const double h = height(t, set, i, t.neighbors(i)[k]);
-            volume += areas_of(t, i)[k] * h / 3;
-            error += 1e-10 * surface * h / 3 + 1e-15 * h * areas_of(t, i)[k];
-        }
-        REQUIRE(std::abs(volume - t.volumes()[i]) <= error + 1e-10 * t.volumes()[i]);
-    }
-}
-
-void check_symmetry(const votess::Tessellation& t) {
-    for (std::size_t i = 0; i < t.size(); ++i)
-        for (std::size_t k = 0; k < t.neighbors(i).size(); ++k) {
-            const auto j = static_cast<std::size_t>(t.neighbors(i)[k]);
-            if (t.neighbors(i)[k] < 0 || j < i) continue;
-            const auto row = t.neighbors(j);
-            const auto back = std::lower_bound(row.begin(), row.end(), static_cast<std::int32_t>(i)) - row.begin();
-            const double here = areas_of(t, i)[k], there = areas_of(t, j)[static_cast<std::size_t>(back)];
-            REQUIRE(std::abs(here - there) <= 1e-10 * (surface_of(t, i) + surface_of(t, j)));
-            if (here > 1e-3 * surface_of(t, i)) REQUIRE(std::abs(here - there) <= 1e-9 * here);
-        }
 }
 
 }  // namespace
@@ -98,36 +54,13 @@ TEST_SUITE("cases") {
         CHECK(std::ranges::equal(t.face_areas(), std::array{2.0, 2.0, 4.0, 4.0, 8.0, 8.0}));
     }
 
-    TEST_CASE("areas: every family, pyramids over the faces fill the cells and both cells of a face agree") {
-        for (const test::PointSet& set : test::families(test::by_size(1500, 200), 30)) {
-            CAPTURE(set.name);
-            const auto t = test::run(set);
-            check_pyramids(t, set);
-            check_symmetry(t);
-            CHECK(votess::verify(t, set.points, {30, 1}).failure == "");
-        }
-    }
-
-    TEST_CASE("areas: coordinates times a power of two, and 1e-10 and 1e10 times as large") {
+    TEST_CASE("areas: coordinates times a power of two") {
         const test::PointSet set = test::uniform(test::by_size(2000, 300), 31);
         const auto t = test::run(set);
         for (const double factor : {0x1p-300, 0x1p-30, 0x1p30, 0x1p300}) {
             const auto u = test::run(test::scaled(set, factor));
             for (std::size_t k = 0; k < t.face_areas().size(); ++k)
                 REQUIRE(u.face_areas()[k] == t.face_areas()[k] * factor * factor);
-        }
-        for (const double factor : {1e-10, 1e10}) {
-            CAPTURE(factor);
-            const test::PointSet other = test::scaled(set, factor);
-            const auto u = test::run(other);
-            check_pyramids(u, other);
-            check_symmetry(u);
-            REQUIRE(u.face_areas().size() == t.face_areas().size());
-            // Rounded products move the seeds a little.
-            for (std::size_t i = 0; i < t.size(); ++i)
-                for (std::size_t k = 0; k < t.neighbors(i).size(); ++k)
-                    REQUIRE(std::abs(areas_of(u, i)[k] / factor / factor - areas_of(t, i)[k]) <=
-                            1e-9 * surface_of(t, i));
         }
     }
 

@@ -150,20 +150,6 @@ TEST_SUITE("stages") {
         CHECK(sets > 10);
     }
 
-    TEST_CASE("exact clipper: single cells and a sparse part") {
-        const auto set = test::uniform(test::by_size(20000, 800), 9);
-        const Cells all = random_parts(set.size(), 1, 10)[0];
-        std::vector<Cells> parts;
-        auto from = all.begin();
-        for (const std::ptrdiff_t size : {1, 1, 30, 200}) {
-            parts.emplace_back(from, from + size);
-            from += size;
-        }
-        parts.emplace_back(from, all.end());
-        votess::cpu::CpuClipper clipper;
-        CHECK(compare(test::run(set), clip_parts(clipper, set, test::all_options(), parts)) == "");
-    }
-
     TEST_CASE("exact clipper: every choice of arrays") {
         const auto set = test::with_duplicates(test::by_size(800, 200), 50, 11);
         votess::cpu::CpuClipper clipper;
@@ -174,27 +160,6 @@ TEST_SUITE("stages") {
             options.list_walls = (bits & 16) != 0;
             CHECK(compare(test::run(set, options),
                           clip_parts(clipper, set, options, random_parts(set.size(), 3, bits))) == "");
-        }
-    }
-
-    TEST_CASE("exact clipper: float32 input") {
-        const auto set = test::uniform(1000, 12);
-        const std::vector<float> points(set.points.begin(), set.points.end());
-        auto options = test::all_options(set.box);
-        votess::cpu::CpuClipper clipper;
-        CHECK(compare(votess::tessellate(std::span<const float>(points), options),
-                      clip_parts(clipper, {{}, points}, options, random_parts(set.size(), 3, 13))) == "");
-    }
-
-    TEST_CASE("exact clipper: one object for jobs of changing size, threads and kind") {
-        votess::cpu::CpuClipper clipper;
-        unsigned threads = 0;
-        for (const std::size_t n : {500, 3, 2000, 0, 1, 2, 1200, 40}) {
-            CAPTURE(n);
-            auto options = test::all_options();
-            options.threads = 1 + threads++ % 3;
-            const auto set = threads % 2 == 0 ? test::uniform(n, n) : test::clustered(n, n);
-            CHECK(compare(test::run(set, options), clip_parts(clipper, set, options, random_parts(n, 2, n))) == "");
         }
     }
 

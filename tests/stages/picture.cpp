@@ -369,27 +369,6 @@ TEST_SUITE("stages") {
         CHECK(Scale{0.5, 2000, true}.ticks(6).marks.back().text == "");  // 2000 between 1000 and 10000
     }
 
-    TEST_CASE("picture: lightness grows evenly along each color map") {
-        for (const votess::Colormap map : {votess::Colormap::tide, votess::Colormap::ember, votess::Colormap::gray}) {
-            const auto light = [&](double t) {
-                const Color c = map_color(map, t);
-                const auto linear = [](unsigned x) { return std::pow(x / 255.0, 2.2); };
-                // The lightness of CIELAB, near enough.
-                return std::cbrt(0.2126 * linear(c & 255) + 0.7152 * linear(c >> 8 & 255) +
-                                 0.0722 * linear(c >> 16 & 255));
-            };
-            const double mean = (light(1) - light(0)) / 20;
-            CHECK(mean > 0.02);
-            for (int i = 0; i < 20; ++i) {
-                const double step = light((i + 1) / 20.0) - light(i / 20.0);
-                CHECK(step > 0.4 * mean);
-                CHECK(step < 2.2 * mean);
-            }
-            CHECK(map_color(map, -3) == map_color(map, 0));
-            CHECK(map_color(map, 7) == map_color(map, 1));
-        }
-    }
-
     TEST_CASE("picture: every printable character is drawn, inside its line") {
         const TextStyle style{.size = 20};
         for (char c = '!'; c <= '~'; ++c) {

@@ -175,20 +175,6 @@ TEST_SUITE("stages") {
         CHECK(same_seeds(sorted, sorted_seeds(set, pool)));
     }
 
-    TEST_CASE("sort: seeds that no grid has to separate keep the order of the input") {
-        ThreadPool pool(1);
-        test::PointSet set{"eight in a block", {0, 0, 0, 1, 1, 1}, test::unit_box()};
-        for (int i = 0; i < 8; ++i) {
-            const double at = 0.3 + 1e-7 * (5 * i % 8);
-            set.points.insert(set.points.end(), {at, at, at});
-        }
-        const auto sorted = sorted_seeds(set, pool);
-        check_sorted(set, sorted);
-        const auto first = std::find(sorted.input.begin(), sorted.input.end(), 2);
-        REQUIRE(sorted.input.end() - first >= 8);
-        for (int i = 0; i < 8; ++i) CHECK(first[i] == 2 + i);
-    }
-
     TEST_CASE("sort: blocks that follow each other on the curve share a face, at every scale") {
         constexpr std::uint32_t side = 16;
         constexpr int bits = 12;
@@ -214,15 +200,6 @@ TEST_SUITE("stages") {
                 last = &block;
             }
         }
-    }
-
-    TEST_CASE("sort: many copies of a point in one block, and a signed zero") {
-        ThreadPool pool(1);
-        test::PointSet set = test::uniform(40, 2);
-        set.name = "copies";
-        for (int copy = 0; copy < 50; ++copy) set.points.insert(set.points.end(), {0.25, 0.5, 0.75});
-        set.points.insert(set.points.end(), {0.0, 0.5, 0.5, -0.0, 0.5, 0.5});
-        check_sorted(set, sorted_seeds(set, pool));
     }
 
     TEST_CASE("sort: neighbors in memory are neighbors in space") {

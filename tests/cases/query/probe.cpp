@@ -248,9 +248,9 @@ TEST_SUITE("probe") {
                 CHECK(std::string(error.what()).find(says) != std::string::npos);
             }
         };
-        refuses("delaunay: these are cells of probes", [&] { return votess::delaunay(probes); });
-        refuses("verify: these are cells of probes", [&] { return votess::verify(probes, points); });
-        refuses("wrapped_points: these are cells of probes", [&] { return votess::wrapped_points(probes, points); });
+        refuses("delaunay: cells of probes do not form a diagram", [&] { return votess::delaunay(probes); });
+        refuses("verify: cells of probes do not form a diagram", [&] { return votess::verify(probes, points); });
+        refuses("wrapped_points: cells of probes do not form a diagram", [&] { return votess::wrapped_points(probes, points); });
         refuses("the seeds have none", [&] {
             const std::vector<double> weights(20);
             return diagram.probe(points, {.want = {}, .weights = weights, .radii = {}});
