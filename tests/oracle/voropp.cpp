@@ -81,7 +81,7 @@ void compare(const Coordinates& points, const Options& options, const std::vecto
     std::vector<std::size_t> apart;
     for (std::size_t i = 0; i < t.size(); ++i)
         if (!agrees(t, i, cells[i])) apart.push_back(i);
-    MESSAGE(apart.size() << " of " << t.size() << " cells differ from Voro++");
+    INFO(apart.size() << " of " << t.size() << " cells differ");
     CHECK(apart.size() <= 1 + t.size() / 500);
     if (!apart.empty()) CHECK(test::check_certificate(t, points, options, apart) == "");
 }
@@ -122,7 +122,7 @@ void compare_box(const Coordinates& points, const votess::Box& box, const std::a
 TEST_SUITE("oracle") {
     TEST_CASE("Voro++: boxes") {
         for (const test::PointSet& set :
-             {test::uniform(test::by_size(100000, 5000), 101), test::clustered(test::by_size(100000, 5000), 102),
+             {test::uniform(test::by_size(40000, 5000), 101), test::clustered(test::by_size(40000, 5000), 102),
               test::jittered(test::by_size(27, 12), 0.2, 103)}) {
             CAPTURE(set.name);
             compare_box(set.points, *set.box);
@@ -184,19 +184,5 @@ TEST_SUITE("oracle") {
             CHECK(test::check_identical(votess::tessellate(points, options), votess::tessellate(points, of_radii)) ==
                   "");
         }
-    }
-
-    TEST_CASE("power diagrams: weights that bury half of the seeds") {
-        const std::size_t n = test::by_size(10000, 1000);
-        const Coordinates points = random_points(n, 5, {1, 1, 1});
-        test::Random random(6);
-        std::vector<double> weights(n);
-        for (double& w : weights) w = random.uniform(-0.5, 0.5) * std::pow(static_cast<double>(n), -2.0 / 3) * 2;
-        Options options = measured(test::unit_box());
-        options.weights = weights;
-        const auto t = votess::tessellate(points, options);
-        CHECK(t.stats().empty_cells > n / 4);
-        CHECK(test::check_domain(t) == "");
-        CHECK(votess::verify(t, points).failure == "");
     }
 }

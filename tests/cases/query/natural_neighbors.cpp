@@ -1,7 +1,5 @@
 // Diagram::natural_neighbors() and interpolate(), against rational arithmetic where topology is hard: ties, walls,
 // buried seeds, close pairs.
-#include "oracle/shares.hpp"
-
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include <votess/diagram.hpp>
 
 #include "cases/query/query_cases.hpp"
+#include "oracle/shares.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
