@@ -169,12 +169,14 @@ class Files(CliTest):
         self.assertEqual(self.files(), ["pipe"])
 
     def open_files(self, process):
-        """Returns the number of files in the folder that the process has open, also without a name."""
-        count = 0
+        """Returns the number of files in the folder that the process has open, also without a name. A file counts once,
+        also while it is open twice, as HDF5 opens it again."""
+        files = set()
         for link in Path(f"/proc/{process.pid}/fd").glob("*"):
             with contextlib.suppress(OSError):
-                count += os.readlink(link).startswith(str(self.folder.resolve()) + "/")
-        return count
+                if os.readlink(link).startswith(str(self.folder.resolve()) + "/"):
+                    files.add(os.stat(link).st_ino)
+        return len(files)
 
     def has_unnamed_files(self):
         with contextlib.suppress(OSError):
