@@ -13,7 +13,7 @@ namespace clvotess {
 
 class Typed {
 public:
-    // Throws Failure for what is no option, or has too few or too many values.
+    // Throws Failure for an unknown option, and for too few or too many values.
     Typed(int count, const char* const* values);
 
     // Whether an option was typed. name: the long one, "--output" or "INPUT".
@@ -39,7 +39,7 @@ private:
     std::map<std::string, std::vector<std::string>> values_;  // by the long name; one for each option
 };
 
-// Throws Failure for what is no whole number from 0 to max. The ranges of Options are checked by the library.
+// Throws Failure unless the text is a whole number from 0 to max. The ranges of Options are checked by the library.
 [[nodiscard]] std::uint64_t whole_number(const std::string& option, const std::string& text, std::uint64_t max);
 
 }  // namespace clvotess

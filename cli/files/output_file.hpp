@@ -37,7 +37,7 @@ public:
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;
     OutputFile& operator=(OutputFile&&) = delete;
-    ~OutputFile();  // removes what was not published
+    ~OutputFile();  // removes the file unless it was published
 
     [[nodiscard]] std::string description() const;  // for messages
     // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.

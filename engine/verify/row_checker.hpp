@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "verify/reported_cell.hpp"
+#include "votess/block_cells.hpp"
 #include "votess/stream.hpp"
 
 namespace votess {
@@ -32,6 +33,22 @@ struct RowNames {
     std::span<const std::int32_t> tags;
     std::int32_t own_tag = 0;
 };
+
+// Views the cells of a block as rows from seed 0 on. The arrays stay with the cells.
+inline StreamRows rows_of(const BlockCells& cells) {
+    StreamRows rows;
+    rows.status = cells.status;
+    rows.indptr = cells.indptr;
+    rows.neighbors = cells.neighbors;
+    rows.shifts = cells.shifts;
+    rows.areas = cells.areas;
+    rows.normals = cells.normals;
+    rows.volumes = cells.volumes;
+    rows.face_counts = cells.face_counts;
+    rows.edge_counts = cells.edge_counts;
+    rows.vertex_counts = cells.vertex_counts;
+    return rows;
+}
 
 // Gives access to the rows and seeds of a run. By default there is one rank; calls between ranks are collective.
 class RunBlocks {

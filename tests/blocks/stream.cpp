@@ -160,17 +160,7 @@ TEST_CASE("stream: damaged rows are found") {
         copy(whole.edge_counts(), cells.edge_counts);
         copy(whole.vertex_counts(), cells.vertex_counts);
         damage();
-        votess::StreamRows rows;
-        rows.status = cells.status;
-        rows.indptr = cells.indptr;
-        rows.neighbors = cells.neighbors;
-        rows.shifts = cells.shifts;
-        rows.areas = cells.areas;
-        rows.normals = cells.normals;
-        rows.volumes = cells.volumes;
-        rows.face_counts = cells.face_counts;
-        rows.edge_counts = cells.edge_counts;
-        rows.vertex_counts = cells.vertex_counts;
+        const votess::StreamRows rows = votess::rows_of(cells);
         Halves halves(set);
         votess::RowChecker checker({options, set.size(), whole.stats().box_volume}, {.max_cells = set.size()}, halves);
         checker.take(rows);

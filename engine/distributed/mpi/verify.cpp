@@ -34,17 +34,7 @@ public:
 
     bool for_rows(const Visit& visit) override {
         const BlockCells& cells = result_.cells;
-        StreamRows rows;
-        rows.status = cells.status;
-        rows.indptr = cells.indptr;
-        rows.neighbors = cells.neighbors;
-        rows.shifts = cells.shifts;
-        rows.areas = cells.areas;
-        rows.normals = cells.normals;
-        rows.volumes = cells.volumes;
-        rows.face_counts = cells.face_counts;
-        rows.edge_counts = cells.edge_counts;
-        rows.vertex_counts = cells.vertex_counts;
+        const StreamRows rows = rows_of(cells);
         RowNames names{result_.ids, {}, ranks_.rank()};
         if (!made_) names.tags = cells.tags;
         visit(rows, names);
