@@ -114,6 +114,12 @@ void CpuClipper::gather_weights() {
         if (seeds_.duplicates == 0) duplicate_of.clear();
     }
     for (const std::int32_t i : seeds_.input) seeds_.weights.push_back(weights[static_cast<std::size_t>(i)]);
+    if (seeds_.weights.empty()) return;
+    seeds_.weights.resize(seeds_.places(), seeds_.weights.back());  // padding is no heavier than a seed
+    if (seeds_.images == nullptr) return;
+    for (std::size_t image = round_up(seeds_.size(), group_size); image < seeds_.images_end; ++image)
+        seeds_.weights[image] =
+            seeds_.weights[static_cast<std::size_t>(images_.home(static_cast<std::int32_t>(image)))];
 }
 
 void CpuClipper::set_empty(ResultBuilder& out) {
@@ -268,11 +274,15 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (worker.budget.worth_a_star() && worker.star->build(seed) && worker.writer.write(seed, *worker.star)) {
-                worker.budget.star_done();
+            if (!worker.budget.worth_a_star() || !worker.star->build(seed)) {
+                search(seed, worker);
+                continue;
+            }
+            worker.budget.star_done();
+            if (worker.writer.write(seed, *worker.star)) {
                 if (!powers_.empty()) powers_[seeds_.input[seed]] = worker.star->power_found();
             } else {
-                search(seed, worker);
+                finish(&clip_by_faces(seed, worker), seed, worker);
             }
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
@@ -284,6 +294,19 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         out.count(worker.writer.tally());
     }
     if (fallback) out.count({.fallback_cells = cells.size()});
+}
+
+// Clips by the faces that the walk has found, for measures that need exact vertices.
+Cell& CpuClipper::clip_by_faces(std::size_t seed, Worker& worker) const {
+    worker.candidates.clear();
+    worker.shifts.clear();
+    for (const std::int32_t id : worker.star->faces()) {
+        if (id < 0) continue;
+        worker.candidates.push_back(seeds_.images == nullptr ? id : images_.home(id));
+        if (seeds_.images != nullptr) worker.shifts.push_back(images_.shift(id));
+    }
+    return seeds_.images == nullptr ? worker.builder.build_from(seed, worker.candidates)
+                                    : worker.builder.build_from(seed, worker.candidates, worker.shifts);
 }
 
 void CpuClipper::search(std::size_t seed, Worker& worker) const {

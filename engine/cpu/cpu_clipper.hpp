@@ -76,6 +76,7 @@ private:
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
                      const Share& share);
+    Cell& clip_by_faces(std::size_t seed, Worker& worker) const;
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or stores that its search was given up.
     void finish(Cell* cell, std::size_t seed, Worker& worker) const;

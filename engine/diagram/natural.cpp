@@ -21,7 +21,8 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     if (state.graph) return true;
     if (seeds.size() < min_seeds || queries.count() < seeds.size() / 2) return false;
     const Share stage = Stoppable::stage();
-    std::vector<double> points, weights(seeds.weights);
+    std::vector<double> points, weights;
+    if (!seeds.weights.empty()) weights.assign(seeds.weights.begin(), seeds.weights.begin() + std::ssize(seeds.input));
     points.reserve(3 * seeds.size());
     in_pieces(seeds.size(), [&](std::size_t begin, std::size_t end) {
         for (std::size_t s = begin; s < end; ++s)

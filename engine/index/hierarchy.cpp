@@ -1,6 +1,8 @@
 #include "index/hierarchy.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
 #include <limits>
 
@@ -13,14 +15,56 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
 
-double largest_of(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
-    double largest = -infinity;
-    for (std::size_t id = begin; id < end; ++id) {
-        const std::size_t home =
-            seeds.images == nullptr ? id : static_cast<std::size_t>(seeds.images->home(static_cast<std::int32_t>(id)));
-        largest = std::max(largest, seeds.weights[home]);
+constexpr double slope_gain = 0.6;     // a slope must lower the span of the weights to this part
+constexpr double bound_slack = 4e-15;  // of the terms of a bound
+
+using Slope = std::array<double, 3>;
+
+// Returns the slope of the weights of some seeds by least squares, or 0 if it explains little of them.
+Slope fit_slope(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
+    constexpr double ridge = 1e-3;  // of the mean square, for seeds in a plane or on a line
+    const double* const at[3] = {seeds.x.data(), seeds.y.data(), seeds.z.data()};
+    const double base = seeds.weights[begin], count = static_cast<double>(end - begin);
+    double mean[4] = {}, low = 0, high = 0;
+    for (std::size_t s = begin; s < end; ++s) {
+        for (int k = 0; k < 3; ++k) mean[k] += at[k][s] - at[k][begin];
+        const double weight = seeds.weights[s] - base;
+        mean[3] += weight;
+        low = std::min(low, weight), high = std::max(high, weight);
     }
-    return largest;
+    for (double& m : mean) m /= count;
+    double m[3][4] = {};
+    for (std::size_t s = begin; s < end; ++s) {
+        double d[4];
+        for (int k = 0; k < 3; ++k) d[k] = at[k][s] - at[k][begin] - mean[k];
+        d[3] = seeds.weights[s] - base - mean[3];
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 4; ++j) m[i][j] += d[i] * d[j];
+    }
+    const double more = ridge * (m[0][0] + m[1][1] + m[2][2]);
+    for (int i = 0; i < 3; ++i) m[i][i] += more;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            if (j == i) continue;
+            const double by = m[j][i] / m[i][i];
+            for (int k = i; k < 4; ++k) m[j][k] -= by * m[i][k];
+        }
+    Slope slope;
+    for (int i = 0; i < 3; ++i) slope[i] = m[i][3] / m[i][i];
+    double least = infinity, most = -infinity;
+    for (std::size_t s = begin; s < end; ++s) {
+        double rest = seeds.weights[s] - base;
+        for (int k = 0; k < 3; ++k) rest -= slope[k] * (at[k][s] - at[k][begin]);
+        least = std::min(least, rest), most = std::max(most, rest);
+    }
+    const double span = most - least;  // less than 0 if the slope is NaN
+    return span >= 0 && span < slope_gain * (high - low) ? slope : Slope{};
+}
+
+Slope center_of(const BoxBlock& boxes, std::size_t i) {
+    Slope center;
+    for (int k = 0; k < 3; ++k) center[k] = 0.5 * (boxes.lower[k][i] + boxes.upper[k][i]);
+    return center;
 }
 
 }  // namespace
@@ -33,14 +77,20 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     }
     while (levels_.size() < counts_.size()) levels_.emplace_back(Buffer<BoxBlock>::Pages::huge);
     has_weights_ = !seeds.weights.empty();
-    if (has_weights_) weights_.resize(std::max(weights_.size(), counts_.size()));
+    if (has_weights_) {
+        weights_.resize(std::max(weights_.size(), counts_.size()));
+        bounds_.resize(std::max(bounds_.size(), counts_.size()));
+    }
     for (std::size_t level = 0; level < counts_.size(); ++level) {
         const std::size_t blocks = std::max<std::size_t>(1, ceil_div(counts_[level], fan));
         levels_[level].resize_uninitialized(blocks);
-        if (has_weights_) weights_[level].resize_uninitialized(counts_[level]);
+        if (has_weights_) {
+            weights_[level].resize_uninitialized(counts_[level]);
+            bounds_[level].resize_uninitialized(blocks);
+        }
         const auto task = [&](std::size_t index, unsigned) {
             for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
-                fill(seeds, level, b);
+                if (fill(seeds, level, b); has_weights_) bound_weights(seeds, level, b);
         };
         pool.run(ceil_div(blocks, task_blocks), std::cref(task));  // by reference: no allocation
     }
@@ -60,7 +110,9 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
                     std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
                 block.lower[k][i] = *least, block.upper[k][i] = *most;
             }
-            if (has_weights_) weights_[0][node] = largest_of(seeds, begin, end);
+            if (has_weights_)
+                weights_[0][node] = *std::max_element(seeds.weights.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                      seeds.weights.begin() + static_cast<std::ptrdiff_t>(end));
         } else {
             const BoxBlock& below = levels_[level - 1][node];
             for (int k = 0; k < 3; ++k) {
@@ -73,6 +125,62 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
                     *std::max_element(weights, weights + std::min(fan, counts_[level - 1] - node * fan));
             }
         }
+    }
+}
+
+// The slope of a group is fitted to its seeds and those of its sibling, that of another box is the mean of its parts.
+void Hierarchy::bound_weights(const SortedSeeds& seeds, std::size_t level, std::size_t index) {
+    const BoxBlock& boxes = levels_[level][index];
+    WeightBlock& out = bounds_[level][index];
+    Slope slope{};
+    for (std::size_t i = 0; i < fan; ++i) {
+        const std::size_t node = index * fan + i;
+        if (node >= counts_[level]) {
+            out.top[i] = -infinity;
+            for (auto& along : out.slope) along[i] = 0;
+            continue;
+        }
+        const Slope center = center_of(boxes, i);
+        double top = -infinity, size = 0;
+        const auto add = [&](double weight, const Slope& at) {
+            double rest = weight, terms = std::abs(weight);
+            for (int k = 0; k < 3; ++k) {
+                const double by = slope[k] * (at[k] - center[k]);
+                rest -= by;
+                terms += std::abs(by);
+            }
+            top = std::max(top, rest);
+            size = std::max(size, terms);
+        };
+        if (level == 0) {
+            const std::size_t begin = node * group_size, end = seeds.group_end(begin);
+            if (node % slope_groups == 0) {
+                const std::size_t next = begin + group_size;
+                const bool both = node + 1 < counts_[0] && (begin < seeds.size()) == (next < seeds.size());
+                slope = fit_slope(seeds, begin, both ? seeds.group_end(next) : end);
+            } else if ((begin - group_size < seeds.size()) != (begin < seeds.size())) {
+                slope = fit_slope(seeds, begin, end);
+            }
+            for (std::size_t s = begin; s < end; ++s) add(seeds.weights[s], {seeds.x[s], seeds.y[s], seeds.z[s]});
+        } else {
+            const BoxBlock& below = levels_[level - 1][node];
+            const WeightBlock& parts = bounds_[level - 1][node];
+            const std::size_t count = std::min(fan, counts_[level - 1] - node * fan);
+            for (int k = 0; k < 3; ++k) {
+                slope[k] = 0;
+                for (std::size_t c = 0; c < count; ++c) slope[k] += parts.slope[k][c] / static_cast<double>(count);
+            }
+            for (std::size_t c = 0; c < count; ++c) {
+                double most = parts.top[c];
+                for (int k = 0; k < 3; ++k)
+                    most += std::abs(parts.slope[k][c] - slope[k]) * 0.5 * (below.upper[k][c] - below.lower[k][c]);
+                add(most, center_of(below, c));
+            }
+        }
+        top += bound_slack * size;
+        if (const double largest = weights_[level][node]; level > 0 && !(top < largest)) top = largest, slope = {};
+        out.top[i] = top;
+        for (int k = 0; k < 3; ++k) out.slope[k][i] = slope[k];
     }
 }
 

@@ -1,6 +1,7 @@
 // An implicit tree of bounding boxes over the sorted seeds and their images. Level 0 has one box for each group, each
 // box of level k+1 covers eight of level k, the top level has one. Seeds follow a Hilbert curve, so boxes are compact
-// at any density. Weights are stored by box, so that one heavy seed does not widen every search.
+// at any density. Weights are stored by box, so that one heavy seed does not widen every search, and as an affine
+// bound, so that weights that vary smoothly do not widen it either.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +26,7 @@ public:
     void release_pages() {
         for (auto& level : levels_) level.release_pages();
         for (auto& level : weights_) level.release_pages();
+        for (auto& level : bounds_) level.release_pages();
     }
 
     [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }
@@ -48,11 +50,19 @@ public:
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }
 
+    // Of a block's boxes, in a power diagram.
+    [[nodiscard]] const WeightBlock& weight_bounds(int level, std::size_t index) const { return bounds_[level][index]; }
+    // Consecutive groups, whose bounds have the same slope.
+    static constexpr std::size_t slope_groups = 2;
+
 private:
     void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
+    void bound_weights(const SortedSeeds& seeds, std::size_t level, std::size_t index);
 
     std::vector<Buffer<BoxBlock>> levels_;  // levels beyond counts_ keep memory for the next build
-    std::vector<Buffer<double>> weights_;   // by level and box, in a power diagram
+    // In a power diagram.
+    std::vector<Buffer<double>> weights_;  // by level and box
+    std::vector<Buffer<WeightBlock>> bounds_;
     bool has_weights_ = false;
     std::vector<std::size_t> counts_;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <tuple>
 
@@ -10,8 +11,8 @@
 namespace votess::cpu {
 namespace {
 
-// Margin around the box in units of the mean spacing. Most cells of uniform seeds need less.
-constexpr double margin_spacings = 2.5;
+// Margin around the box in units of the mean spacing. Most cells of uniform seeds need less, long ones more.
+constexpr double margin_spacings = 2.5, weighted_margin_spacings = 4, sheet_margin_spacings = 4;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
@@ -19,6 +20,18 @@ constexpr double max_images_per_seed = 16, max_images_of_few = 4096;
 
 exact::Point point_of(const Points& points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
+}
+
+// Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
+double mean_spacing(const std::array<double, 3>& sides, double count) {
+    std::array<double, 3> sorted = sides;
+    std::ranges::sort(sorted, std::greater());
+    double spacing = 0, product = 1;
+    for (int k = 0; k < 3 && sorted[static_cast<std::size_t>(k)] > spacing; ++k) {
+        product *= sorted[static_cast<std::size_t>(k)];
+        spacing = std::pow(product / count, 1.0 / (k + 1));
+    }
+    return spacing;
 }
 
 }  // namespace
@@ -40,6 +53,13 @@ double SeedImages::reach(const exact::Point& seed) const {
         least = std::min(least, inside * basis_->width[j]);
     }
     return std::max(least * (1 - fraction_slack), 0.0);
+}
+
+bool SeedImages::is_present(const exact::Point& image) const {
+    const auto f = fraction(image);
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j] && !(std::abs(f[j] - 0.5) < 0.5 + margin_[j] - 2 * error_[j])) return false;
+    return true;
 }
 
 exact::Shift SeedImages::shift_in_domain(std::int32_t home, const exact::Shift& moved) const {
@@ -219,25 +239,45 @@ void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
     out.input = std::move(input);
 }
 
-void SeedImages::choose_margin(std::size_t seeds) {
-    const auto count = static_cast<double>(std::max<std::size_t>(seeds, 1));
+// Seeds may fill a part of the domain only: a sheet, a wire, a slab. Across its empty rest, images are as far apart.
+void SeedImages::choose_margin(const SortedSeeds& seeds) {
+    const auto count = static_cast<double>(std::max<std::size_t>(seeds.size(), 1));
     const double most = max_images_per_seed * count + max_images_of_few;
-    double margin = std::min(margin_spacings * std::cbrt(domain_->volume / count), 2 * domain_->covering_radius);
+    std::array<double, 3> lower{1, 1, 1}, upper{}, filled{}, empty{};  // fractions, then lengths
+    for (std::size_t s = 0; s < seeds.size(); ++s) {
+        const auto f = fraction({seeds.x[s], seeds.y[s], seeds.z[s]});
+        for (std::size_t j = 0; j < 3; ++j) lower[j] = std::min(lower[j], f[j]), upper[j] = std::max(upper[j], f[j]);
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        filled[j] = std::clamp(upper[j] - lower[j], 0.0, 1.0) * basis_->width[j];
+        empty[j] = std::clamp(std::max(lower[j], 1 - upper[j]), 0.0, 1.0) * basis_->width[j];
+    }
+    const double spacing = mean_spacing(filled, count);
+    const bool sheet = std::ranges::any_of(filled, [&](double side) { return side < spacing; });
+    const double spacings = sheet                    ? sheet_margin_spacings
+                            : domain_->has_weights() ? weighted_margin_spacings
+                                                     : margin_spacings;
+    double margin = std::min(spacings * spacing, 2 * domain_->covering_radius);
     const auto images = [&] {
         double cells = 1;
-        for (int j = 0; j < 3; ++j) cells *= domain_->periodic[j] ? 1 + 2 * margin / basis_->width[j] : 1;
+        for (std::size_t j = 0; j < 3; ++j)
+            cells *= domain_->periodic[j] ? 1 + 2 * (margin + empty[j]) / basis_->width[j] : 1;
         return count * (cells - 1);
     };
-    while (images() > most) margin *= 0.8;
-    double size = margin;
+    while (images() > most && margin > 0) {
+        margin *= 0.8;
+        for (double& e : empty) e *= 0.8;
+    }
+    const double widest = margin + std::max({empty[0], empty[1], empty[2]});
+    double size = widest;
     for (int k = 0; k < 3; ++k) {
-        double extent = std::abs(domain_->origin[k]) + margin;
+        double extent = std::abs(domain_->origin[k]) + widest;
         for (int j = 0; j < 3; ++j) extent += 2 * std::abs(basis_->vector[j][k]);
         size = std::max(size, extent);
     }
     for (int j = 0; j < 3; ++j) {
         error_[j] = fraction_slack + basis_->fraction_error(j, size);
-        margin_[j] = domain_->periodic[j] ? margin / basis_->width[j] : 0;
+        margin_[j] = domain_->periodic[j] ? (margin + empty[static_cast<std::size_t>(j)]) / basis_->width[j] : 0;
     }
     min_reach_ = std::numeric_limits<double>::infinity();
     for (int j = 0; j < 3; ++j)
@@ -288,7 +328,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
         for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
         moves_ = std::move(moves);
     }
-    choose_margin(out.size());
+    choose_margin(out);
     append(sorter, pool, out);
     out.images = this;
 }

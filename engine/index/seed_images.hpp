@@ -59,6 +59,8 @@ public:
     [[nodiscard]] const exact::Point& rounding_of_seeds() const { return rounding_of_seeds_; }
     // Returns a distance within which all seeds and images around a seed are present; 0 if unknown.
     [[nodiscard]] double reach(const exact::Point& seed) const;
+    // Whether an image at that place is certainly present.
+    [[nodiscard]] bool is_present(const exact::Point& image) const;
     // Returns the smallest reach of all seeds.
     [[nodiscard]] double min_reach() const { return min_reach_; }
 
@@ -78,7 +80,7 @@ private:
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
     void restore_false_duplicates(SortedSeeds& out) const;
-    void choose_margin(std::size_t seeds);
+    void choose_margin(const SortedSeeds& seeds);
     template <class Visit>
     void for_images(const exact::Point& x, Visit visit) const;
     void append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);

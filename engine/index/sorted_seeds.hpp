@@ -23,7 +23,7 @@ struct SortedSeeds {
     std::size_t duplicates = 0;
     const SeedImages* images = nullptr;  // of a periodic domain, else null
     std::size_t images_end = 0;          // behind the last image, in a periodic domain
-    std::vector<double> weights;         // M in a power diagram, else empty
+    std::vector<double> weights;         // of all places in a power diagram, padding too; else empty
 
     [[nodiscard]] std::size_t size() const { return input.size(); }  // M
     [[nodiscard]] std::size_t places() const { return x.size(); }

@@ -14,6 +14,10 @@
 // rounding of the sums. Corners whose cond is large are solved exactly. Their error is that of their lines, whose cond
 // |a||b| / |ab| is smaller. With weights the rounding of a plane counts like that of a point farther away, by |n| / 4
 // (star_bounds.hpp).
+//
+// With weights the seed may lie far outside of its cell. All that is measured around a point near the cell instead: the
+// seed moved by -m, where the planes are n.x = h_n + n.m, with m by least squares so that these are close to |n|^2.
+// That counts like a corner farther away by |m| / 4.
 #pragma once
 
 #include <algorithm>
@@ -121,17 +125,25 @@ class CellMeter {
         Isa::multiply_add(a_h, out.q_a, b_h * out.q_b, out.volume);
     }
 
+    // The place around which a cell is measured, with weights.
+    struct Center {
+        std::array<double, 3> move{};  // from there to the seed
+        double moved = 0;              // a quarter of its length
+        double further = 0;            // a quarter of the distance of the farthest neighbor
+    };
+
     // Sums over corners.
     struct Totals {
         Vector moments{}, feet{};
-        Lanes errors{}, farthest{};
+        Lanes errors{}, farthest{};  // farthest: squared
+        Lanes from_seed{};           // the same from the seed, with weights
     };
 
     // Solves those of four corners exactly that are badly conditioned. Their condition2 becomes that of the worst of
     // the three lines, which may still be good.
-    [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Planes& a, const Planes& b,
-                                                 const Planes& c, const std::uint16_t* const (&ranks)[3], Vector& x,
-                                                 Lanes& condition2) {
+    [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Center& center, const Planes& a,
+                                                 const Planes& b, const Planes& c,
+                                                 const std::uint16_t* const (&ranks)[3], Vector& x, Lanes& condition2) {
         for (int k = 0; k < 4; ++k) {
             if (condition2[k] <= worst_condition2) continue;
             if (!(condition2[k] <= unknown_sign2)) {
@@ -141,7 +153,7 @@ class CellMeter {
             std::array<unsigned, 3> three;
             for (std::size_t p = 0; p < 3; ++p) three[p] = unsigned{ranks[p][k]} / CornerOrder::rank_step;
             const std::array<double, 3> at = exact.corner(three);
-            x.x[k] = at[0], x.y[k] = at[1], x.z[k] = at[2];
+            x.x[k] = at[0] + center.move[0], x.y[k] = at[1] + center.move[1], x.z[k] = at[2] + center.move[2];
             condition2[k] = worst_line(a, b, c, k);
         }
     }
@@ -160,7 +172,7 @@ class CellMeter {
     // Adds four corners from the i-th on. Without Doubtful, returns false if some of them are badly conditioned.
     template <bool Weighted, bool Doubtful>
     [[gnu::always_inline]] static bool add_corners(const CellShape& shape, const CornerOrder& order, int i,
-                                                   double further, Sums& sums, Totals& totals) {
+                                                   const Center& center, Sums& sums, Totals& totals) {
         const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
         Planes a, b, c;
         load(shape, rank_a, a);
@@ -201,7 +213,7 @@ class CellMeter {
         }
         Lanes condition2 = products * (inverse * inverse);
         if constexpr (Doubtful)
-            solve_doubtful(*shape.exact, a, b, c, {rank_a, rank_b, rank_c}, x, condition2);
+            solve_doubtful(*shape.exact, center, a, b, c, {rank_a, rank_b, rank_c}, x, condition2);
         else if (Isa::any_above(condition2, worst_condition2))
             return false;
         Lanes x2, error;
@@ -209,9 +221,14 @@ class CellMeter {
         totals.farthest = x2 > totals.farthest ? x2 : totals.farthest;
         Lanes length2 = x2;
         if constexpr (Weighted) {
+            const Vector seen{x.x - center.move[0], x.y - center.move[1], x.z - center.move[2]};
+            Lanes distance2;
+            dot(seen, seen, distance2);
+            totals.from_seed = distance2 > totals.from_seed ? distance2 : totals.from_seed;
             Lanes length;
             square_roots(x2, length);
-            length2 = (length + further) * (length + further);
+            length += center.further;
+            length2 = length * (length + center.moved);
         }
         square_roots(condition2 * (length2 * length2), error);
         totals.errors += error;
@@ -234,15 +251,17 @@ class CellMeter {
         return true;
     }
     template <bool Weighted>
-    [[gnu::noinline]] static void add_doubtful(const CellShape& shape, const CornerOrder& order, int i, double further,
-                                               Sums& sums, Totals& totals) {
-        add_corners<Weighted, true>(shape, order, i, further, sums, totals);
+    [[gnu::noinline]] static void add_doubtful(const CellShape& shape, const CornerOrder& order, int i,
+                                               const Center& center, Sums& sums, Totals& totals) {
+        add_corners<Weighted, true>(shape, order, i, center, sums, totals);
     }
 
-    // Bounds the errors of volume and areas more sharply, for long or flat cells.
+    // Bounds the errors of volume and areas more sharply, for long or flat cells: of an orthoscheme by the longer of
+    // its two edges on the face, times |x|, instead of |x|^2. The errors above are of one edge, at most |x|, times the
+    // other.
     template <bool Weighted>
     [[gnu::noinline]] static bool is_exact_enough(const CellShape& shape, const CornerOrder& order,
-                                                  const CellMeasures& found) {
+                                                  const Center& center, const CellMeasures& found) {
         double volume_error = 0, area_error = 0;
         for (int i = 0; i < shape.corners; i += 4) {
             Planes a, b, c;
@@ -269,13 +288,22 @@ class CellMeter {
                 if (condition2 > worst_condition2) condition2 = worst_line(a, b, c, k);
                 const double longest = Weighted ? std::sqrt(std::max({a2[k], b2[k], c2[k]})) : 0;
                 const double length = std::sqrt(x * x + y * y + z * z) + 0.5 * longest;
-                const double error = std::sqrt(condition2) * length * length;
-                const auto foot = [k](const Planes& p, const Lanes& square) {
-                    const double norm = std::sqrt(square[k]);
-                    return std::abs(p.h[k]) / norm + (Weighted ? norm : 0);
+                const double error = std::sqrt(condition2) * (length + center.moved);
+                // on: the plane of the face
+                const auto add = [&](const Planes& on, const Planes& other, const Vector& line, double square) {
+                    const double across = line.x[k] * line.x[k] + line.y[k] * line.y[k] + line.z[k] * line.z[k];
+                    const double product =
+                        on.n.x[k] * other.n.x[k] + on.n.y[k] * other.n.y[k] + on.n.z[k] * other.n.z[k];
+                    const double norm = std::sqrt(square), edge = 1 / std::sqrt(across);
+                    const double along = std::abs(x * line.x[k] + y * line.y[k] + z * line.z[k]) * edge;
+                    const double to_line = std::abs(other.h[k] - on.h[k] / square * product) * norm * edge;
+                    const double most = error * std::max(along, to_line);
+                    volume_error += most * (std::abs(on.h[k]) / norm + (Weighted ? norm : 0)) / 6;
+                    area_error += most / 3;
                 };
-                volume_error += error * (foot(a, a2) + foot(b, b2) + foot(c, c2)) / 3;
-                area_error += 2 * error;
+                add(a, b, ab, a2[k]), add(b, a, ab, b2[k]);
+                add(b, c, bc, b2[k]), add(c, b, bc, c2[k]);
+                add(c, a, ca, c2[k]), add(a, c, ca, a2[k]);
             }
         }
         const double surface = std::accumulate(found.areas.begin(), found.areas.begin() + shape.planes, 0.0);
@@ -283,11 +311,41 @@ class CellMeter {
                corner_error<Weighted> * area_error <= 2 * accepted_error * surface;
     }
 
+    // Solves the normal equations of power + n.move = 0, each divided by |n|^2.
+    [[gnu::noinline]] static void find_center(const CellShape& shape, Center& center) {
+        Lanes xx{}, xy{}, xz{}, yy{}, yz{}, zz{}, bx{}, by{}, bz{};
+        for (int p = 0; p < shape.planes; p += 4) {
+            Planes four;
+            load([&](int lane) { return &shape.plane[p + lane]; }, four);
+            Lanes square, there;
+            dot(four.n, four.n, square);
+            for (int k = 0; k < 4; ++k) there[k] = p + k < shape.planes ? 1 : 0;
+            const Lanes share = there / square, x = share * four.n.x, y = share * four.n.y, z = share * four.n.z;
+            xx += x * four.n.x, xy += x * four.n.y, xz += x * four.n.z;
+            yy += y * four.n.y, yz += y * four.n.z, zz += z * four.n.z;
+            bx -= x * four.h, by -= y * four.h, bz -= z * four.h;
+        }
+        const double a = sum(xx), b = sum(xy), c = sum(xz), d = sum(yy), e = sum(yz), f = sum(zz);
+        const double u = sum(bx), v = sum(by), w = sum(bz);
+        const double df = d * f - e * e, ce = c * e - b * f, be = b * e - c * d;
+        const double determinant = a * df + b * ce + c * be;
+        constexpr double flat = 1e-3;  // the trace is the number of planes
+        if (!(determinant > flat)) return;
+        center.move = {(df * u + ce * v + be * w) / determinant,
+                       (ce * u + (a * f - c * c) * v + (b * c - a * e) * w) / determinant,
+                       (be * u + (b * c - a * e) * v + (a * d - b * b) * w) / determinant};
+        const auto& [x, y, z] = center.move;
+        center.moved = 0.25 * std::sqrt(x * x + y * y + z * z);
+        if (!(center.moved < std::numeric_limits<double>::infinity())) center = {};
+    }
+
     template <bool Weighted>
     static bool measure(CellShape& shape, CellMeasures& out) {
         constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
         // Planes are handled four at a time; the padding lanes are ignored.
         for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
+        Center center;
+        if constexpr (Weighted) find_center(shape, center);
         Sums sums;
         Lanes least = Lanes{} + std::numeric_limits<double>::infinity(), longest{};
         for (int p = 0; p < shape.planes; p += 4) {
@@ -298,7 +356,13 @@ class CellMeter {
             dot(four.n, four.n, square);
             least = square < least ? square : least;
             if constexpr (Weighted) longest = square > longest ? square : longest;
-            const Lanes h = Weighted ? square + four.h : square;
+            Lanes h = square;
+            if constexpr (Weighted) {
+                h += four.h;
+                Isa::multiply_add(Lanes{} + center.move[0], four.n.x, h, h);
+                Isa::multiply_add(Lanes{} + center.move[1], four.n.y, h, h);
+                Isa::multiply_add(Lanes{} + center.move[2], four.n.z, h, h);
+            }
             for (int k = 0; k < 4; ++k) plane[k].power = h[k];
             lanes(&sums.h[p]) = h;
             lanes(&sums.q[p]) = Lanes{};
@@ -309,15 +373,15 @@ class CellMeter {
 
         CornerOrder order;
         Isa::order_corners(shape, order);
-        const double further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
+        center.further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
         Totals sure;
         std::array<std::uint8_t, CellShape::max_corners / 4> doubtful;  // groups of four
         int doubts = 0;
         for (int i = 0; i < shape.corners; i += 4)
-            if (!add_corners<Weighted, false>(shape, order, i, further, sums, sure))
+            if (!add_corners<Weighted, false>(shape, order, i, center, sums, sure))
                 doubtful[doubts++] = static_cast<std::uint8_t>(i / 4);
         Totals totals = sure;
-        for (int k = 0; k < doubts; ++k) add_doubtful<Weighted>(shape, order, 4 * doubtful[k], further, sums, totals);
+        for (int k = 0; k < doubts; ++k) add_doubtful<Weighted>(shape, order, 4 * doubtful[k], center, sums, totals);
 
         Lanes volumes{}, moment{};
         for (int p = 0; p < shape.planes; p += 4) {
@@ -338,13 +402,13 @@ class CellMeter {
         moment += Lanes{sum(2 * totals.moments.x - totals.feet.x), sum(2 * totals.moments.y - totals.feet.y),
                         sum(2 * totals.moments.z - totals.feet.z)};
         const double volume = sum(volumes);
-        out.farthest_squared = largest(totals.farthest);
+        out.farthest_squared = largest(Weighted ? totals.from_seed : totals.farthest);
         out.volume = volume / 6;
-        for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume);
-        const double reach = std::sqrt(out.farthest_squared) + further;
+        for (int k = 0; k < 3; ++k) out.centroid[k] = moment[k] / (4 * volume) - center.move[k];
+        const double reach = std::sqrt(largest(totals.farthest)) + center.further;
         return out.volume > smallest_volume &&
                (corner_error<Weighted> * sum(totals.errors) * reach <= accepted_error * out.volume ||
-                is_exact_enough<Weighted>(shape, order, out));
+                is_exact_enough<Weighted>(shape, order, center, out));
     }
 
 public:

@@ -20,6 +20,23 @@ struct alignas(64) BoxBlock {
     double upper[3][box_fan];
 };
 
+// Upper bounds of the weights of seeds in eight boxes: w <= top + slope.(x - c), where c is the center of the box.
+struct alignas(64) WeightBlock {
+    double top[box_fan];
+    double slope[3][box_fan];
+};
+
+// The excess of a seed over those whose cells are searched: its residual w - base - slope.(x - origin) less `least`,
+// the smallest residual of theirs, rounded down.
+struct WeightTilt {
+    double slope[3], origin[3];
+    double base, least;
+};
+
+struct HeavierTest {
+    double length, square, nearest;
+};
+
 // Seeds near a home group as integers: (coordinate - origin) * scale, rounded, or clamped to +-window_range. Seeds
 // other than candidates are `far_away`.
 inline constexpr std::int32_t window_range = 1 << 29;
@@ -29,13 +46,13 @@ struct WindowSeeds {
     const std::int32_t* y;
     const std::int32_t* z;
     const std::int32_t* id;
-    const float* weight;  // in a power diagram, relative to some seed of the window, in squared units; else null
+    const float* weight;  // in a power diagram the residuals, in squared units; else null
     int count;            // readable up to the next multiple of 16, with seeds far away
 };
 
-// Candidate planes n.x = h of a cell in window units. h = |n|^2 / 2, or (|n|^2 + w_p - w_q) / 2 in a power diagram. A
-// wall is the bisector with the mirror image. From `count` up to the next multiple of 16 are planes that nothing
-// touches.
+// Candidate planes n.x = h of a cell in window units. h = |n|^2 / 2, or (|n|^2 + r_p - r_q) / 2 in a power diagram,
+// with the residuals r of weights. A wall is the bisector with the mirror image. From `count` up to the next multiple
+// of 16 are planes that nothing touches.
 struct CandidatePlanes {
     static constexpr int capacity = 256;
     static constexpr float never = 1e30f;           // h of a plane that nothing touches
@@ -64,28 +81,41 @@ struct GroupTest {
 
 struct GroupSource {
     const double* seeds[3];  // coordinates
+    const double* weights;   // null without weights
     std::span<const std::uint32_t> groups;
     std::size_t kept;
 };
 struct WindowFrame {
     Box home;
-    double distance_squared;
+    double distance_squared;  // without weights
     double origin[3], scale;
+    const WeightTilt* tilt;  // null without weights
+    double length;           // with weights, see near_heavier()
+};
+// Which planes to select: those nearer to the seed than sqrt(distance_squared) / 2, by more than `slack` in h.
+struct SelectLimits {
+    float near_squared, distance_squared;
+    float slack;
 };
 
 struct StarKernels {
     const char* name;
     // Returns bit k if box k is nearer than sqrt(distance_squared) to the box home. For a point, lower = upper.
     unsigned (*near_boxes)(const BoxBlock&, const Box& home, double distance_squared);
+    // Returns bit k if a seed in box k may be so near to the box home that D^2 - 2 length D < square + its excess,
+    // where D is its distance, or `nearest` if that is more.
+    unsigned (*near_heavier)(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&,
+                             const HeavierTest&);
     // Returns the bits of those of eight seeds that may lie in the ball, and are at least sqrt(least) / scale from p.
     unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
-    // Writes seeds of groups as window integers, and their ids: all seeds of the first `kept` groups, and seeds of the
-    // others that are nearer to `home` than sqrt(distance_squared). Returns their number. There must be room for all.
-    int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids);
-    // Adds the planes of all window seeds nearer to p than sqrt(distance_squared). Seeds nearer than sqrt(near_squared)
-    // come first. weight: of p, as in the window. Returns false when they are too many.
-    bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, float near_squared, float distance_squared,
-                   CandidatePlanes&);
+    // Writes seeds of groups as window integers, their ids, and with weights their residuals: all seeds of the first
+    // `kept` groups, and seeds of the others that are nearer to `home` than sqrt(distance_squared), or that pass the
+    // test of near_heavier() with square = 0. Returns their number. There must be room for all.
+    int (*to_window)(const GroupSource&, const WindowFrame&, std::int32_t* const* out, std::int32_t* ids,
+                     float* residuals);
+    // Adds the planes of all window seeds within the limits. Planes nearer than sqrt(near_squared) / 2 come first.
+    // weight: of p, as in the window. Returns false when they are too many.
+    bool (*select)(const WindowSeeds&, const std::int32_t* p, float weight, const SelectLimits&, CandidatePlanes&);
     // Finds the first plane that each of two rays hits, among the first `count` planes that it leaves (n.d > limit); -1
     // if none. This is a guess: planes within 2^-12 of the smallest t count as equal, and the plane may be beyond
     // `count`.
@@ -106,9 +136,9 @@ class CellMeter;
 
 // The functions of one instruction set. The walk calls them by name, so that they can be inlined.
 template <class Isa>
-inline constexpr StarKernels kernels_of{Isa::name,          Isa::near_boxes,        Isa::inside_ball, Isa::to_window,
-                                        Isa::select,        Isa::first_hits,        Isa::touching,    Isa::rank,
-                                        Isa::order_corners, CellMeter<Isa>::measure};
+inline constexpr StarKernels kernels_of{Isa::name,      Isa::near_boxes,    Isa::near_heavier,      Isa::inside_ball,
+                                        Isa::to_window, Isa::select,        Isa::first_hits,        Isa::touching,
+                                        Isa::rank,      Isa::order_corners, CellMeter<Isa>::measure};
 extern const StarKernels star_kernels_avx2;
 
 // Returns the functions for a set of supported_kernels(). avx512 gets those of AVX2: loops over vectors of 512 bits

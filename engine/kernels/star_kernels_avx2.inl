@@ -42,12 +42,19 @@ VOTESS_AVX2 VOTESS_INLINE __m256i clamp(__m256i x) {
     return _mm256_min_epi32(_mm256_max_epi32(x, _mm256_set1_epi32(-window_range)), _mm256_set1_epi32(window_range));
 }
 
+// In two passes without branches, which would be mispredicted: the seeds within the limit, then near ones and others.
 template <bool Weighted>
 VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
-                              float near_squared, float distance_squared, CandidatePlanes& c) {
+                              const SelectLimits& limits, CandidatePlanes& c) {
+    constexpr int most = 2 * CandidatePlanes::capacity;
+    struct alignas(64) Found {
+        float nx[most + 16], ny[most + 16], nz[most + 16], h[most + 16];
+        float measured[most + 16];  // the square of twice the distance of a plane, with its sign
+        std::int32_t id[most + 16];
+    } f;
     const __m256i px = _mm256_set1_epi32(p[0]), py = _mm256_set1_epi32(p[1]), pz = _mm256_set1_epi32(p[2]);
-    const __m256 limit = _mm256_set1_ps(distance_squared), near_limit = _mm256_set1_ps(near_squared);
-    int near = c.count, far = 0;
+    const __m256 limit = _mm256_set1_ps(limits.distance_squared), near_limit = _mm256_set1_ps(limits.near_squared);
+    int found = 0;
     for (int i = 0; i < w.count; i += 8) {
         auto difference = [i](const std::int32_t* at, __m256i from) VOTESS_AVX2 {
             return _mm256_cvtepi32_ps(
@@ -55,26 +62,44 @@ VOTESS_AVX2 bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[may
         };
         const __m256 nx = difference(w.x, px), ny = difference(w.y, py), nz = difference(w.z, pz);
         const __m256 d = _mm256_fmadd_ps(nx, nx, _mm256_fmadd_ps(ny, ny, _mm256_mul_ps(nz, nz)));
-        const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, limit, _CMP_LT_OQ)));
-        if (inside == 0) continue;
-        __m256 h = d;
-        if constexpr (Weighted)
+        __m256 h = d, measured = d, bound = limit;
+        if constexpr (Weighted) {
             h = _mm256_add_ps(d, _mm256_sub_ps(_mm256_set1_ps(weight), _mm256_loadu_ps(w.weight + i)));
-        h = _mm256_mul_ps(h, _mm256_set1_ps(0.5f));
-        const unsigned is_near =
-            static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(d, near_limit, _CMP_LT_OQ))) & inside;
-        const unsigned is_far = inside & ~is_near;
+            const __m256 less = _mm256_sub_ps(h, _mm256_set1_ps(2 * limits.slack));
+            measured = _mm256_mul_ps(less, _mm256_andnot_ps(_mm256_set1_ps(-0.0f), less));
+            bound = _mm256_mul_ps(limit, d);
+        }
+        const auto inside = static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(measured, bound, _CMP_LT_OQ)));
+        const __m256i order = compress_order(inside);
+        compress(f.nx + found, nx, order);
+        compress(f.ny + found, ny, order);
+        compress(f.nz + found, nz, order);
+        compress(f.h + found, _mm256_mul_ps(h, _mm256_set1_ps(0.5f)), order);
+        compress(f.measured + found, Weighted ? _mm256_sub_ps(measured, _mm256_mul_ps(near_limit, d)) : d, order);
+        compress(f.id + found, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
+        found += std::popcount(inside);
+        if (found > most) return false;
+    }
+    const __m256 near_bound = Weighted ? _mm256_setzero_ps() : near_limit;
+    const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
+    int near = c.count, far = 0;
+    for (int i = 0; i < found; i += 8) {
+        const auto there = static_cast<unsigned>(
+            _mm256_movemask_ps(_mm256_castsi256_ps(_mm256_cmpgt_epi32(_mm256_set1_epi32(found - i), iota))));
+        const unsigned is_near = there & static_cast<unsigned>(_mm256_movemask_ps(
+                                             _mm256_cmp_ps(_mm256_load_ps(f.measured + i), near_bound, _CMP_LT_OQ)));
+        const unsigned is_far = there & ~is_near;
         if (near > CandidatePlanes::capacity || far > CandidatePlanes::capacity) return false;
         const auto put = [&](unsigned mask, int to) VOTESS_AVX2 {
             const __m256i order = compress_order(mask);
-            compress(c.nx + to, nx, order);
-            compress(c.ny + to, ny, order);
-            compress(c.nz + to, nz, order);
-            compress(c.h + to, h, order);
-            compress(c.id + to, _mm256_loadu_si256(reinterpret_cast<const __m256i*>(w.id + i)), order);
+            compress(c.nx + to, _mm256_load_ps(f.nx + i), order);
+            compress(c.ny + to, _mm256_load_ps(f.ny + i), order);
+            compress(c.nz + to, _mm256_load_ps(f.nz + i), order);
+            compress(c.h + to, _mm256_load_ps(f.h + i), order);
+            compress(c.id + to, _mm256_load_si256(reinterpret_cast<const __m256i*>(f.id + i)), order);
         };
-        if (is_near != 0) put(is_near, near);
-        if (is_far != 0) put(is_far, far_begin + far);
+        put(is_near, near);
+        put(is_far, far_begin + far);
         near += std::popcount(is_near);
         far += std::popcount(is_far);
     }
@@ -156,7 +181,7 @@ VOTESS_AVX2 VOTESS_INLINE void sort_keys(const std::uint16_t* keys, int count, s
 struct Avx2 {
     static constexpr const char* name = "avx2";
 
-    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    using Lanes = Double4;
     VOTESS_AVX2 VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = _mm256_fmadd_pd(a, b, c);
     }
@@ -167,6 +192,17 @@ struct Avx2 {
     VOTESS_AVX2 VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c,
                                                             Lanes& out) {
         out = _mm256_fmsub_pd(a, b, c);
+    }
+
+    VOTESS_AVX2 VOTESS_INLINE static unsigned bits(const Long4& m) {
+        return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<const __m256d&>(m)));
+    }
+
+    VOTESS_AVX2 static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home,
+                                             const WeightTilt& t, const HeavierTest& test) {
+        Long4 near[2];
+        near_heavier_boxes(b, w, home, t, test, near);
+        return bits(near[0]) | bits(near[1]) << 4;
     }
 
     VOTESS_AVX2 VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
@@ -210,41 +246,61 @@ struct Avx2 {
     }
 
     VOTESS_AVX2 static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
-                                     std::int32_t* ids) {
+                                     std::int32_t* ids, float* residual) {
+        return frame.tilt == nullptr ? write_window<false>(from, frame, out, ids, residual)
+                                     : write_window<true>(from, frame, out, ids, residual);
+    }
+    template <bool Weighted>
+    VOTESS_AVX2 static int write_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                                        std::int32_t* ids, [[maybe_unused]] float* residual) {
         const __m256d scale = _mm256_set1_pd(frame.scale), limit = _mm256_set1_pd(frame.distance_squared);
         const __m256i iota = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {
             const std::size_t seed = std::size_t{from.groups[g]} * box_fan;
             __m128i at[2][3];
+            __m128 rest[2];
             unsigned inside = 0;
             for (int half = 0; half < 2; ++half) {
                 __m256d sum = _mm256_setzero_pd();
+                Lanes x[3];
                 for (int k = 0; k < 3; ++k) {
-                    const __m256d x = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
-                    __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x),
-                                                _mm256_sub_pd(x, _mm256_set1_pd(frame.home.upper[k])));
+                    x[k] = _mm256_loadu_pd(from.seeds[k] + seed + 4 * half);
+                    __m256d gap = _mm256_max_pd(_mm256_sub_pd(_mm256_set1_pd(frame.home.lower[k]), x[k]),
+                                                _mm256_sub_pd(x[k], _mm256_set1_pd(frame.home.upper[k])));
                     gap = _mm256_max_pd(gap, _mm256_setzero_pd());
                     sum = _mm256_fmadd_pd(gap, gap, sum);
                     at[half][k] =
-                        _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x, _mm256_set1_pd(frame.origin[k])), scale));
+                        _mm256_cvtpd_epi32(_mm256_mul_pd(_mm256_sub_pd(x[k], _mm256_set1_pd(frame.origin[k])), scale));
                 }
-                inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)))
-                          << (4 * half);
+                if constexpr (Weighted) {
+                    const Lanes weight = _mm256_loadu_pd(from.weights + seed + 4 * half);
+                    Lanes r, size;
+                    residuals(x, weight, *frame.tilt, r, size);
+                    const Lanes excess = r - frame.tilt->least + residual_slack * size;
+                    Long4 within;
+                    within_length(Lanes(sum), excess, frame.length, 0, within);
+                    inside |= bits(within) << (4 * half);
+                    rest[half] = _mm256_cvtpd_ps(r * (frame.scale * frame.scale));
+                } else {
+                    inside |= static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(sum, limit, _CMP_LT_OQ)))
+                              << (4 * half);
+                }
             }
             if (g < from.kept) inside = 255;
             const __m256i order = compress_order(inside);
             for (int k = 0; k < 3; ++k) compress(out[k] + count, clamp(_mm256_set_m128i(at[1][k], at[0][k])), order);
+            if constexpr (Weighted) compress(residual + count, _mm256_set_m128(rest[1], rest[0]), order);
             compress(ids + count, _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(seed)), iota), order);
             count += std::popcount(inside);
         }
         return count;
     }
 
-    VOTESS_AVX2 static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
-                                   float distance_squared, CandidatePlanes& c) {
-        return w.weight == nullptr ? select_seeds<false>(w, p, weight, near_squared, distance_squared, c)
-                                   : select_seeds<true>(w, p, weight, near_squared, distance_squared, c);
+    VOTESS_AVX2 static bool select(const WindowSeeds& w, const std::int32_t* p, float weight,
+                                   const SelectLimits& limits, CandidatePlanes& c) {
+        return w.weight == nullptr ? select_seeds<false>(w, p, weight, limits, c)
+                                   : select_seeds<true>(w, p, weight, limits, c);
     }
 
     VOTESS_AVX2 VOTESS_INLINE static void first_hits(const CandidatePlanes& c, int count, const Ray* rays, int* hits) {

@@ -21,6 +21,8 @@ constexpr double relative_slack = 4e-8;
 
 using Float4 __attribute__((vector_size(16))) = float;
 using Int4 __attribute__((vector_size(16))) = std::int32_t;
+using Double4 __attribute__((vector_size(32), may_alias)) = double;
+using Long4 __attribute__((vector_size(32), may_alias)) = std::int64_t;
 
 VOTESS_INLINE Float4 load(const float* from) {
     Float4 v;
@@ -75,11 +77,68 @@ VOTESS_INLINE bool join(CandidatePlanes& c, int near, int far) {
     return true;
 }
 
+// Rounding of a residual or an excess, in units of its terms.
+constexpr double residual_slack = 4e-15;
+
+VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
+    out = v < 0 ? -v : v;
+}
+
+// The test of near_heavier() for four seeds or boxes. gaps2: D^2.
+VOTESS_INLINE void within_length(const Double4& gaps2, const Double4& excess, double length, double square,
+                                 Long4& out) {
+    const Double4 sure = gaps2 * (1 - 1e-12), lighter = sure - (excess > 0 ? excess : Double4{}) - square;
+    out = (lighter <= 0) | (lighter * lighter < 4 * length * length * gaps2);
+}
+
+// Writes -1 for boxes that pass the test of near_heavier(), 0 for others.
+VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+                                      const HeavierTest& test, Long4 (&out)[2]) {
+    using Lanes = Double4;
+    const Lanes nearest2 = Lanes{} + test.nearest * test.nearest;
+    for (int i = 0; i < box_fan; i += 4) {
+        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
+        absolute(excess, size);
+        for (int k = 0; k < 3; ++k) {
+            const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
+                        upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i),
+                        slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
+            const Lanes below = lower - home.upper[k], above = home.lower[k] - upper;
+            Lanes gap = below > above ? below : above;
+            gap = gap > 0 ? gap : Lanes{};
+            gaps2 += gap * gap;
+            const Lanes half = 0.5 * (upper - lower), by = t.slope[k] * (0.5 * (upper + lower) - t.origin[k]);
+            Lanes apart, length_by, steep;
+            absolute(slope - t.slope[k], apart);
+            absolute(by, length_by);
+            absolute(slope, steep);
+            excess += apart * half - by;
+            size += length_by + (apart + steep) * half;
+        }
+        gaps2 = gaps2 < nearest2 ? nearest2 : gaps2;
+        within_length(gaps2, excess - t.least + residual_slack * size, test.length, test.square, out[i / 4]);
+    }
+}
+
+// The residuals of four seeds, rounded.
+VOTESS_INLINE void residuals(const Double4 (&x)[3], const Double4& weight, const WeightTilt& t, Double4& out,
+                             Double4& size) {
+    out = weight - t.base;
+    absolute(out, size);
+    for (int k = 0; k < 3; ++k) {
+        const Double4 by = t.slope[k] * (x[k] - t.origin[k]);
+        Double4 length;
+        absolute(by, length);
+        out -= by;
+        size += length;
+    }
+}
+
 struct Baseline {
     static constexpr const char* name = "baseline";
 
     // For rounded numbers: a * b may be rounded before c is added.
-    using Lanes __attribute__((vector_size(32), may_alias)) = double;
+    using Lanes = Double4;
     VOTESS_INLINE static void multiply_add(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = a * b + c;
     }
@@ -89,6 +148,17 @@ struct Baseline {
     }
     VOTESS_INLINE static void multiply_subtract(const Lanes& a, const Lanes& b, const Lanes& c, Lanes& out) {
         out = a * b - c;
+    }
+
+    VOTESS_INLINE static unsigned bits(const Long4& m) {
+        return static_cast<unsigned>((m[0] & 1) | (m[1] & 2) | (m[2] & 4) | (m[3] & 8));
+    }
+
+    static unsigned near_heavier(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
+                                 const HeavierTest& test) {
+        Long4 near[2];
+        near_heavier_boxes(b, w, home, t, test, near);
+        return bits(near[0]) | bits(near[1]) << 4;
     }
 
     VOTESS_INLINE static unsigned near_boxes(const BoxBlock& b, const Box& home, double distance_squared) {
@@ -117,8 +187,14 @@ struct Baseline {
         return mask;
     }
 
-    static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
-                         std::int32_t* ids) {
+    static int to_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out, std::int32_t* ids,
+                         float* residual) {
+        return frame.tilt == nullptr ? write_window<false>(from, frame, out, ids, residual)
+                                     : write_window<true>(from, frame, out, ids, residual);
+    }
+    template <bool Weighted>
+    static int write_window(const GroupSource& from, const WindowFrame& frame, std::int32_t* const* out,
+                            std::int32_t* ids, [[maybe_unused]] float* residual) {
         constexpr double range = window_range;
         int count = 0;
         for (std::size_t g = 0; g < from.groups.size(); ++g) {
@@ -136,17 +212,42 @@ struct Baseline {
                     at[k][i] = static_cast<std::int32_t>(v + (v < 0 ? -0.5 : 0.5));
                 }
             }
+            unsigned inside = 0;
+            float rest[box_fan];
+            if constexpr (Weighted) {
+                for (int i = 0; i < box_fan; i += 4) {
+                    Lanes x[3], weight, gaps2, r, size;
+                    std::memcpy(&gaps2, sum + i, sizeof gaps2);
+                    std::memcpy(&weight, from.weights + seed + i, sizeof weight);
+                    for (int k = 0; k < 3; ++k) std::memcpy(&x[k], from.seeds[k] + seed + i, sizeof x[k]);
+                    residuals(x, weight, *frame.tilt, r, size);
+                    Long4 within;
+                    within_length(gaps2, r - frame.tilt->least + residual_slack * size, frame.length, 0, within);
+                    inside |= bits(within) << i;
+                    for (int k = 0; k < 4; ++k) rest[i + k] = static_cast<float>(r[k] * (frame.scale * frame.scale));
+                }
+            } else {
+                for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>(sum[i] < frame.distance_squared) << i;
+            }
+            if (g < from.kept) inside = (1u << box_fan) - 1;
             for (int i = 0; i < box_fan; ++i) {
                 for (int k = 0; k < 3; ++k) out[k][count] = at[k][i];
                 ids[count] = static_cast<std::int32_t>(seed) + i;
-                count += static_cast<int>(g < from.kept) | static_cast<int>(sum[i] < frame.distance_squared);
+                if constexpr (Weighted) residual[count] = rest[i];
+                count += static_cast<int>(inside >> i & 1);
             }
         }
         return count;
     }
 
-    static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, float near_squared,
-                       float distance_squared, CandidatePlanes& c) {
+    static bool select(const WindowSeeds& w, const std::int32_t* p, float weight, const SelectLimits& limits,
+                       CandidatePlanes& c) {
+        return w.weight == nullptr ? select_seeds<false>(w, p, weight, limits, c)
+                                   : select_seeds<true>(w, p, weight, limits, c);
+    }
+    template <bool Weighted>
+    static bool select_seeds(const WindowSeeds& w, const std::int32_t* p, [[maybe_unused]] float weight,
+                             const SelectLimits& limits, CandidatePlanes& c) {
         int near = c.count, far = 0;
         for (int i = 0; i < w.count; i += 4) {
             const auto difference = [i](const std::int32_t* at, std::int32_t from) {
@@ -154,10 +255,16 @@ struct Baseline {
             };
             const Float4 nx = difference(w.x, p[0]), ny = difference(w.y, p[1]), nz = difference(w.z, p[2]);
             const Float4 d = nx * nx + ny * ny + nz * nz;
-            unsigned inside = mask_of(d < distance_squared);
+            Float4 h = 0.5f * d;
+            if constexpr (Weighted) h = 0.5f * (d + (weight - load(w.weight + i)));
+            const auto within = [&](float squared) {
+                if constexpr (!Weighted) return mask_of(d < squared);
+                const Float4 less = h - limits.slack;
+                return mask_of(4 * less * (less < 0 ? -less : less) < squared * d);
+            };
+            unsigned inside = within(limits.distance_squared);
             if (inside == 0) continue;
-            const Float4 h = 0.5f * (w.weight == nullptr ? d : d + (weight - load(w.weight + i)));
-            const unsigned is_near = mask_of(d < near_squared);
+            const unsigned is_near = within(limits.near_squared);
             if (near > CandidatePlanes::capacity - 4 || far > CandidatePlanes::capacity - 4) return false;
             for (; inside != 0; inside &= inside - 1) {
                 const int k = std::countr_zero(inside);

@@ -5,14 +5,21 @@
 //
 // Vertex. Cell has 62 u cond |X| for normals that are rounded once (cell.hpp); a second rounding adds 13 u. Hence
 //     |x - X| <= 80 u cond |X|                       without weights.
-// With weights h = (|n|^2 + d) / 2, d = w_p - w_q. It is rounded by less than u (5 |n|^2 + |d|), and d = 2 n.X - |n|^2,
-// so by less than u |n| (6 |n| + 2 |X|). An error of h moves the vertex by as much over |n| times cond. Three planes,
-// with L the longest normal, add u cond (18 L + 6 |X|); 15 u |X| of the 62 were for h already. Hence
-//     |x - X| <= 100 u cond (|X| + L / 4)            with weights.
-// cond is at most 10^6. `length` is |x| without weights and |x| + L / 4 with them. Then
+// Tilt. Weights that vary smoothly are w = c + 2 a.q + r around a home, with small residuals r. The power diagram of
+// (q, w) at Y is that of (q, r) at Y + a. So with weights the walk sees vertices moved by a: X = Y + a. A plane through
+// Y is n.Y = (|n|^2 + w_p - w_q) / 2, and as r_p - r_q = w_p - w_q + 2 a.n,
+//     n.X = h = (|n|^2 + w_p - w_q) / 2 + a.n = (|n|^2 + r_p - r_q) / 2.
+// All that follows is about X and r; the exact planes have w. A seed cuts X off only if h < |n||X|, so only if its
+// plane is nearer to the moved seed than X. With its distance |n| >= D, the residuals and `more` >= r_q - r_p, 0 or
+// more, that takes D^2 - more < 2 D |X|.
+//
+// With weights h = (|n|^2 + d) / 2 + a.n, d = w_p - w_q. It is rounded by less than u (5 |n|^2 + |d| + 5 |n||a| + |h|),
+// and d = 2 n.(X - a) - |n|^2, so by less than u |n| (6 |n| + 3 |X| + 7 |a|). An error of h moves the vertex by as much
+// over |n| times cond. Three planes, with L the longest normal, add u cond (18 L + 9 |X| + 21 |a|); 15 u |X| of the 62
+// were for h already. Hence
+//     |x - X| <= 100 u cond (|X| + (L + |a|) / 4)    with weights.
+// cond is at most 10^6. `length` is |x| without weights and |x| + (L + |a|) / 4 with them. Then
 //     |x - X| <= 0.6 margin length.                                                                            (1)
-// L is not an independent length: |n - X|^2 = |X|^2 - d for a plane through X, and -d <= more, so
-//     L <= |X| + sqrt(|X|^2 + more).                                                                           (2)
 #pragma once
 
 #include <algorithm>
@@ -32,30 +39,12 @@ inline double max_distance(double x, double length) {
     return x + 2 * margin * length;
 }
 
-// Returns an upper bound of the distance from x to a seed that cuts X off; 0 if there is none. more: upper bound of the
-// excess of its weight over the own weight, maybe negative.
-//
-// A seed q cuts X off when |q - X|^2 < |X|^2 + more. (1) bounds both |X| and the step from X to x. The excess of 1.4
-// margin length in each is far more than the rounding of these sums. A bound in units of |x| alone does not hold: by
-// (2) L may be much longer than |x|, where another seed has a larger `more`.
-inline double reach_from_vertex(double x, double length, double more) {
-    const double most = max_distance(x, length), square = most * most + more;
-    return square > 0 ? std::sqrt(square) + 2 * margin * length : 0;
+// Returns an upper bound of the distance from x to a seed that cuts X off, without weights: |X| and the step to x.
+inline double widest_reach(double x2) {
+    return std::sqrt(x2) * (1 + 4 * margin);
 }
 
-// Returns the same for the largest `more` of all seeds, which is 0 or more. By (2) length is then less than 1.6
-// sqrt(x^2 + more). So by (1) both errors together are less than 2 margin sqrt(x^2 + more).
-inline double widest_reach(double x2, double more) {
-    return std::sqrt(x2 + more) * (1 + 4 * margin);
-}
-
-// Returns an upper bound of the squared distance from the own seed to one that cuts X off, for the largest `more`. The
-// distance is less than |X| + sqrt(|X|^2 + more), by the triangle inequality. The errors are those above.
-inline double widest_reach_squared(double x2, double more) {
-    const double reach = std::sqrt(x2) + std::sqrt(x2 + more);
-    return reach * reach * (1 + 16 * margin);
-}
-// Returns the same without weights: (2 |X|)^2, where |X| <= |x| (1 + 0.45 margin).
+// Returns an upper bound of (2 |X|)^2 without weights, where |X| <= |x| (1 + 0.45 margin).
 inline double widest_reach_squared(double x2) {
     return 4 * x2 * (1 + margin);
 }
@@ -91,22 +80,41 @@ inline FloatMargin float_margin(double longest) {
     return {1.01 * (float_unit * 6.5 + quantum / longest),
             1.01 * (float_unit * (6.5 * 0.25 + 4.6) * square + quantum * 1.25 * longest)};
 }
-// With weights that span `span`, including the own one. Two weights a, b and their difference are rounded by e (|a| +
-// |b| + |a - b|) <= 2 e span, which with the sums makes 3 e span in h. The vertex is off by 0.2 e L / 4 more, with L by
-// (2).
-inline FloatMargin float_margin(double longest, double more, double span) {
+
+// An image is off by image_step, see below.
+inline constexpr double image_step = 0.0137;
+
+// Returns the error that residuals add to h. They span `span`, including the own one. Two of them, in floats, and their
+// difference are rounded by e (|r| + |s| + |r - s|) <= 2 e span, which with the sums makes 3 e span. Before, r = w -
+// base
+// - 2 a.(q - origin) was rounded in doubles, in units of terms of at most 2 |a| sqrt(3) extent and |r| plus that. The
+// place of an image is off by image_step, which moves a.q. extent: of the window on either side, along an axis.
+inline double weight_rounding(double span, double tilt, double extent) {
+    return 1.01 * (3 * float_unit * span + 8 * unit * (span + 8 * tilt * extent)) + image_step * tilt;
+}
+
+// With weights the vertex is off by 0.2 e (L + |a|) / 4 more, where L is at most `longest`.
+inline FloatMargin float_margin(double longest, double tilt, double weight_rounding) {
     FloatMargin m = float_margin(longest);
-    m.by_square += 1.01 * float_unit * 0.5;
-    m.constant += 1.01 * float_unit * (0.125 * longest * longest + 0.25 * longest * std::sqrt(more) + 3 * span);
+    m.constant += 1.01 * float_unit * 0.0625 * longest * (longest + tilt) + weight_rounding;
     return m;
+}
+
+// Returns how much smaller h may be than it seems, for a seed that the search for planes nearer than `distance` skips.
+// Its H in floats is larger than H by at most 5 e |N|^2 and the error of residuals, and |N| is at most 2 sqrt(3)
+// extent. From H >= distance |N| + slack follows for the exact plane, as |N|^2 - |n|^2 <= q (2 |N| + q),
+//     h >= distance |N| - q (|N| + q / 2) + 2 quantum distance,  |n| <= |N| + q,
+// hence h / |n| >= distance - quantum.
+inline double select_slack(double distance, double extent, double weight_rounding) {
+    return 1.01 * 60 * float_unit * extent * extent + weight_rounding + 2 * quantum * distance;
 }
 
 // Images in doubles. A coordinate of an image or a moved seed is off by image_rounding, so a difference n of two by r =
 // 2 sqrt(3) image_rounding = 0.0136. n.X - |n|^2 / 2 is positive for seeds that cut X off. Rounding changes it by at
 // most |n - X| r + r^2 / 2 < |X| r + r^2 / 2, and x by 0.45 margin |n||X|. The test for seeds in a ball
 // (StarKernels::inside_ball) allows for 2 margin (|n|^2 + |X|^2). That is enough if 1.97 margin |X| >= r + r^2 / |X|:
-// for |X|^2 above 2^36.8. The clipper handles cells with images that have nearer vertices. With weights |n - X| is less
-// than sqrt(|X|^2 + more), and the test allows for four times as much, also of more.
+// for |X|^2 above 2^36.8. The clipper handles cells with images that have nearer vertices. With weights the test
+// allows for four times as much, and for r |a|, as h moves by a.n.
 inline constexpr double min_image_vertex2 = 0x1p37;
 
 }  // namespace votess::cpu::bounds

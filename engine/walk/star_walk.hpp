@@ -30,9 +30,10 @@ private:
     static constexpr double unit = bounds::unit, margin = bounds::margin, quantum = bounds::quantum;
     static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
-    static constexpr double longest_normal = 1e12;    // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;       // of the typical squared security radius
-    static constexpr int max_candidates = 160;        // at first; leaves room for others
+    static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
+    static constexpr double reach_margin = 1.7;     // of the typical squared security radius
+    static constexpr int max_candidates = 160;      // at first; leaves room for others
+    static constexpr int enough_candidates = 80;
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer seeds may cancel
     static constexpr int max_picks = 256;             // planes tried for one vertex
@@ -93,6 +94,10 @@ private:
         double norms2;         // |n_a|^2 |n_b|^2
         double longest2;       // the larger of the two
     };
+    struct Ball {  // around a vertex: a seed may cut it off if it is nearer than sqrt(radius^2 + excess) + off
+        Box center;
+        double radius = 0, off = 0;
+    };
     struct alignas(16) Facing {  // a plane in floats
         float normal[4];         // of length 1
         float distance;
@@ -127,14 +132,14 @@ private:
     [[nodiscard]] int in_reach(double reach2) const {
         return reach2 < near_covered_ ? candidates_.near : candidates_.count;
     }
-    // Returns a bound on the squared distance of seeds that cut off a vertex of squared length x2.
-    [[nodiscard]] double reach_squared(double x2) const {
-        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : bounds::widest_reach_squared(x2, more_);
+    // Returns an upper bound on the squared security radius of a vertex of squared length x2: of (2 |X|)^2.
+    [[nodiscard]] double reach_squared(double x2, const Third& third) const {
+        return plain_ || !weighted_ ? bounds::widest_reach_squared(x2) : 4 * max_distance_squared(x2, third);
     }
     // Returns the square of `length` in star_bounds.hpp, for a vertex of squared length x2.
     [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
         if (plain_ || !weighted_) return x2;
-        const double length = std::sqrt(x2) + 0.25 * std::sqrt(std::max(line.longest2, third.square));
+        const double length = std::sqrt(x2) + 0.25 * (std::sqrt(std::max(line.longest2, third.square)) + tilt_length_);
         return length * length;
     }
     // Returns an upper bound of |X|^2 of a vertex, up to a factor of 1 + 4 margin.
@@ -147,9 +152,7 @@ private:
     [[nodiscard]] double in_places(double distance, double size) const {
         return distance * unscale_ * (1 + 4 * margin) + 8 * unit * size;
     }
-    [[nodiscard]] double weight_of(std::int32_t id) const {
-        return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
-    }
+    [[nodiscard]] double weight_of(std::int32_t id) const { return seeds_.weights[static_cast<std::size_t>(id)]; }
     // Scales the rounding of h.
     [[nodiscard]] static double size_of_h(double h, double square) { return 0.5 * (square + std::abs(2 * h - square)); }
     [[nodiscard]] bool solve(const Line& line, Third& third, Four& x) const;
@@ -171,13 +174,24 @@ private:
     template <Star::Keep Kept>
     [[gnu::always_inline]] inline void link_corner(int a, int b, int c, int vertex);
     void set_longest(double length);
+    void find_longest();
     void set_image_reach(double reach) {
         reach = std::min(reach, own_images_);
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? bounds::min_image_vertex2 : -1;
     }
-    [[gnu::noinline]] void store_reach(double x2, const Third& third);
-    [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2);
+    [[nodiscard, gnu::noinline]] double power_of(const Four& x, const Third& third) const;
+    [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
+    [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
+    [[nodiscard]] bool any_missing_image(const Ball& ball, double length);
+    template <class Visit>
+    bool for_shifts_around(const Box& around, double distance, Visit visit) const;
+    [[nodiscard]] std::array<double, 3> translation(const std::array<int, 3>& shift) const;
+    [[nodiscard]] Box seen_from_images(const Box& box, const std::array<double, 3>& by) const;
+    template <class Visit>
+    void for_groups(const Box& around, const WeightTilt& tilt, const HeavierTest& test, Visit visit);
+    [[nodiscard]] double distance_to_seed(const Box& box, std::size_t seed) const;
+    [[nodiscard]] double largest_residual(const WeightTilt& tilt, std::size_t seed) const;
     [[nodiscard]] bool is_open(const OpenEdge& edge) const { return ((in_[edge.a] >> edge.b) & 1) == 0; }
     // Stacks the edge a -> b of a new vertex, unless its other end is known.
     [[gnu::always_inline]] void stack(int a, int b) {
@@ -199,7 +213,8 @@ private:
     // ---- Bisector planes in floats, in doubles and exactly ----
     [[gnu::always_inline]] inline void need_plane(int slot);
     [[gnu::always_inline]] inline void need_facing(int slot);
-    [[gnu::noinline]] void find_facing(int slot);
+    [[gnu::always_inline]] inline void find_facings();
+    [[gnu::always_inline]] inline void find_facing(int slot);
     [[gnu::always_inline]] inline void plane_through(std::int32_t id, Four& n, double& h, double& square);
     [[gnu::always_inline]] inline void add_low(std::int32_t id, Four& n) const;
     [[nodiscard, gnu::noinline]] bool may_cancel(std::int32_t id, const Four& n) const;
@@ -220,13 +235,19 @@ private:
     [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
     bool add_candidate(std::int32_t id);
     [[nodiscard]] double covered_by_search(double square) const;
-    [[nodiscard]] double with_weights(double reach2, double weight) const;
-    [[nodiscard]] double min_weight(std::size_t home) const;
-    [[nodiscard]] bool is_extra(std::int32_t id) const;
+    void find_tilt(std::size_t home, const Box& box);
+    [[nodiscard]] double residual(double weight, const exact::Point& x) const;
+    [[nodiscard]] double least_residual(double weight, const exact::Point& x) const;
+    [[nodiscard]] double along_tilt(const std::array<double, 3>& n) const {
+        return 0.5 * (n[0] * tilt_.slope[0] + n[1] * tilt_.slope[1] + n[2] * tilt_.slope[2]);
+    }
+    [[nodiscard]] Ball ball_around(const Four& x, double length2) const;
+    [[nodiscard]] unsigned near_boxes(std::int32_t level, std::uint32_t index, const Ball& ball) const;
+    [[nodiscard]] bool is_candidate(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
-    [[gnu::noinline]] bool add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
-                                      int& added);
+    [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
+    [[nodiscard, gnu::noinline]] bool add_along(const Line& line, const OpenEdge& edge);
 
     // ---- Walls: the walk handles a wall as the bisector of the seed and its mirror image ----
     struct Wall {
@@ -241,7 +262,7 @@ private:
         double h;
     };
     void collect_near_walls(const Box& home, double reach);
-    bool add_near_walls();
+    bool add_near_walls(double reach);
     [[gnu::noinline]] bool add_walls();
     [[nodiscard]] bool two_walls_coincide() const;
     [[nodiscard]] double distance_to(const Wall& wall) const;
@@ -289,21 +310,27 @@ private:
     Four low_{};               // rounding error of p_
     SeedImages::Base base_{};  // for exact arithmetic
     double weight_ = 0;        // of the seed
-    double more_ = 0;          // bound on the excess of any weight, in squared units
+    double lightest_ = 0;      // of the seeds of the home
+    WeightTilt tilt_{};        // of the weights around the home, see star_bounds.hpp
+    WeightTilt own_tilt_{};    // the same, for the seed alone
+    Four move_{};              // a, in window units
+    double tilt_length_ = 0;   // |a|
+    double sure_images_ = 0;   // no missing image cuts off a vertex of the home that is nearer to its moved seed
+    float own_weight_ = 0;     // in the window
     bool empty_ = false;       // the cell
     bool have_candidates_ = false, have_walls_ = false;
     bool start_failed_ = false;  // the starting edge has no end
     std::int32_t own_x_ = 0;     // in the window
     CandidatePlanes candidates_;
-    int near_walls_end_ = 0;   // candidates up to here are walls
-    int extras_ = 0;           // candidates from here on come from beyond the window
-    double covered_ = 0;       // squared distance within which all seeds not done are candidates
-    double near_covered_ = 0;  // squared distance within which they are among the near ones
-    double longest_ = 0;       // bound on the length of candidate normals
-    double weight_span_ = 0;   // of the candidates and the seed, in squared units
+    int near_walls_end_ = 0;      // candidates up to here are walls
+    double covered_ = 0;          // squared security radius of vertices that only candidates cut off
+    double near_covered_ = 0;     // and of those that only the near ones cut off
+    double longest_ = 0;          // bound on the length of candidate normals
+    double weight_rounding_ = 0;  // of h, by the residuals of the window
     double rounding_ = 0,
            rounding_by_square_ = 0;   // margin of a vertex: rounding_by_square_ times its square, plus rounding_
     double reached_ = 0;              // largest squared security radius of the vertices found
+    double largest_power_ = 0;        // of theirs, in a power diagram
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b. The vertex at its
@@ -312,10 +339,11 @@ private:
     // Edges that were open when stacked. Those from open_begin_ to open_end_ may still be.
     std::array<OpenEdge, 4 * max_vertices + max_ties> open_edges_;
     int open_begin_ = 0, open_end_ = 0;
-    std::uint64_t planes_known_ = 0;   // planes with n_, h_, square_, id_
-    std::uint64_t facings_known_ = 0;  // planes that have facing_ too
-    int ends_ = 0;                     // edges, counted at either end
-    std::array<std::int32_t, max_planes> local_{}, id_{};
+    std::uint64_t planes_known_ = 0;                    // planes with n_, h_, square_, id_
+    std::uint64_t facings_known_ = 0;                   // planes that have facing_ too
+    int ends_ = 0;                                      // edges, counted at either end
+    std::array<std::int32_t, max_planes + 1> local_{};  // the last is written and never read
+    std::array<std::int32_t, max_planes> id_{};
     int planes_ = 0;
     alignas(64) std::array<Four, max_planes> n_{};
     std::array<double, max_planes> h_{}, square_{};
@@ -329,6 +357,8 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
+    bool image_shifts_known_ = false;
+    std::vector<std::array<int, 3>> image_shifts_;             // by which missing images come near to the home
     Cell probe_;                                               // clips for a seed outside of its cell
     std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
 

@@ -55,19 +55,66 @@ template <class Isa>
 void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     window_home_ = home;
     Box box = probing_ ? probes_box_ : window_.home_box(home);
-    const double lightest = probing_ ? lightest_probe_ : min_weight(home);
-    const double radius = std::sqrt(with_weights(reach2, lightest)) * 1.02;
-    window_open_ = window_.open(home, box, radius, lightest, cells_);
+    if (weighted_) find_tilt(home, box);
+    const WeightTilt* tilt = weighted_ ? &tilt_ : nullptr;
+    const double radius = std::sqrt(reach2) * 1.02;
+    window_open_ = window_.open(home, box, radius, tilt, cells_);
     // A home may span far more than its surroundings, where the curve leaves a cluster.
     if (!window_open_) {
         box = {p_, p_};
-        window_open_ = window_.open(home, box, radius, lightest, cells_);
+        window_open_ = window_.open(home, box, radius, tilt, cells_);
         window_home_ = ~std::size_t{0};
     }
     if (!window_open_) return;
     collect_near_walls(box, window_.reach());
+    if (weighted_ && seeds_.images != nullptr) sure_images_ = sure_without_images(box, 0.5 * window_.reach());
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
         if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
+}
+
+template <class Isa>
+void StarWalk<Isa>::find_tilt(std::size_t home, const Box& box) {
+    tilt_ = {};
+    for (std::size_t k = 0; k < 3; ++k) tilt_.origin[k] = 0.5 * (box.lower[k] + box.upper[k]);
+    tilt_length_ = 0;
+    if (probing_) {
+        tilt_.base = lightest_ = lightest_probe_;
+        return;
+    }
+    const std::size_t group = home * Window::home_groups;
+    const WeightBlock& bounds = hierarchy_.weight_bounds(0, group / box_fan);
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        tilt_.slope[k] = bounds.slope[k][group % box_fan];
+        square += 0.25 * tilt_.slope[k] * tilt_.slope[k];
+    }
+    tilt_length_ = std::sqrt(square) * (1 + 8 * unit);
+    const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
+    tilt_.base = lightest_ = seeds_.weights[begin];
+    tilt_.least = 0;
+    for (std::size_t s = begin; s < end; ++s) {
+        tilt_.least = std::min(tilt_.least, least_residual(seeds_.weights[s], {seeds_.x[s], seeds_.y[s], seeds_.z[s]}));
+        lightest_ = std::min(lightest_, seeds_.weights[s]);
+    }
+}
+
+template <class Isa>
+double StarWalk<Isa>::residual(double weight, const exact::Point& x) const {
+    double rest = weight - tilt_.base;
+    for (std::size_t k = 0; k < 3; ++k) rest -= tilt_.slope[k] * (x[k] - tilt_.origin[k]);
+    return rest;
+}
+
+// Rounded down, also for a place that is rounded.
+template <class Isa>
+double StarWalk<Isa>::least_residual(double weight, const exact::Point& x) const {
+    double size = std::abs(weight - tilt_.base), steepness = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        size += std::abs(tilt_.slope[k] * (x[k] - tilt_.origin[k]));
+        steepness += std::abs(tilt_.slope[k]);
+    }
+    const double places = seeds_.images == nullptr ? 0 : steepness * seeds_.images->largest_coordinate();
+    return residual(weight, x) - 16 * unit * (size + places);
 }
 
 // Whether a candidate may coincide with the seed. Window integers are exact to half a unit each.
@@ -87,13 +134,15 @@ bool StarWalk<Isa>::gather_candidates() {
     const std::size_t home = probing_ ? Window::no_home : seed_ / Window::home_seeds;
     if (window_home_ != home) open_window(home, reach2);
     if (!window_open_ || !(probing_ || window_.holds(seed_))) return false;
-    reach2 = std::min(with_weights(reach2, weight_), window_.reach() * window_.reach());
+    reach2 = std::min(reach2, window_.reach() * window_.reach());
     const double scale = window_.scale();
-    float weight = 0;
     if (weighted_) {
-        more_ = std::max(0.0, domain_->max_heavier_by(weight_)) * scale * scale;
-        weight = window_.weight(weight_);
-        weight_span_ = window_.weight_span(weight);
+        own_tilt_ = tilt_;
+        own_tilt_.least = least_residual(weight_, p_);
+        own_weight_ = window_.weight(residual(weight_, p_));
+        for (std::size_t k = 0; k < 3; ++k) move_.x[k] = 0.5 * tilt_.slope[k] * scale;
+        const double length = tilt_length_ * scale, span = window_.weight_span(own_weight_);
+        weight_rounding_ = bounds::weight_rounding(span, length, window_.extent());
     }
     const auto p = probing_ ? window_.position(p_) : window_.position(seed_);
     if (!probing_) window_.hide(seed_);
@@ -101,59 +150,55 @@ bool StarWalk<Isa>::gather_candidates() {
     own_x_ = p[0];
     scale_ = scale;
     unscale_ = 1 / scale;
-    if (seeds_.images != nullptr) set_image_reach(seeds_.images->min_reach());
+    if (seeds_.images != nullptr) set_image_reach(weighted_ ? 2 * sure_images_ : seeds_.images->min_reach());
     planes_known_ = facings_known_ = 0;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
         set_longest(reach * (1 + 0x1p-20) + quantum);
         candidates_.count = 0;
-        if (!add_near_walls()) return false;
+        if (!add_near_walls(longest_)) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
-        if (Isa::select(window_.seeds(), p.data(), weight, static_cast<float>(near_square), static_cast<float>(square),
-                        candidates_) &&
+        SelectLimits limits{static_cast<float>(near_square), static_cast<float>(square), 0};
+        if (weighted_)
+            limits.slack = static_cast<float>(bounds::select_slack(0.5 * reach, window_.extent(), weight_rounding_));
+        if (Isa::select(window_.seeds(), p.data(), own_weight_, limits, candidates_) &&
             candidates_.count <= max_candidates) {
-            covered_ = covered_by_search(square);
-            near_covered_ = covered_by_search(near_square);
+            const double complete = window_.covered() * window_.covered() * scale * scale;
+            covered_ = covered_by_search(std::min(square, complete));
+            near_covered_ = covered_by_search(std::min(near_square, complete));
             break;
         }
         if (tries == 8) return false;
         reach2 *= 0.5;
     }
-    extras_ = candidates_.count;
+    if (weighted_) find_longest();
     return true;
-}
-
-// Returns the squared security radius of vertices at a distance of sqrt(reach2) / 2.
-template <class Isa>
-double StarWalk<Isa>::with_weights(double reach2, double weight) const {
-    if (!weighted_) return reach2;
-    const double x2 = 0.25 * reach2,
-                 reach = std::sqrt(x2) + std::sqrt(x2 + std::max(0.0, domain_->max_heavier_by(weight)));
-    return reach * reach;
-}
-
-template <class Isa>
-double StarWalk<Isa>::min_weight(std::size_t home) const {
-    if (!weighted_) return 0;
-    const std::size_t begin = home * Window::home_seeds, end = std::min(begin + Window::home_seeds, seeds_.size());
-    return *std::min_element(seeds_.weights.begin() + static_cast<std::ptrdiff_t>(begin),
-                             seeds_.weights.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
 // Sets the length and the margin that depends on it.
 template <class Isa>
 void StarWalk<Isa>::set_longest(double length) {
     longest_ = length;
-    const bounds::FloatMargin m =
-        weighted_ ? bounds::float_margin(longest_, more_, weight_span_) : bounds::float_margin(longest_);
+    const bounds::FloatMargin m = weighted_ ? bounds::float_margin(longest_, tilt_length_ * scale_, weight_rounding_)
+                                            : bounds::float_margin(longest_);
     rounding_by_square_ = m.by_square;
     rounding_ = m.constant;
 }
 
-// Returns the squared distance within which all seeds are certainly candidates after a search within `square`.
+// In a power diagram the reach does not bound the candidates.
+template <class Isa>
+void StarWalk<Isa>::find_longest() {
+    const CandidatePlanes& c = candidates_;
+    float most = 0;
+    for (int i = 0; i < c.count; ++i) most = std::max(most, c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
+    set_longest(std::max(longest_, std::sqrt(double{most}) * (1 + 0x1p-20) + quantum));
+}
+
+// Returns the squared security radius within which all vertices are cut off by candidates only, after a search within
+// `square`.
 template <class Isa>
 double StarWalk<Isa>::covered_by_search(double square) const {
-    const double covered = std::sqrt(square) * (1 - 0x1p-20) - quantum;
+    const double covered = std::sqrt(square) * (1 - 0x1p-20) - (weighted_ ? 2 : 1) * quantum;
     return covered > 0 ? covered * covered : 0;
 }
 
@@ -182,9 +227,9 @@ bool StarWalk<Isa>::add_candidate(std::int32_t id) {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::is_extra(std::int32_t id) const {
+bool StarWalk<Isa>::is_candidate(std::int32_t id) const {
     const std::int32_t* end = candidates_.id + candidates_.count;
-    return std::find(candidates_.id + extras_, end, id) != end;
+    return std::find(candidates_.id, end, id) != end;
 }
 
 // The nearest seed is a neighbor, and the midpoint lies inside their face. Any way along the face leads to an edge.
@@ -270,20 +315,19 @@ unsigned StarWalk<Isa>::find_inside(std::size_t begin, const GroupTest& test) co
 
 template <class Isa>
 unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest& test) const {
-    double more[box_fan] = {}, excess[box_fan], square[box_fan];
-    const std::size_t count = seeds_.group_end(begin) - begin;
-    for (std::size_t i = 0; i < count; ++i)
-        more[i] = (weight_of(static_cast<std::int32_t>(begin + i)) - weight_) * scale_ * scale_;
-    const double *x = &seeds_.x[begin], *y = &seeds_.y[begin], *z = &seeds_.z[begin];
+    double excess[box_fan];
+    const double *x = &seeds_.x[begin], *y = &seeds_.y[begin], *z = &seeds_.z[begin], *w = &seeds_.weights[begin];
+    const auto& [a, b, c, free] = move_.x;
     for (int i = 0; i < box_fan; ++i) {
         const double nx = (x[i] - p_[0]) * scale_, ny = (y[i] - p_[1]) * scale_, nz = (z[i] - p_[2]) * scale_;
-        square[i] = nx * nx + ny * ny + nz * nz;
-        const double slack = 8 * margin * (square[i] + std::abs(more[i]) + more_) + 4 * test.slack;
-        excess[i] = nx * test.v[0] + ny * test.v[1] + nz * test.v[2] - 0.5 * (square[i] - more[i]) + slack;
+        const double square = nx * nx + ny * ny + nz * nz, heavier = (w[i] - weight_) * scale_ * scale_;
+        const double tilted = 2 * (nx * a + ny * b + nz * c), more = heavier - tilted;
+        const double slack = 8 * margin * (square + std::abs(more)) + 8 * unit * (std::abs(heavier) + std::abs(tilted));
+        excess[i] = nx * test.v[0] + ny * test.v[1] + nz * test.v[2] - 0.5 * (square - more) + slack + test.slack;
     }
     unsigned inside = 0;
     // NaN if the seed is padding, infinitely far away.
-    for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>((excess[i] >= 0) & (square[i] >= covered_)) << i;
+    for (int i = 0; i < box_fan; ++i) inside |= static_cast<unsigned>(excess[i] >= 0) << i;
     return inside;
 }
 
@@ -292,19 +336,12 @@ unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest&
 // cell is empty or the clipper must decide.
 template <class Isa>
 bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
-    Box at;
-    double size = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double offset = x.x[k] * unscale_;
-        at.lower[k] = at.upper[k] = p_[k] + offset;
-        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
-    }
-    const double reach = in_places(bounds::widest_reach(dot(wide(x), wide(x)), more_), size);
+    const Ball ball = ball_around(x, third.length2);
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near = Isa::near_boxes(hierarchy_.block(level, index), at, reach * reach);
+        unsigned near = near_boxes(level, index, ball);
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             const std::size_t begin = Hierarchy::first_seed(level, child);
@@ -326,6 +363,30 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
 }
 
 template <class Isa>
+typename StarWalk<Isa>::Ball StarWalk<Isa>::ball_around(const Four& x, double length2) const {
+    Ball ball;
+    double size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double offset = x.x[k] * unscale_;
+        ball.center.lower[k] = ball.center.upper[k] = p_[k] + offset;
+        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
+    }
+    const double x2 = dot(wide(x), wide(x)), length = std::sqrt(length2);
+    ball.radius = in_places(weighted_ ? bounds::max_distance(std::sqrt(x2), length) : bounds::widest_reach(x2), size);
+    if (weighted_) ball.off = in_places(2 * margin * length, size);
+    return ball;
+}
+
+template <class Isa>
+unsigned StarWalk<Isa>::near_boxes(std::int32_t level, std::uint32_t index, const Ball& ball) const {
+    const double square = ball.radius * ball.radius;
+    const BoxBlock& boxes = hierarchy_.block(level, index);
+    return weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), ball.center, own_tilt_,
+                                         {ball.off, square, 0})
+                     : Isa::near_boxes(boxes, ball.center, square);
+}
+
+template <class Isa>
 int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x) {
     if (const int sure = sure_side(id, third, relative_error(third), x); sure != 0) return sure;
     used_exact_ = true;
@@ -339,43 +400,21 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
 // seeds. Along the edge n.x - h is linear. If it is >= 0 at some vertex, it is so at all vertices behind, and the
 // search around those has found the seed.
 template <class Isa>
-bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x, const std::int32_t* three,
-                               int& added) {
-    Box at;
-    double x2 = 0, length = 0, size = 0, reach2 = 0;
+bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added) {
+    Ball ball;
     GroupTest test{p_, scale_, {}, 0};
     auto look_around = [&](double length2) {
-        size = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double offset = x.x[k] * unscale_;
-            at.lower[k] = at.upper[k] = p_[k] + offset;
-            size = std::max(size, std::abs(p_[k]) + std::abs(offset));
-            test.v[k] = x.x[k];
-        }
-        x2 = dot(wide(x), wide(x));
-        length = std::sqrt(length2);
-        const double reach = in_places(bounds::widest_reach(x2, more_), size);
-        reach2 = reach * reach;
-        test.slack = 2 * margin * x2;
+        ball = ball_around(x, length2);
+        for (int k = 0; k < 3; ++k) test.v[k] = x.x[k];
+        test.slack =
+            weighted_ ? 8 * margin * length2 + bounds::image_step * tilt_length_ * scale_ : 2 * margin * length2;
     };
-    look_around(of_vertex.length2);
-    // Returns reach2 for seeds that are not heavier, 0 if none can cut: the ball may shrink to nothing for light seeds.
-    auto reach_of = [&](double heaviest) {
-        const double more = (heaviest - weight_) * scale_ * scale_;
-        if (more >= more_) return reach2;
-        const double rounding = 8 * unit * (std::abs(heaviest) + std::abs(weight_)) * scale_ * scale_;
-        const double distance = bounds::reach_from_vertex(std::sqrt(x2), length, more + rounding);
-        if (distance == 0) return 0.0;
-        const double reach = in_places(distance, size);
-        return reach * reach;
-    };
+    look_around(length2);
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const auto [level, index] = nodes_[--nodes];
-        unsigned near =
-            Isa::near_boxes(hierarchy_.block(level, index), at,
-                            weighted_ ? reach_of(hierarchy_.largest_weight_of_block(level, index)) : reach2);
+        unsigned near = near_boxes(level, index, ball);
         if (level > 0) {
             for (; near != 0; near &= near - 1)
                 nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
@@ -384,7 +423,6 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
         for (; near != 0; near &= near - 1) {
             const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
             if (cells_.group_done(child)) continue;
-            if (weighted_ && reach_of(hierarchy_.largest_weight(0, child)) == 0) continue;
             const std::size_t begin = std::size_t{child} * group_size;
             unsigned inside = find_inside(begin, test);
             while (inside != 0) {
@@ -395,9 +433,8 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
                 Third third;
                 Four nearer;
                 plane_through(id, third.n, third.h, third.square);
+                if (is_candidate(id)) continue;  // not certainly inside
                 const double excess = dot(wide(third.n), wide(x)) - third.h;
-                // Candidates are not certainly inside.
-                if (!(excess > 4 * test.slack + 8 * margin * third.square) && is_extra(id)) continue;
                 if (!add_candidate(id)) return false;
                 if (++added == max_new_seeds) return true;
                 if (excess > 0 && solve(line, third, nearer)) {
@@ -411,16 +448,39 @@ bool StarWalk<Isa>::add_inside(const Line& line, const Third& of_vertex, Four x,
     return true;
 }
 
+// Adds seeds from beyond the candidates that cut off an edge far from the seed. Returns false if there are none.
+template <class Isa>
+bool StarWalk<Isa>::add_along(const Line& line, const OpenEdge& edge) {
+    constexpr int max_steps = 12;
+    const double square = dot(wide(line.ab), wide(line.ab));
+    Wide nearest;
+    cross(wide(line.e), wide(line.ab), nearest);
+    nearest *= 1 / square;
+    const double start2 = dot(nearest, nearest);
+    const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id_[edge.a]};
+    double length2 = std::max({covered_, 0.25 * longest_ * longest_, 2 * start2});
+    for (int step = 0; step < max_steps; ++step, length2 *= 4) {
+        Four x;
+        wide(x) = nearest - std::sqrt((length2 - start2) / square) * wide(line.ab);
+        int added = 0;
+        if (!add_inside(line, error_length2(line, {}, length2), x, three, added)) return false;
+        if (added > 0) return true;
+    }
+    return false;
+}
+
 // ---- From vertex to vertex along the edges ----
 
-// planes: planes_, in a register if possible.
+// planes: planes_, in a register if possible. Without a branch, which would be mispredicted.
 template <class Isa>
 int StarWalk<Isa>::slot_of(std::int32_t local, int& planes) {
-    const int known = slot_[static_cast<std::size_t>(local)];
-    if (known >= 0) return known;
-    slot_[static_cast<std::size_t>(local)] = static_cast<std::int16_t>(planes);
+    static_assert(no_slot == -1);
+    const int known = slot_[static_cast<std::size_t>(local)], is_new = known >> 15;  // -1 or 0
+    const int slot = (planes & is_new) | (known & ~is_new);
+    slot_[static_cast<std::size_t>(local)] = static_cast<std::int16_t>(slot);
     local_[static_cast<std::size_t>(planes)] = local;
-    return planes++;
+    planes -= is_new;
+    return slot;
 }
 
 // Sets the edges a -> b, b -> c, c -> a of a vertex.
@@ -467,7 +527,7 @@ bool StarWalk<Isa>::build(std::size_t seed) {
     }
     const bool done = build_cell<false>();
     if (done) cells_.set_done(seed);
-    if (have_candidates_ && !done) window_.show(seed, own_x_);
+    if (have_candidates_ && !done) window_.show(seed, own_x_, own_weight_);
     if (done && window_open_ && window_home_ == seed / Window::home_seeds) window_.hide(seed);
     return done;
 }
@@ -497,6 +557,7 @@ bool StarWalk<Isa>::build_cell() {
     vertices_ = ends_ = open_begin_ = open_end_ = 0;
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
+    move_ = {};
     have_candidates_ = have_walls_ = used_exact_ = false;
     power_found_ = min_power;
     ties_.clear();
@@ -513,11 +574,13 @@ bool StarWalk<Isa>::complete() {
         if (!read_known<Kept>()) return false;
     empty_ = false;
     reached_ = 0;
+    largest_power_ = min_power;
     if (vertices_ == 0 && !find_first<Kept>()) {
         if (empty_) faces_ = edges_ = 0;
         return empty_;
     }
     if (open_end_ > 0 && !have_candidates_ && !gather_candidates()) return false;
+    find_facings();
     for (;;) {
         // Two open edges at once, far from each other: their searches overlap in the processor. The vertex of the first
         // may close the second.
@@ -537,8 +600,11 @@ bool StarWalk<Isa>::complete() {
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
-        typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
-        power_found_ = std::max(power_found_, bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
+        // Long cells may reach farther than seeds are worth a search.
+        if (needed < typical_reach_ || candidates_.count < enough_candidates)
+            typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+        power_found_ = std::max(power_found_,
+                                weighted_ ? largest_power_ : bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
     }
     return collect_faces();
 }
@@ -695,7 +761,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     bool searched = false;
     for (int pick = 0; pick < max_picks; ++pick) {
         if (lane < 0) lane = first_hit(ray);
-        if (lane < 0) return false;
+        if (lane < 0) {
+            if (!add_along(line, edge)) return false;
+            continue;
+        }
         const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
@@ -715,7 +784,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         float v[4];
         narrow(wide(x), v);
         v[3] = static_cast<float>(rounding_by_square_ * x2 + rounding_);
-        const double reach2 = reach_squared(x2);
+        const double reach2 = reach_squared(x2, third);
         const int count = in_reach(reach2);
         const int touching = Isa::touching(candidates_, count, v, three, 0);
         tied_.clear();
@@ -733,7 +802,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
             int added = 0;
-            if (!add_inside(line, third, x, three, added)) return false;
+            if (!add_inside(line, third.length2, x, three, added)) return false;
             searched = vertices_ > 0 && added < max_new_seeds;
             if (added > 0) {
                 lane = -1;
@@ -742,10 +811,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         }
         if (!plain_) {
             if (seeds_.images != nullptr && !(reach2 < images_within2_ && x2 > images_beyond2_) &&
-                !images_known(x, x2, reach2))
+                !images_known(x, x2, reach2, third.length2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
-            if (weighted_) store_reach(x2, third);
+            if (weighted_) largest_power_ = std::max(largest_power_, power_of(x, third));
         }
         reached_ = std::max(reached_, 4 * x2);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
@@ -754,29 +823,199 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     return false;
 }
 
-// Stores the reach of a vertex in a power diagram. Not inlined, so that it costs nothing without weights.
+// Returns the power of a vertex, rounded up.
 template <class Isa>
-void StarWalk<Isa>::store_reach(double x2, const Third& third) {
-    reached_ = std::max(reached_, 4 * max_distance_squared(x2, third));
+double StarWalk<Isa>::power_of(const Four& x, const Third& third) const {
+    const Wide from_seed = wide(x) - wide(move_);
+    const double distance =
+        bounds::max_distance(std::sqrt(dot(from_seed, from_seed)), std::sqrt(third.length2)) * unscale_;
+    return bounds::power((1 + 4 * margin) * distance * distance, weight_);
 }
+
+// ---- Images that are not among the sorted ones ----
 
 // Whether all images near the vertex are present, with rounding small enough to decide.
 template <class Isa>
-bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2) {
-    set_image_reach(seeds_.images->reach(p_));
+bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2, double length2) {
+    if (!weighted_) set_image_reach(seeds_.images->reach(p_));
     if (!(x2 > images_beyond2_)) return false;
     if (reach2 < images_within2_) return true;
-    // The ball around the vertex has half of that radius.
-    exact::Point vertex;
-    double size = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double offset = x.x[k] * unscale_;
-        vertex[k] = p_[k] + offset;
-        size = std::max(size, std::abs(p_[k]) + std::abs(offset));
-    }
-    const double radius = in_places(bounds::widest_reach(x2, more_), size);
     return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
-           radius < seeds_.images->reach(vertex);
+           !any_missing_image(ball_around(x, length2), 0.5 * std::sqrt(reach2) * unscale_);
+}
+
+// Calls visit() for the shifts by which an image may come nearer than `distance` to a box. Returns false if they are
+// very many.
+template <class Isa>
+template <class Visit>
+bool StarWalk<Isa>::for_shifts_around(const Box& around, double distance, Visit visit) const {
+    constexpr double max_shifts = 343;
+    exact::Point center;
+    double half2 = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        center[k] = 0.5 * (around.lower[k] + around.upper[k]);
+        half2 += (around.upper[k] - center[k]) * (around.upper[k] - center[k]);
+    }
+    const ShiftRange range = shifts_around(*domain_, hierarchy_.box(hierarchy_.top_level(), 0), center,
+                                           distance + std::sqrt(half2) * (1 + 8 * unit));
+    double count = 1;
+    for (std::size_t j = 0; j < 3; ++j) count *= 1.0 + range.upper[j] - range.lower[j];
+    if (!(count < max_shifts)) return false;
+    for (int i = range.lower[0]; i <= range.upper[0]; ++i)
+        for (int j = range.lower[1]; j <= range.upper[1]; ++j)
+            for (int k = range.lower[2]; k <= range.upper[2]; ++k)
+                if (i != 0 || j != 0 || k != 0) visit(std::array<int, 3>{i, j, k});
+    return true;
+}
+
+// Returns a box as the images by a shift see it, with room for rounding.
+template <class Isa>
+Box StarWalk<Isa>::seen_from_images(const Box& box, const std::array<double, 3>& by) const {
+    Box moved;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double slack = 16 * unit * (std::abs(by[k]) + seeds_.images->largest_coordinate());
+        moved.lower[k] = box.lower[k] - by[k] - slack;
+        moved.upper[k] = box.upper[k] - by[k] + slack;
+    }
+    return moved;
+}
+
+template <class Isa>
+std::array<double, 3> StarWalk<Isa>::translation(const std::array<int, 3>& shift) const {
+    std::array<double, 3> by{};
+    for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) by[k] += domain_->reduced.vector[j][k] * shift[j];
+    return by;
+}
+
+// Calls visit() for the groups of seeds, as seen from the images by a shift, that pass the test of near_heavier(), or
+// without weights, whose distance is less than the root of `square`. The test may change between calls.
+template <class Isa>
+template <class Visit>
+void StarWalk<Isa>::for_groups(const Box& around, const WeightTilt& tilt, const HeavierTest& test, Visit visit) {
+    std::size_t nodes = 1;
+    nodes_[0] = {hierarchy_.top_level(), 0};
+    while (nodes > 0) {
+        const auto [level, index] = nodes_[--nodes];
+        const BoxBlock& boxes = hierarchy_.block(level, index);
+        unsigned near = weighted_ ? Isa::near_heavier(boxes, hierarchy_.weight_bounds(level, index), around, tilt, test)
+                                  : Isa::near_boxes(boxes, around, test.square);
+        for (; near != 0; near &= near - 1) {
+            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
+            if (Hierarchy::first_seed(level, child) >= seeds_.size()) break;  // these are images
+            if (level > 0)
+                nodes_[nodes++] = {level - 1, child};
+            else if (!visit(std::size_t{child} * group_size))
+                return;
+        }
+    }
+}
+
+// Returns a length, at most the given one, below which no missing image cuts off a vertex of the seeds in a box. Lists
+// the shifts that matter for the given length.
+//
+// A vertex that a cell must lose lies in the cell of an image that is within the covering radius of it, so farther
+// images need not be excluded.
+template <class Isa>
+double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
+    image_shifts_.clear();
+    double near = std::numeric_limits<double>::infinity();
+    for (int corner = 0; corner < 8; ++corner)  // reach() is concave
+        near = std::min(near, seeds_.images->reach({corner & 1 ? home.upper[0] : home.lower[0],
+                                                    corner & 2 ? home.upper[1] : home.lower[1],
+                                                    corner & 4 ? home.upper[2] : home.lower[2]}));
+    const double from_seed = length + tilt_length_, heavier = std::max(0.0, domain_->largest_weight - lightest_);
+    const double distance =
+        (from_seed + std::min(std::sqrt(from_seed * from_seed + heavier), domain_->covering_radius)) * (1 + 4 * margin);
+    image_shifts_known_ = true;
+    if (distance < near) return length;
+    double sure = length;
+    const bool few = for_shifts_around(home, distance, [&](const std::array<int, 3>& shift) {
+        const std::array<double, 3> by = translation(shift);
+        const Box around = seen_from_images(home, by);
+        WeightTilt tilt = tilt_;
+        for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
+        HeavierTest test{length, 0, near};
+        bool any = false;
+        for_groups(around, tilt, test, [&](std::size_t begin) {
+            for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
+                if (seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}))
+                    continue;
+                any = true;
+                const double apart = std::max(near, distance_to_seed(around, s)),
+                             square = apart * apart * (1 - 8 * unit);
+                const double most = std::max(0.0, largest_residual(tilt, s) - tilt.least);
+                sure = std::max(0.0, std::min(sure, apart == 0 ? 0 : 0.5 * (square - most) / apart * (1 - 8 * unit)));
+            }
+            if (any) test.length = sure;
+            return !any || sure > 0;
+        });
+        if (any) image_shifts_.push_back(shift);
+    });
+    image_shifts_known_ = few;
+    return few ? sure : 0;
+}
+
+// Returns the distance of a seed from a box, rounded down.
+template <class Isa>
+double StarWalk<Isa>::distance_to_seed(const Box& box, std::size_t seed) const {
+    const double at[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    double square = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double gap = std::max({0.0, at[k] - box.upper[k], box.lower[k] - at[k]});
+        square += gap * gap;
+    }
+    return std::sqrt(square) * (1 - 8 * unit);
+}
+
+// Rounded up.
+template <class Isa>
+double StarWalk<Isa>::largest_residual(const WeightTilt& tilt, std::size_t seed) const {
+    const double at[3] = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
+    double rest = seeds_.weights[seed] - tilt.base, size = std::abs(rest);
+    for (int k = 0; k < 3; ++k) {
+        const double by = tilt.slope[k] * (at[k] - tilt.origin[k]);
+        rest -= by;
+        size += std::abs(by);
+    }
+    return rest + 16 * unit * size;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
+    const exact::Point& center = ball.center.lower;
+    const double near = seeds_.images->reach(center), square = ball.radius * ball.radius;
+    double distance = ball.radius;
+    if (weighted_) {
+        const double heavier = std::max(0.0, domain_->largest_weight - weight_), from_seed = ball.radius + tilt_length_;
+        distance = tilt_length_ + std::min(std::sqrt(from_seed * from_seed + heavier), domain_->covering_radius) +
+                   2 * ball.off;
+        distance *= 1 + 4 * margin;
+    }
+    if (distance < near) return false;
+    bool any = false;
+    const auto search = [&](const std::array<int, 3>& shift) {
+        if (any) return;
+        const std::array<double, 3> by = translation(shift);
+        const Box around = seen_from_images(ball.center, by);
+        WeightTilt tilt = own_tilt_;
+        for (std::size_t k = 0; k < 3; ++k) tilt.origin[k] -= by[k];
+        for_groups(around, tilt, {ball.off, square, near}, [&](std::size_t begin) {
+            for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
+                const double apart = distance_to_seed(around, s);
+                if (seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}))
+                    continue;
+                const double most = weighted_ ? std::max(0.0, largest_residual(tilt, s) - tilt.least) : 0;
+                any = any || apart * apart * (1 - 8 * unit) - 2 * ball.off * apart < square + most;
+            }
+            return !any;
+        });
+    };
+    if (weighted_ && image_shifts_known_ && length <= 0.5 * window_.reach()) {
+        for (const auto& shift : image_shifts_) search(shift);
+        return any;
+    }
+    return !for_shifts_around(ball.center, distance, search) || any;
 }
 
 // Examines the candidates that come too near to a vertex, from `lane` on. Returns one that cuts it off, or -1; tied_
@@ -806,7 +1045,8 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
 // Returns a bound on the error of n.x, in units of |n| and the length of the vertex.
 template <class Isa>
 double StarWalk<Isa>::relative_error(const Third& third) const {
-    return (weighted_ ? bounds::weighted_factor : bounds::solved_factor) * third.condition() + 8 * unit;
+    return (weighted_ ? bounds::weighted_factor : bounds::solved_factor) * third.condition() +
+           (weighted_ ? 40 : 8) * unit;
 }
 
 // Returns the side of a plane on which the vertex lies, or 0 if rounding may decide.
@@ -822,7 +1062,7 @@ int StarWalk<Isa>::sure_side(std::int32_t id, const Third& third, double relativ
 
 template <class Isa>
 void StarWalk<Isa>::store_position(const Third& third, const Four& x) {
-    Wide position = wide(x) * unscale_;
+    Wide position = (wide(x) - wide(move_)) * unscale_;
     position[3] = third.norms2 / third.determinant2 * third.length2 * unscale_ * unscale_;
     wide(position_[vertices_]) = position;
     numbers_[vertices_] = cells_.place(own_local_, position_[vertices_]);
@@ -859,8 +1099,7 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (keep_ == Keep::places) store_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    const double square = (1 + 4 * margin) * max_distance_squared(dot(wide(x), wide(x)), third);
-    cells_.give_tie(tied_cells_, numbers_[vertices_], bounds::power(square * unscale_ * unscale_, weight_));
+    cells_.give_tie(tied_cells_, numbers_[vertices_], power_of(x, third));
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 
@@ -1032,6 +1271,7 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     if (id < 0) {
         wall_plane(id, n, h);
         square = 2 * h;
+        if (weighted_) h += dot(wide(n), wide(move_));
         return;
     }
     const auto i = static_cast<std::size_t>(id);
@@ -1041,7 +1281,8 @@ void StarWalk<Isa>::plane_through(std::int32_t id, Four& n, double& h, double& s
     wide(n) *= scale_;
     square = dot(wide(n), wide(n));
     h = 0.5 * square;
-    if (!plain_ && weighted_) h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_);
+    if (!plain_ && weighted_)
+        h = 0.5 * (square + (weight_ - weight_of(id)) * scale_ * scale_) + dot(wide(n), wide(move_));
 }
 
 // Adds the rounding errors of coordinates.
@@ -1074,6 +1315,16 @@ void StarWalk<Isa>::need_plane(int slot) {
 template <class Isa>
 void StarWalk<Isa>::need_facing(int slot) {
     if (((facings_known_ >> slot) & 1) == 0) find_facing(slot);
+}
+
+// Finds the planes of all open edges at once: their square roots and divisions overlap in the processor.
+template <class Isa>
+void StarWalk<Isa>::find_facings() {
+    std::uint64_t slots = 0;
+    for (int i = open_begin_; i < open_end_; ++i)
+        slots |= 1ull << open_edges_[static_cast<std::size_t>(i)].a | 1ull
+                                                                          << open_edges_[static_cast<std::size_t>(i)].b;
+    for (slots &= ~facings_known_; slots != 0; slots &= slots - 1) find_facing(std::countr_zero(slots));
 }
 
 template <class Isa>
@@ -1130,7 +1381,9 @@ template <class Isa>
 void StarWalk<Isa>::begin_job(const Domain& domain) {
     domain_ = &domain;
     weighted_ = domain.has_weights();
-    weight_ = more_ = 0;
+    weight_ = own_weight_ = 0;
+    tilt_ = {};
+    tilt_length_ = weight_rounding_ = 0;
     plain_ = !weighted_ && seeds_.images == nullptr;
     walls_.clear();
     wall_places_.assign(6 + domain.walls.size(), -1);
@@ -1159,11 +1412,13 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
     }
 }
 
-// Returns a lower bound of the distance inside the wall.
+// Returns a lower bound of the distance of the moved seed inside the wall.
 template <class Isa>
 double StarWalk<Isa>::distance_to(const Wall& wall) const {
     const auto& n = wall.normal;
-    return wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
+    double inside = wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
+    if (weighted_) inside += along_tilt(n) - 8 * unit * tilt_length_;
+    return inside;
 }
 
 // Nearer than `reach` to a box.
@@ -1174,13 +1429,12 @@ void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
         const auto& n = walls_[w].normal;
         double farthest = 0;
         for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
-        if (walls_[w].offset - farthest - 2 * walls_[w].error < reach) near_walls_.push_back(w);
+        if (walls_[w].offset - farthest + along_tilt(n) - 2 * walls_[w].error < reach) near_walls_.push_back(w);
     }
 }
 
 template <class Isa>
-bool StarWalk<Isa>::add_near_walls() {
-    const double reach = longest_;
+bool StarWalk<Isa>::add_near_walls(double reach) {
     bool oblique = false;
     for (const std::size_t w : near_walls_) {
         const Wall& wall = walls_[w];

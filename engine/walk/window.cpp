@@ -13,18 +13,20 @@ namespace {
 
 constexpr std::size_t min_groups = 4;  // fewer say nothing about the surroundings
 constexpr int max_tries = 12;
+constexpr int max_heavier_tries = 1;
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 
 }  // namespace
 
-bool Window::collect(const Box& box, double distance_squared) {
+template <class Near>
+bool Window::collect(std::size_t most, Near near_boxes) {
     group_count_ = 0;
     std::size_t nodes = 1;
     stack_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
         const Node node = stack_[--nodes];
-        const unsigned near = kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, distance_squared);
+        const unsigned near = near_boxes(node);
         const std::uint32_t first = node.index * box_fan;
         // Without branches, which would be mispredicted.
         if (node.level > 0) {
@@ -37,10 +39,23 @@ bool Window::collect(const Box& box, double distance_squared) {
                 groups_[group_count_] = first + k;
                 group_count_ += (near >> k) & 1;
             }
-            if (group_count_ > max_groups) return false;
+            if (group_count_ > most) return false;
         }
     }
     return true;
+}
+
+bool Window::collect(const Box& box, double radius, const WeightTilt* tilt) {
+    const double square = radius * radius * (1 + 1e-12);
+    if (tilt == nullptr)
+        return collect(max_groups, [&](const Node& node) {
+            return kernels_.near_boxes(hierarchy_.block(node.level, node.index), box, square);
+        });
+    return collect(max_heavier_groups, [&](const Node& node) {
+        return kernels_.near_heavier(hierarchy_.block(node.level, node.index),
+                                     hierarchy_.weight_bounds(node.level, node.index), box, *tilt,
+                                     {0.5 * radius, 0, 0});
+    });
 }
 
 Box Window::home_box(std::size_t home) const {
@@ -56,9 +71,14 @@ Box Window::home_box(std::size_t home) const {
     return box;
 }
 
-bool Window::open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells) {
+bool Window::open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells) {
+    const WeightTilt* heavier = tilt;  // null if only near seeds are collected
     for (int tries = 0;; ++tries) {
-        const bool all = collect(box, radius * radius * (1 + 1e-12));
+        const bool all = collect(box, radius, heavier);
+        if (!all && heavier != nullptr && tries == max_heavier_tries) {
+            heavier = nullptr;
+            continue;
+        }
         if (tries == max_tries) {
             if (!all) return false;
             break;
@@ -91,6 +111,13 @@ bool Window::open(std::size_t home, const Box& box, double radius, double weight
         extent = std::max(extent, box.upper[k] - box.lower[k]);
     }
     extent = 0.5 * extent + radius;
+    if (tilt != nullptr)  // heavy seeds farther away
+        for (std::size_t i = 0; i < group_count_; ++i) {
+            const Box seeds = hierarchy_.box(0, groups_[i]);
+            for (std::size_t k = 0; k < 3; ++k)
+                extent = std::max({extent, origin_[k] - seeds.lower[k], seeds.upper[k] - origin_[k]});
+        }
+    extent_ = extent;
     if (!(extent > smallest_extent && extent < 1 / smallest_extent)) return false;
     // Twice the extent, times the scale, is at most window_range * (1 - 2^-20), which covers the rounding of origin and
     // extent.
@@ -99,17 +126,34 @@ bool Window::open(std::size_t home, const Box& box, double radius, double weight
     if (seeds_.images != nullptr && seeds_.images->largest_coordinate() * 0x1p-53 * scale_ > bounds::image_rounding)
         return false;
     reach_ = radius;
+    covered_ = heavier == tilt ? radius : 0;
 
     const std::size_t most = group_count_ * group_size + 16;
     for (auto* v : {&x_, &y_, &z_, &id_})
         if (v->size() < most) v->resize(2 * most);
     std::int32_t* const out[3] = {x_.data(), y_.data(), z_.data()};
+    if (tilt != nullptr) weight_.resize(x_.size());
     count_ = kernels_.to_window(
-        {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()}, {groups_.data(), group_count_}, kept},
-        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_}, out, id_.data());
+        {{seeds_.x.data(), seeds_.y.data(), seeds_.z.data()},
+         seeds_.weights.data(),
+         {groups_.data(), group_count_},
+         kept},
+        {box, radius * radius * (1 + 1e-12), {origin_[0], origin_[1], origin_[2]}, scale_, tilt, 0.5 * radius}, out,
+        id_.data(), weight_.data());
     for (int k = count_; k < count_ + 16; ++k) x_[k] = y_[k] = z_[k] = far_away, id_[k] = 0;
-    base_weight_ = weight;
-    return seeds_.weights.empty() || weigh();
+    if (tilt == nullptr) return true;
+    const auto set_padding = [&](float weight) {
+        for (std::size_t i = 0; i < kept; ++i) {
+            const std::size_t begin = std::size_t{groups_[i]} * group_size, count = seeds_.group_end(begin) - begin;
+            std::fill_n(weight_.begin() + static_cast<std::ptrdiff_t>(i * group_size + count), group_size - count,
+                        weight);
+        }
+    };
+    set_padding(0);
+    const bool spanned = find_span();
+    set_padding(no_weight);
+    std::fill_n(weight_.begin() + count_, 16, no_weight);
+    return spanned;
 }
 
 std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) const {
@@ -118,20 +162,12 @@ std::array<std::int32_t, 3> Window::position(const std::array<double, 3>& x) con
     return result;
 }
 
-bool Window::weigh() {
-    weight_.resize(x_.size());
+bool Window::find_span() {
     min_weight_ = max_weight_ = 0;
     for (int i = 0; i < count_; ++i) {
-        const std::int32_t id = id_[i];
-        const bool image = seeds_.images != nullptr && seeds_.images->is_image(id);
-        // Padding of the home's groups is far away and has no weight.
-        const bool exists = static_cast<std::size_t>(id) < (image ? seeds_.images_end : seeds_.size());
-        const auto seed = static_cast<std::size_t>(exists && image ? seeds_.images->home(id) : id);
-        weight_[i] = exists ? weight(seeds_.weights[seed]) : 0;
         min_weight_ = std::min(min_weight_, weight_[i]);
         max_weight_ = std::max(max_weight_, weight_[i]);
     }
-    for (int k = count_; k < count_ + 16; ++k) weight_[k] = 0;
     return double{max_weight_} - min_weight_ < widest_span;
 }
 

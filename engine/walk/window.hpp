@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "index/hierarchy.hpp"
@@ -23,66 +24,82 @@ public:
 
     static constexpr std::size_t no_home = ~std::size_t{0} - 1;
 
-    // Collects all seeds nearer to a box than about `radius`, except those of groups that are done. box: of home `home`
-    // (seeds home * home_seeds and on), of one of its seeds, or any box for no_home. weight: of a seed that matters;
-    // weights are relative to it. Returns false when no window can represent them.
-    bool open(std::size_t home, const Box& box, double radius, double weight, const Neighborhood& cells);
+    // Collects all seeds whose planes may come nearer to a seed in a box than about radius / 2, except those of groups
+    // that are done. Without weights these are the seeds nearer than the radius. box: of home `home` (seeds home *
+    // home_seeds and on), of one of its seeds, or any box for no_home. tilt: null without weights. Returns false when
+    // no window can represent them.
+    bool open(std::size_t home, const Box& box, double radius, const WeightTilt* tilt, const Neighborhood& cells);
 
     [[nodiscard]] Box home_box(std::size_t home) const;
     [[nodiscard]] WindowSeeds seeds() const {
         return {x_.data(), y_.data(), z_.data(), id_.data(), seeds_.weights.empty() ? nullptr : weight_.data(), count_};
     }
-    [[nodiscard]] double reach() const { return reach_; }  // complete within this distance of the home's box
+    // Planes nearer than half of this to a seed are wanted.
+    [[nodiscard]] double reach() const { return reach_; }
+    // Planes nearer than half of this are all there, those of far heavy seeds too.
+    [[nodiscard]] double covered() const { return covered_; }
     [[nodiscard]] double scale() const { return scale_; }  // units per length, a power of two
     [[nodiscard]] std::array<std::int32_t, 3> position(std::size_t seed) const {
         const std::size_t i = place(seed);
         return {x_[i], y_[i], z_[i]};
     }
     [[nodiscard]] std::array<std::int32_t, 3> position(const std::array<double, 3>& x) const;
-    // In a power diagram: a weight relative to the window's base, and the span of the weights and `own`, in squared
-    // units.
-    [[nodiscard]] float weight(double weight) const {
-        return static_cast<float>((weight - base_weight_) * scale_ * scale_);
-    }
+    // In a power diagram: a residual, and the span of those of the window and `own`, in squared units.
+    [[nodiscard]] float weight(double residual) const { return static_cast<float>(residual * scale_ * scale_); }
     [[nodiscard]] double weight_span(float own) const {
         return double{std::max(max_weight_, own)} - std::min(min_weight_, own);
     }
+    [[nodiscard]] double extent() const {
+        return extent_ * scale_;
+    }  // bound on distances from the origin along an axis
     // Whether a seed of the home is present. It is not if squares of distances underflow.
     [[nodiscard]] bool holds(std::size_t seed) const { return place(seed) < static_cast<std::size_t>(count_); }
     // Removes a seed of the home from the candidates if it is present, and restores it.
     void hide(std::size_t seed) {
-        if (const std::size_t i = place(seed); i < x_.size()) x_[i] = far_away;
+        const std::size_t i = place(seed);
+        if (i >= x_.size()) return;
+        x_[i] = far_away;
+        if (i < weight_.size()) weight_[i] = no_weight;
     }
-    void show(std::size_t seed, std::int32_t x) { x_[place(seed)] = x; }
+    void show(std::size_t seed, std::int32_t x, float weight) {
+        const std::size_t i = place(seed);
+        x_[i] = x;
+        if (i < weight_.size()) weight_[i] = weight;
+    }
 
 private:
+    static constexpr float no_weight = -std::numeric_limits<float>::infinity();  // of a seed that is no candidate
+
     [[nodiscard]] std::size_t place(std::size_t seed) const {
         return home_places_[seed / group_size % home_groups] + seed % group_size;
     }
     // Returns false when the weights differ too much for floats.
-    bool weigh();
+    bool find_span();
     // Returns false when more than `max_groups` groups are that near.
-    bool collect(const Box& box, double distance_squared);
+    bool collect(const Box& box, double radius, const WeightTilt* tilt);
+    template <class Near>
+    bool collect(std::size_t most, Near near);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
     const StarKernels& kernels_;
     static constexpr std::size_t max_groups = 160;  // beyond it a second search is cheaper
+    static constexpr std::size_t max_heavier_groups = 512;
     struct Node {
         std::int32_t level;
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> stack_;
-    std::array<std::uint32_t, max_groups + 2 * box_fan> groups_;
+    std::array<std::uint32_t, max_heavier_groups + 2 * box_fan> groups_;
     std::size_t group_count_ = 0;
     std::vector<std::int32_t> x_, y_, z_, id_;
     std::vector<float> weight_;
-    double base_weight_ = 0;
+    double extent_ = 0;
     float min_weight_ = 0, max_weight_ = 0;
     int count_ = 0;
     std::array<std::size_t, home_groups> home_places_{};  // of the first seeds of the home's groups
     std::array<double, 3> origin_{};
-    double reach_ = 0, scale_ = 1;
+    double reach_ = 0, covered_ = 0, scale_ = 1;
 };
 
 }  // namespace votess::cpu

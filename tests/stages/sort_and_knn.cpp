@@ -13,6 +13,7 @@
 #include "support/allocations.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
+#include "support/random.hpp"
 
 using votess::ThreadPool;
 using votess::cpu::group_size;
@@ -242,6 +243,46 @@ TEST_SUITE("stages") {
                         REQUIRE(hierarchy.box(level, node).lower[k] <= p[k]);
                         REQUIRE(hierarchy.box(level, node).upper[k] >= p[k]);
                     }
+            }
+        }
+    }
+
+    TEST_CASE("knn: no weight exceeds its bound, and linear weights have sharp bounds") {
+        ThreadPool pool(2);
+        test::Random random(6);
+        for (std::size_t n : {1, 7, 8, 9, 16, 17, 25, 64, 65, 129, 513, 4097, 20001}) {
+            for (const std::string kind : {"random", "linear", "smooth", "equal"}) {
+                auto sorted = sorted_seeds(test::uniform(n, n), pool);
+                sorted.weights.resize(sorted.places(), 0);
+                const double offset = random.chance(0.5) ? 0 : 1e6;
+                for (std::size_t s = 0; s < n; ++s) {
+                    const double x = sorted.x[s], y = sorted.y[s], z = sorted.z[s];
+                    sorted.weights[s] = offset + (kind == "random"   ? random.uniform(-1, 1)
+                                                  : kind == "linear" ? x - 2 * y + 0.5 * z
+                                                  : kind == "smooth" ? std::sin(3 * x) * std::cos(2 * y) + z * z
+                                                                     : 0.25);
+                }
+                std::fill(sorted.weights.begin() + static_cast<std::ptrdiff_t>(n), sorted.weights.end(),
+                          sorted.weights[n - 1]);
+                Hierarchy hierarchy;
+                hierarchy.build(sorted, pool);
+                for (std::size_t s = 0; s < n; ++s) {
+                    const double p[3] = {sorted.x[s], sorted.y[s], sorted.z[s]};
+                    std::size_t node = s / group_size;
+                    for (int level = 0; level <= hierarchy.top_level(); ++level, node /= Hierarchy::fan) {
+                        const auto& bounds = hierarchy.weight_bounds(level, node / Hierarchy::fan);
+                        const std::size_t i = node % Hierarchy::fan;
+                        const auto box = hierarchy.box(level, node);
+                        double bound = bounds.top[i];
+                        for (int k = 0; k < 3; ++k)
+                            bound += bounds.slope[k][i] * (p[k] - 0.5 * (box.lower[k] + box.upper[k]));
+                        const double rounding = 1e-15 * (offset + 10);
+                        REQUIRE(sorted.weights[s] <= bound + rounding);
+                        if ((kind == "linear" && n >= 64 && level > 0 && level < hierarchy.top_level()) ||
+                            kind == "equal")
+                            REQUIRE(bound - sorted.weights[s] < 0.3 + 40 * rounding);
+                    }
+                }
             }
         }
     }

@@ -14,6 +14,7 @@
 #include "input/options.hpp"
 #include "support/check.hpp"
 #include "support/rational_planes.hpp"
+#include "walk/window.hpp"
 
 using namespace votess::cpu;
 using test::Random;
@@ -92,27 +93,65 @@ TEST_SUITE("stages") {
             double more = x * x * decades(random, -12, 12);
             if (random.chance(0.6)) more = -x * x * (1 - decades(random, -17, 0));
             const mpq_class square = exact * exact + mpq_class(more);
-            const mpq_class reach(bounds::reach_from_vertex(x, length, more));
-            if (square > 0) CHECK(reach >= abs(off));
-            if (square > 0) CHECK(square_of(reach - abs(off)) >= square);
+            if (square <= 0) continue;
+            // The farthest seed that cuts X off, seen from x, is at sqrt(square) + |off|. The walk's test of its
+            // distance is D^2 - 2 slack D < most^2 + more.
+            const double most = bounds::max_distance(x, length), slack = 2 * bounds::margin * length;
+            const mpq_class distance = mpq_class(std::sqrt(square.get_d()) * (1 - 0x1p-50)) + abs(off);
+            CHECK(distance * distance - 2 * mpq_class(slack) * distance <
+                  mpq_class(most) * mpq_class(most) + mpq_class(more));
         }
     }
 
-    TEST_CASE("star bounds: the widest reach, where the longest normal is as long as may be") {
+    TEST_CASE("star bounds: the widest reach without weights") {
         Random random(2);
         for (std::size_t i = 0; i < test::by_size(6000, 2000); ++i) {
-            const double x = decades(random, -6, 6), more = random.chance(0.1) ? 0 : x * x * decades(random, -3, 20);
-            const double longest = (x + std::sqrt(x * x + more)) * (1 + 1e-7);
-            const mpq_class off = mpq_class(0.6 * bounds::margin) * mpq_class(x + longest / 4);
-            const mpq_class exact = mpq_class(x) + off, square = exact * exact + mpq_class(more);
-            const mpq_class reach(bounds::widest_reach(x * x, more));
-            CHECK(square_of(reach - off) >= square);
-            // At least (a + sqrt(b))^2, a = |X|, b = |X|^2 + more.
-            const mpq_class rest = mpq_class(bounds::widest_reach_squared(x * x, more)) - exact * exact - square;
-            CHECK(rest * rest >= 4 * exact * exact * square);
-            const mpq_class alone = mpq_class(x) * (1 + mpq_class(0.45 * bounds::margin));
-            CHECK(mpq_class(bounds::widest_reach_squared(x * x)) >= 4 * alone * alone);
+            const double x = decades(random, -6, 6);
+            const mpq_class off = mpq_class(0.45 * bounds::margin) * mpq_class(x), exact = mpq_class(x) + off;
+            CHECK(mpq_class(bounds::widest_reach(x * x)) >= exact + off);
+            CHECK(mpq_class(bounds::widest_reach_squared(x * x)) >= 4 * exact * exact);
         }
+    }
+
+    TEST_CASE("star bounds: planes of seeds that the search skips are as far away as it says") {
+        Random random(7);
+        for_each_set([&](const StarKernels& kernels) {
+            std::size_t skipped = 0;
+            for (std::size_t i = 0; i < test::by_size(20000, 4000); ++i) {
+                const double extent = decades(random, 5, 8), distance = extent * decades(random, -3, -0.1);
+                const double norm = extent * decades(random, -5, 0);
+                const Vector along = direction(random);
+                // The exact plane is a little nearer than the limit, or farther away.
+                const double off =
+                    random.chance(0.5) ? bounds::quantum * random.uniform(0, 3) : distance * random.uniform(-1, 1);
+                std::int32_t at[3][16];
+                Vector n;
+                double norm2 = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    at[k][0] = static_cast<std::int32_t>(std::lrint(norm * along[k]));
+                    n[k] = at[k][0] + random.uniform(-1.01, 1.01);
+                    norm2 += n[k] * n[k];
+                    for (int j = 1; j < 16; ++j) at[k][j] = far_away;
+                }
+                const double h = (distance - off) * std::sqrt(norm2), difference = 2 * h - norm2;  // r_p - r_q
+                const double own = random.chance(0.5) ? 0 : difference * random.uniform(-2, 2),
+                             other = own - difference;
+                const double span = std::max({own, other, 0.0}) - std::min({own, other, 0.0});
+                const double rounding = bounds::weight_rounding(span, 0, extent);
+                const double limit = 4 * distance * distance;
+                const auto slack = static_cast<float>(bounds::select_slack(distance, extent, rounding));
+                const std::int32_t zero[3] = {0, 0, 0};
+                std::int32_t ids[16] = {7};
+                float weights[16] = {static_cast<float>(other)};
+                for (int j = 1; j < 16; ++j) weights[j] = -std::numeric_limits<float>::infinity();
+                const auto candidates = std::make_unique<CandidatePlanes>();
+                REQUIRE(kernels.select({at[0], at[1], at[2], ids, weights, 1}, zero, static_cast<float>(own),
+                                       {static_cast<float>(limit), static_cast<float>(limit), slack}, *candidates));
+                skipped += candidates->count == 0 ? 1 : 0;
+                if (candidates->count == 0) CHECK(h / std::sqrt(norm2) >= distance * (1 - 0x1p-20) - bounds::quantum);
+            }
+            CHECK(skipped > 500);
+        });
     }
 
     TEST_CASE("star bounds: powers and back") {
@@ -147,6 +186,10 @@ TEST_SUITE("stages") {
             const auto& input = clipper.seeds().input;
             const auto seed = static_cast<std::size_t>(std::ranges::find(input, 0) - input.begin());
             REQUIRE(seed < input.size());
+            const std::size_t group = seed / Window::home_seeds * Window::home_groups;
+            const WeightBlock& slopes = clipper.hierarchy().weight_bounds(0, group / box_fan);
+            const double tilt = 0.5 * length_of({slopes.slope[0][group % box_fan], slopes.slope[1][group % box_fan],
+                                                 slopes.slope[2][group % box_fan]});
             for (const Kernels* kernels : supported_kernels()) {
                 const auto star = make_star(kernels->name, clipper.seeds(), clipper.hierarchy());
                 star->begin_job(*job.domain);
@@ -183,7 +226,7 @@ TEST_SUITE("stages") {
                         off += square_of(exact[k] - mpq_class(polygons.positions[v][k]));
                         square += square_of(exact[k]);
                     }
-                    const double length = length_of(polygons.positions[v]) + longest / 4;
+                    const double length = length_of(polygons.positions[v]) + longest / 4 + 1.25 * tilt;
                     CHECK(off <= square_of(mpq_class(0.6 * bounds::margin * length)));
                     beyond_length += off > square_of(mpq_class(bounds::margin)) * square ? 1 : 0;
                     CHECK(mpq_class(star->power_found()) >= square - mpq_class(small.weights[0]));
@@ -234,11 +277,13 @@ TEST_SUITE("stages") {
                 if (mpq_class(n[0]) * x[0] + mpq_class(n[1]) * x[1] + mpq_class(n[2]) * x[2] < h) continue;
 
                 const double x2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-                const double more = std::max(0.0, high - own);
-                const double long_normal = std::sqrt(x2) + std::sqrt(x2 + more);
-                const double off = 0.19 * bounds::float_unit * (std::sqrt(x2) + (weighted ? long_normal / 4 : 0));
+                // Its square is no float, or a seed at this distance is skipped.
+                if (h > 1e18 || (weighted && at[0][0] == 0 && at[1][0] == 0 && at[2][0] == 0)) continue;
+                const double tilt = weighted && random.chance(0.5) ? longest * decades(random, -2, 2) : 0;
+                const double off = 0.19 * bounds::float_unit * (std::sqrt(x2) + (weighted ? (longest + tilt) / 4 : 0));
                 const auto m =
-                    weighted ? bounds::float_margin(longest, more, high - low) : bounds::float_margin(longest);
+                    weighted ? bounds::float_margin(longest, tilt, bounds::weight_rounding(high - low, tilt, longest))
+                             : bounds::float_margin(longest);
                 float v[4];
                 for (std::size_t k = 0; k < 3; ++k) v[k] = static_cast<float>(x[k] - off * n[k] / std::sqrt(norm2));
                 v[3] = static_cast<float>(m.by_square * x2 + m.constant);
@@ -247,8 +292,8 @@ TEST_SUITE("stages") {
                 float weights[16] = {static_cast<float>(other)};
                 const WindowSeeds window{at[0], at[1], at[2], ids, weighted ? weights : nullptr, 1};
                 const auto candidates = std::make_unique<CandidatePlanes>();
-                REQUIRE(kernels.select(window, zero, static_cast<float>(own), 0, std::numeric_limits<float>::max() / 4,
-                                       *candidates));
+                REQUIRE(kernels.select(window, zero, static_cast<float>(own),
+                                       {0, std::numeric_limits<float>::max() / 4, 0}, *candidates));
                 const int found = kernels.touching(*candidates, candidates->count, v, three, 0);
                 CHECK(found == 0);
             }

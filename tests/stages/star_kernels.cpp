@@ -138,6 +138,95 @@ TEST_SUITE("stages") {
         }
     }
 
+    // Seeds in boxes, with weights that are nearly linear in each, and a home with another slope.
+    TEST_CASE("star kernels: near_heavier and to_window keep all seeds that may cut") {
+        Random random(2);
+        int passed = 0, dropped = 0;
+        for (int round = 0; round < 2000; ++round) {
+            const double spread = random.chance(0.5) ? 0 : random.uniform(0, 2);  // of a box
+            std::array<std::vector<double>, 3> seeds;
+            std::vector<double> weights(box_fan * box_fan);
+            BoxBlock block;
+            WeightBlock bounds;
+            WeightTilt tilt{};
+            votess::Box home;
+            HeavierTest test{random.chance(0.5) ? random.uniform(0, 1) : 0, random.uniform(0, 2),
+                             random.chance(0.5) ? random.uniform(0, 5) : 0};
+            for (int k = 0; k < 3; ++k) {
+                seeds[k].resize(weights.size());
+                home.lower[k] = random.uniform(-1, 0), home.upper[k] = random.uniform(0, 1);
+                tilt.slope[k] = random.uniform(-3, 3), tilt.origin[k] = random.uniform(-1, 1);
+            }
+            tilt.base = random.uniform(-3, 3), tilt.least = random.uniform(-3, 3);
+            for (int i = 0; i < box_fan; ++i) {
+                const double top = random.uniform(-9, 9);
+                double center[3];
+                for (int k = 0; k < 3; ++k) {
+                    bounds.slope[k][i] = random.chance(0.5) ? tilt.slope[k] : random.uniform(-3, 3);
+                    const double at = random.uniform(-6, 6);
+                    for (int j = 0; j < box_fan; ++j) seeds[k][box_fan * i + j] = at + random.uniform(0, spread);
+                    const auto begin = seeds[k].begin() + box_fan * i;
+                    const auto [least, most] = std::minmax_element(begin, begin + box_fan);
+                    block.lower[k][i] = *least, block.upper[k][i] = *most;
+                    center[k] = 0.5 * (*least + *most);
+                }
+                bounds.top[i] = -infinity;
+                for (int j = 0; j < box_fan; ++j) {
+                    double along = 0;
+                    for (int k = 0; k < 3; ++k) along += bounds.slope[k][i] * (seeds[k][box_fan * i + j] - center[k]);
+                    weights[box_fan * i + j] = top + along - (spread == 0 ? 0 : random.uniform(0, 1));
+                    bounds.top[i] = std::max(bounds.top[i], weights[box_fan * i + j] - along);
+                }
+            }
+            const auto excess_over = [&](std::size_t s, double square, double nearest) {
+                double distance2 = 0, more = weights[s] - tilt.base - tilt.least;
+                for (int k = 0; k < 3; ++k) {
+                    const double x = seeds[k][s];
+                    distance2 += std::pow(std::max({0.0, home.lower[k] - x, x - home.upper[k]}), 2);
+                    more -= tilt.slope[k] * (x - tilt.origin[k]);
+                }
+                const double distance = std::max(std::sqrt(distance2), nearest);
+                return square + std::max(0.0, more) - distance * distance + 2 * test.length * distance;
+            };
+            const WindowFrame frame{home, 0, {}, 1024, &tilt, test.length};
+            std::vector<std::uint32_t> groups(box_fan);
+            std::iota(groups.begin(), groups.end(), 0u);
+            for_each_set([&](const StarKernels& kernels) {
+                const unsigned near = kernels.near_heavier(block, bounds, home, tilt, test);
+                for (int i = 0; i < box_fan; ++i) {
+                    double most = -infinity;
+                    for (int j = 0; j < box_fan; ++j)
+                        most = std::max(
+                            most, excess_over(static_cast<std::size_t>(box_fan * i + j), test.square, test.nearest));
+                    if (most > 1e-9) REQUIRE((near >> i & 1) == 1);
+                    if (spread == 0 && most < -1e-9) REQUIRE((near >> i & 1) == 0);
+                    (most > 0 ? passed : dropped) += 1;
+                }
+                std::array<std::vector<std::int32_t>, 3> out;
+                std::vector<std::int32_t> ids(weights.size() + 16);
+                std::vector<float> residuals(ids.size());
+                for (auto& axis : out) axis.resize(ids.size());
+                std::int32_t* const to[3] = {out[0].data(), out[1].data(), out[2].data()};
+                const int count =
+                    kernels.to_window({{seeds[0].data(), seeds[1].data(), seeds[2].data()}, weights.data(), groups, 0},
+                                      frame, to, ids.data(), residuals.data());
+                std::vector<bool> kept(weights.size(), false);
+                for (int w = 0; w < count; ++w) {
+                    const auto s = static_cast<std::size_t>(ids[w]);
+                    kept[s] = true;
+                    double rest = weights[s] - tilt.base;
+                    for (int k = 0; k < 3; ++k) rest -= tilt.slope[k] * (seeds[k][s] - tilt.origin[k]);
+                    REQUIRE(std::abs(residuals[w] / (1024.0 * 1024) - rest) < 1e-5);
+                }
+                for (std::size_t s = 0; s < kept.size(); ++s)
+                    if (const double excess = excess_over(s, 0, 0); std::abs(excess) > 1e-9)
+                        REQUIRE(kept[s] == (excess > 0));
+            });
+        }
+        CHECK(passed > 2000);
+        CHECK(dropped > 2000);
+    }
+
     TEST_CASE("star kernels: to_window selects, rounds and clamps") {
         Random random(3);
         constexpr double range = window_range;
@@ -145,7 +234,8 @@ TEST_SUITE("stages") {
             const std::size_t all = 40;
             const bool integers = round % 2 == 0;  // distances are exact, so that the limit is too
             std::array<std::vector<double>, 3> seeds;
-            WindowFrame frame{{}, integers ? static_cast<double>(random.below(200)) : random.uniform(0, 200), {}, 1};
+            WindowFrame frame{
+                {}, integers ? static_cast<double>(random.below(200)) : random.uniform(0, 200), {}, 1, nullptr, 0};
             frame.scale = std::ldexp(1.0, static_cast<int>(random.integer(0, 28)));
             auto draw = [&](double size) {
                 return integers ? static_cast<double>(random.integer(-10, 10)) : random.uniform(-size, size);
@@ -179,8 +269,9 @@ TEST_SUITE("stages") {
                 for (auto& axis : out) axis.resize(room);
                 std::vector<std::int32_t> ids(room);
                 std::int32_t* const to[3] = {out[0].data(), out[1].data(), out[2].data()};
-                const int count = kernels.to_window({{seeds[0].data(), seeds[1].data(), seeds[2].data()}, groups, kept},
-                                                    frame, to, ids.data());
+                const int count =
+                    kernels.to_window({{seeds[0].data(), seeds[1].data(), seeds[2].data()}, nullptr, groups, kept},
+                                      frame, to, ids.data(), nullptr);
                 REQUIRE(std::equal(expected.begin(), expected.end(), ids.begin(), ids.begin() + count));
                 for (int i = 0; i < count; ++i)
                     for (int k = 0; k < 3; ++k) {
@@ -230,20 +321,30 @@ TEST_SUITE("stages") {
             for (float& weight : weights) weight = static_cast<float>(random.integer(0, size));
             const auto own_weight = static_cast<float>(random.integer(0, size));
             const auto near_limit = static_cast<float>(random.uniform(0, 1.2)) * limit;
+            // The square of twice the distance of the plane, with its sign.
+            const auto measured = [&](int i, double less) {
+                if (!weighted) return square[i] * (1 - less);
+                const double h = 0.5 * (square[i] + own_weight - weights[i]) - less * (square[i] + size);
+                return square[i] == 0 ? (h < 0 ? -infinity : infinity) : 4 * h * std::abs(h) / square[i];
+            };
             std::vector<int> inside, edge;  // for certain, and where the rounding of floats decides
             for (int i = 0; i < count; ++i) {
-                const double rounding = size == 20 ? 0 : 1e-6 * square[i];
-                if (square[i] + rounding < limit)
+                if (weighted && x[0][i] == far_away) continue;
+                const double rounding = size == 20 && !weighted ? 0 : 1e-6;
+                if (measured(i, -rounding) < limit * (1 - rounding))
                     inside.push_back(i);
-                else if (square[i] - rounding < limit)
+                else if (measured(i, rounding) < limit * (1 + rounding))
                     edge.push_back(i);
             }
+            for (int i = 0; i < count; ++i)
+                if (x[0][i] == far_away) weights[i] = -std::numeric_limits<float>::infinity();
+            std::fill(weights.begin() + count, weights.end(), -std::numeric_limits<float>::infinity());
             for_each_set([&](const StarKernels& kernels) {
                 const auto planes = std::make_unique<CandidatePlanes>();
                 CandidatePlanes& c = *planes;
                 const bool fits = kernels.select(
                     {x[0].data(), x[1].data(), x[2].data(), ids.data(), weighted ? weights.data() : nullptr, count}, p,
-                    own_weight, near_limit, limit, c);
+                    own_weight, {near_limit, limit, 0}, c);
                 // A set may give up when the last vector of seeds might not fit.
                 if (inside.size() + edge.size() <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                 if (inside.size() > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
@@ -253,8 +354,7 @@ TEST_SUITE("stages") {
                 REQUIRE((c.near >= 0 && c.near <= c.count));
                 REQUIRE(std::is_sorted(found.begin(), found.begin() + c.near));
                 REQUIRE(std::is_sorted(found.begin() + c.near, found.end()));
-                for (int i = c.near; i < c.count; ++i)
-                    REQUIRE(square[static_cast<std::size_t>(c.id[i])] * (1 + 1e-6) >= near_limit);
+                for (int i = c.near; i < c.count; ++i) REQUIRE(measured(c.id[i], -1e-6) * (1 + 1e-6) >= near_limit);
                 std::ranges::sort(found);
                 std::ranges::set_difference(found, edge, std::back_inserter(sure));
                 REQUIRE(sure == inside);
@@ -285,7 +385,7 @@ TEST_SUITE("stages") {
                     const auto c = std::make_unique<CandidatePlanes>();
                     const std::int32_t p[3] = {0, 0, 0};
                     const bool fits = kernels.select({x.data(), zero.data(), zero.data(), ids.data(), nullptr, 624}, p,
-                                                     0, 1e6f, 1e6f, *c);
+                                                     0, {1e6f, 1e6f, 0}, *c);
                     CAPTURE(near);
                     if (near <= CandidatePlanes::capacity - 8) REQUIRE(fits);
                     if (near > CandidatePlanes::capacity) REQUIRE_FALSE(fits);
