@@ -71,6 +71,8 @@ private:
     void start();
     Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
+    // Clips by the walls that start() postponed.
+    void clip_walls();
     void clip_by_own_images();
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
@@ -94,6 +96,12 @@ private:
     void clip_far(double from);
     Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
+    [[nodiscard]] double weight_of(std::int32_t id) const;
+    // Returns the seed or image whose power |x - q|^2 - w is least, or -1 if that is the seed's own. x: from the seed.
+    [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);
+    // Clips by the owners of the vertices until each vertex is the cell's own, to rounding. So a cell that heavy seeds
+    // cut is small, or empty, before all seeds in reach are tested.
+    void clip_by_owners();
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
     void push_far(const ImageNode& node);
@@ -122,7 +130,9 @@ private:
 
     std::size_t group_ = ~std::size_t{0};
     Box home_{};
+    bool walls_postponed_ = false, clipped_by_owners_ = false;
     std::vector<QueueEntry> queue_, far_queue_;
+    std::vector<std::array<double, 3>> owned_;  // by slot: the vertex that is known to be the cell's own
     std::vector<FarEntry> far_images_;
     double covered_ = 0;  // squared distance from home within which the window is complete
     std::vector<double> x_, y_, z_, distance_;

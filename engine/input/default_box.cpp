@@ -51,6 +51,7 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     }
     for (std::size_t w = 0; w < walls.size(); ++w)
         domain.walls.push_back(domain_wall(walls[w], scale, "wall " + std::to_string(w)));
+    sort_walls(domain);
 
     cpu::Cell polyhedron;
     polyhedron.start(middle, domain);
