@@ -17,6 +17,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
 constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
 constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
+constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
 constexpr double first_band = 0.8;               // of the squared reach expected
 constexpr double band_growth = 1.6;              // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
@@ -92,7 +94,7 @@ void CellBuilder::start() {
     cell_.start_without_walls(base_.point, *domain_, own_);
     walls_postponed_ = !domain_->walls.empty();
     if (domain_->wall_tree.size() == 0) clip_walls();
-    clipped_by_owners_ = false;
+    clipped_by_owner_ = false;
     if (heaviest_ >= 0) clip_by_heaviest();
     if (probing_ && domain_->is_periodic()) clip_by_own_images();
     auto id = static_cast<std::int32_t>(seeds_.places());
@@ -136,18 +138,19 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     const Box here{at, at};
     std::int32_t owner = -1;
     double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
-    far_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
-    while (!far_queue_.empty() && far_queue_.front().distance_squared < least) {
-        std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
-        const QueueEntry entry = far_queue_.back();
-        far_queue_.pop_back();
+    owner_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
+    const std::size_t last = tests_ + tests_of_owner;
+    while (!owner_queue_.empty() && owner_queue_.front().distance_squared < least && tests_ < last) {
+        std::pop_heap(owner_queue_.begin(), owner_queue_.end(), farther);
+        const QueueEntry entry = owner_queue_.back();
+        owner_queue_.pop_back();
         ++tests_;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 const double power = box_distance(box, here) - hierarchy_.largest_weight(level, node);
                 if (!(power < least)) return;
-                far_queue_.push_back({power, level, static_cast<std::uint32_t>(node)});
-                std::push_heap(far_queue_.begin(), far_queue_.end(), farther);
+                owner_queue_.push_back({power, level, static_cast<std::uint32_t>(node)});
+                std::push_heap(owner_queue_.begin(), owner_queue_.end(), farther);
             });
             continue;
         }
@@ -164,26 +167,17 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     return owner;
 }
 
-void CellBuilder::clip_by_owners() {
-    clipped_by_owners_ = true;
-    owned_.clear();
-    for (bool changed = true; changed && !cell_.empty() && !exhausted();) {
-        changed = false;
-        for (int slot = 0; slot < cell_.slots() && !exhausted(); ++slot) {
-            if (!cell_.alive(slot)) continue;
-            const std::array<double, 3> x = cell_.position(slot);
-            const auto s = static_cast<std::size_t>(slot);
-            if (s < owned_.size() && owned_[s] == x) continue;
-            owned_.resize(std::max(owned_.size(), s + 1), {infinity, infinity, infinity});
-            const std::int32_t owner = owner_of(x);
-            const std::size_t planes = cell_.planes().size();
-            if (owner >= 0) clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
-            if (cell_.planes().size() == planes)
-                owned_[s] = x;
-            else
-                changed = true;
-        }
+void CellBuilder::clip_if_hidden() {
+    std::array<double, 3> x{};
+    for (int owners = 0; owners < owners_of_hidden; ++owners) {
+        const std::int32_t owner = owner_of(x);
+        if (owner < 0) return;
+        clipped_by_owner_ = true;
+        clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
+        if (cell_.empty()) return;
+        x = cell_.middle();
     }
+    cell_.drop_if_flat();
 }
 
 void CellBuilder::poll_stop() {
@@ -207,7 +201,7 @@ void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     poll_stop();
     const auto i = static_cast<std::size_t>(home);
     // Their nearest images are clipped at the start.
-    if ((home == own_ || home == heaviest_ || clipped_by_owners_) && cell_.has_plane(home, shift)) return;
+    if ((home == own_ || home == heaviest_ || clipped_by_owner_) && cell_.has_plane(home, shift)) return;
     exact::Plane plane = bisector(home, shift);
     if (home == coincident_ && coincides(plane)) return;
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
@@ -349,11 +343,17 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     max_tests_ = max_tests;
     if (max_tests == 0) return nullptr;
     start();
-    if (!seeds_.weights.empty())
-        if (const std::int32_t owner = owner_of({}); owner >= 0) {
-            clipped_by_owners_ = true;
-            clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
-        }
+    if (!seeds_.weights.empty()) clip_if_hidden();
+    const double from = clip_window();
+    clip_walls();
+    if (from < infinity) clip_far(from);
+    if (seeds_.images != nullptr) clip_far_images();
+    if (exhausted()) return nullptr;
+    reach_ = reach_squared();
+    return &cell_;
+}
+
+double CellBuilder::clip_window() {
     measured_ = 0;
     double from = 0;
     double to = first_band * reach_;
@@ -362,21 +362,13 @@ Cell* CellBuilder::search(std::size_t max_tests) {
             extend_window(to, 0);
             to = std::min(to, covered_);
         }
-        if (to <= from && covered_ < infinity) {
-            clip_walls();
-            clip_far(from);
-            break;
-        }
+        if (to <= from && covered_ < infinity) return from;
         const bool complete = clip_band(from, to);
         clip_walls();
-        if (complete || to == infinity) break;
+        if (complete || to == infinity) return infinity;
         from = to;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
-    if (seeds_.images != nullptr) clip_far_images();
-    if (exhausted()) return nullptr;
-    reach_ = reach_squared();
-    return &cell_;
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
@@ -466,7 +458,6 @@ bool CellBuilder::clip_band(double from, double to) {
 void CellBuilder::clip_far(double from) {
     const Box here{at_, at_};
     const bool weighted = !seeds_.weights.empty();
-    if (weighted) clip_by_owners();
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);

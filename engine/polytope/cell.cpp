@@ -294,6 +294,36 @@ bool Cell::has_plane(std::int32_t id, const exact::Shift& shift) const {
     return std::ranges::any_of(planes_, [&](const CellPlane& p) { return p.id == id && p.shift == shift; });
 }
 
+std::array<double, 3> Cell::middle() const {
+    std::array<double, 3> sum{};
+    double count = 0;
+    for_each_alive([&](int v) {
+        sum[0] += x_[v], sum[1] += y_[v], sum[2] += z_[v];
+        ++count;
+    });
+    return {sum[0] / count, sum[1] / count, sum[2] / count};
+}
+
+void Cell::drop_if_flat() {
+    int first = 0;
+    while (!alive(first)) ++first;
+    for (const std::int32_t p : std::array(corners_[first].plane)) {
+        const CellPlane& plane = planes_[p];
+        bool flat = true;
+        for_each_alive([&](int v) {
+            const auto& [a, b, c] = corners_[v].plane;
+            if (!flat || a == p || b == p || c == p) return;
+            const double excess = plane.n[0] * x_[v] + plane.n[1] * y_[v] + plane.n[2] * z_[v] - plane.h;
+            const double bound = plane.norm * tolerance_[v] + 12 * unit * std::abs(plane.h);
+            flat = !(plane.reliable && std::abs(excess) > bound) && side_exact(v, plane) == 0;
+        });
+        if (!flat) continue;
+        std::ranges::fill(alive_, 0);
+        empty_ = true;
+        return;
+    }
+}
+
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];

@@ -98,6 +98,10 @@ public:
     [[nodiscard]] bool may_cut(const Box& relative, double more);
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
+    // Returns the mean of the vertices.
+    [[nodiscard]] std::array<double, 3> middle() const;
+    // Makes the cell empty if all vertices lie on one plane of the first, so that it has no volume.
+    void drop_if_flat();
     // True if nothing is left: in a power diagram other seeds may be nearer everywhere.
     [[nodiscard]] bool empty() const { return empty_; }
 
