@@ -344,7 +344,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     if (max_tests == 0) return nullptr;
     start();
     if (!seeds_.weights.empty()) clip_if_hidden();
-    const double from = clip_window();
+    const double from = cell_.empty() ? infinity : clip_window();
     clip_walls();
     if (from < infinity) clip_far(from);
     if (seeds_.images != nullptr) clip_far_images();

@@ -7,6 +7,7 @@
 #include <ranges>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -18,6 +19,7 @@ constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
+constexpr std::size_t nodes_per_check = 256;
 constexpr int few_slots = 256;         // of a cell whose vertices are all compared with a plane
 constexpr int steps_at_first = 16;     // of a climb, before it starts again from the best of a sample
 constexpr std::int32_t no_plane = -1;  // walls are never refined
@@ -213,6 +215,7 @@ void Cell::clip_walls(const Domain& domain) {
     // Level by level, so that a cell with many walls soon has some everywhere.
     wall_queue_.assign(1, 0);
     for (std::size_t k = 0; k < wall_queue_.size(); ++k) {
+        if (k % nodes_per_check == 0) check_stop();
         const std::size_t node = wall_queue_[k];
         if (slots_ <= few_slots && !may_meet(tree, node)) continue;
         clip_by(tree.wall(node));

@@ -27,8 +27,10 @@ Tests search_all(std::size_t count, Weight weight) {
     for (double& x : points) x = random.uniform();
     votess::Options options;
     options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    std::vector<double> weights;
     for (std::size_t i = 0; i < count; ++i)
-        options.weights.push_back(weight(i, std::array{points[3 * i], points[3 * i + 1], points[3 * i + 2]}));
+        weights.push_back(weight(i, std::array{points[3 * i], points[3 * i + 1], points[3 * i + 2]}));
+    options.weights = weights;
     const votess::Job job = validate({points, {}}, options);
     votess::ThreadPool pool(1);
     votess::cpu::SeedSorter sorter;
