@@ -330,6 +330,7 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     }
     if (seeds_.size() == 0) {
         start();
+        clip_walls();
         return cell_;
     }
     coincident_ = find_coincident();
@@ -463,7 +464,7 @@ void CellBuilder::clip_far(double from) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
         const QueueEntry entry = far_queue_.back();
         far_queue_.pop_back();
-        if (cell_.empty() || (!weighted && entry.distance_squared >= reach_squared())) return;
+        if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
         const double more =
