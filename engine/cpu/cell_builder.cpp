@@ -368,6 +368,9 @@ double CellBuilder::clip_window() {
         clip_walls();
         if (complete || to == infinity) return infinity;
         from = to;
+        // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
+        const double reach_of_most = 4 * cell_.radius_squared();
+        if (!seeds_.weights.empty() && from >= reach_of_most && reach_squared() > 4 * reach_of_most) return from;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
 }
