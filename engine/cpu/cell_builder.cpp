@@ -350,7 +350,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     if (from < infinity) clip_far(from);
     if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
-    reach_ = reach_squared();
+    reach_ = 4 * cell_.radius_squared() * distance_slack;
     return &cell_;
 }
 
