@@ -18,7 +18,7 @@ namespace votess {
 class WallTree {
 public:
     WallTree() = default;
-    // All walls are oblique. middle: a place near those that will be asked for, of the domain.
+    // All walls are oblique. middle: of the domain; any place gives right answers, a near one excludes more.
     WallTree(std::span<const exact::Plane> walls, const exact::Point& middle);
 
     [[nodiscard]] std::size_t size() const { return nodes_.size(); }

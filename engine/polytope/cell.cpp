@@ -16,8 +16,9 @@ constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these, underflow may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
-constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
-constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which need the exact test
+constexpr double smallest_height = 1e-300;  // differences of heights below it may come from underflow
+constexpr double worst_condition = 1e4;     // |na||nb||nc| / |det|
+constexpr int tests_before_refining = 8;    // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
 constexpr std::size_t nodes_per_check = 256;
 constexpr int few_slots = 256;         // of a cell whose vertices are all compared with a plane
@@ -256,7 +257,7 @@ Box seen_from(const exact::Point& at, const Box& box, const exact::Point& roundi
 }
 
 bool Cell::in_reach(const Box& relative, double more) const {
-    // A negative excess is not larger than |v|^2, and its rounding is that of a difference of two weights.
+    // A negative excess needs no slack except for its own rounding, since |q - v| is less than |v|.
     const double floor =
         smallest_radius + more * (more > 0 ? reach_of_error(worst_error) * radius_slack : 1 - 8 * unit);
     for (int w = 0; w * word_slots < slots_; ++w)
@@ -429,8 +430,8 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 }
 
 // In a power diagram the bisector with a farther seed may lie on the plane of a face. The face becomes the farther
-// seed's, whose power is least beyond the plane. Of equal walls the first has the face; clip_walls() may bring it after
-// others. Returns whether the planes are equal.
+// seed's, whose power is least beyond the plane. The first of equal walls has the face, in whatever order clip_walls()
+// clips by them. Returns whether the planes are equal.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     const bool is_wall = plane.source.kind == exact::Plane::Kind::wall;
     if (!is_wall && (!plane.source.is_bisector() || plane.source.is_reversed())) return false;
@@ -495,7 +496,7 @@ std::optional<bool> Cell::climb(const CellPlane& plane, const FilterPlane& filte
         const double from = highest;
         for (const std::int32_t next : corners_[slot].next) {
             const double at = height(next);
-            certain = certain && from - at > 2 * (bound(slot) + bound(next));
+            certain = certain && from - at > 2 * (bound(slot) + bound(next)) + smallest_height;
             if (at > highest) highest = at, higher = next;
         }
         if (higher != slot) {

@@ -116,7 +116,7 @@ TEST_SUITE("cases") {
         const auto far = votess::tessellate(doubled, options);
         options.weights = weights;
         CHECK(test::rows_of(votess::tessellate(points, options)) == test::rows_of(far));
-        // Of the first of eight boxes most cells are empty.
+        // Most cells lie outside of an eighth of the box.
         options.box = test::unit_box();
         const auto t = votess::tessellate(points, options);
         CHECK(votess::verify(t, points).failure == "");
