@@ -17,6 +17,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
 constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
 constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
+constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
+constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
 constexpr double first_band = 0.8;               // of the squared reach expected
 constexpr double band_growth = 1.6;              // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
@@ -89,11 +91,19 @@ void CellBuilder::set_seed(std::size_t seed) {
 
 void CellBuilder::start() {
     if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->max_heavier_by(weight_));
-    cell_.start(base_.point, *domain_, own_);
+    cell_.start_without_walls(base_.point, *domain_, own_);
+    walls_postponed_ = !domain_->walls.empty();
+    if (domain_->wall_tree.size() == 0) clip_walls();
+    clipped_by_owner_ = false;
     if (heaviest_ >= 0) clip_by_heaviest();
     if (probing_ && domain_->is_periodic()) clip_by_own_images();
     auto id = static_cast<std::int32_t>(seeds_.places());
     for (const exact::Plane& guard : guards_) cell_.clip(++id, guard, guard.shift);
+}
+
+void CellBuilder::clip_walls() {
+    if (walls_postponed_) cell_.clip_walls(*domain_);
+    walls_postponed_ = false;
 }
 
 // For probes. A seed's own images are among the other images.
@@ -119,6 +129,57 @@ void CellBuilder::clip_by_heaviest() {
     clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
+double CellBuilder::weight_of(std::int32_t id) const {
+    return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
+}
+
+std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
+    const exact::Point at{at_[0] + x[0], at_[1] + x[1], at_[2] + x[2]};
+    const Box here{at, at};
+    std::int32_t owner = -1;
+    double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
+    owner_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
+    const std::size_t last = tests_ + tests_of_owner;
+    while (!owner_queue_.empty() && owner_queue_.front().distance_squared < least && tests_ < last) {
+        std::pop_heap(owner_queue_.begin(), owner_queue_.end(), farther);
+        const QueueEntry entry = owner_queue_.back();
+        owner_queue_.pop_back();
+        ++tests_;
+        if (entry.level > 0) {
+            for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
+                const double power = box_distance(box, here) - hierarchy_.largest_weight(level, node);
+                if (!(power < least)) return;
+                owner_queue_.push_back({power, level, static_cast<std::uint32_t>(node)});
+                std::push_heap(owner_queue_.begin(), owner_queue_.end(), farther);
+            });
+            continue;
+        }
+        const std::size_t begin = entry.node * group_size, end = seeds_.group_end(begin);
+        for (std::size_t i = begin; i < end; ++i) {
+            const double d[3] = {seeds_.x[i] - at[0], seeds_.y[i] - at[1], seeds_.z[i] - at[2]};
+            const auto id = static_cast<std::int32_t>(i);
+            const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - weight_of(id);
+            if (!(power < least) || id == own_ || id == coincident_) continue;
+            least = power;
+            owner = id;
+        }
+    }
+    return owner;
+}
+
+void CellBuilder::clip_if_hidden() {
+    std::array<double, 3> x{};
+    for (int owners = 0; owners < owners_of_hidden; ++owners) {
+        const std::int32_t owner = owner_of(x);
+        if (owner < 0) return;
+        clipped_by_owner_ = true;
+        clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
+        if (cell_.empty()) return;
+        x = cell_.middle();
+    }
+    cell_.drop_if_flat();
+}
+
 void CellBuilder::poll_stop() {
     tested_vertices_ += static_cast<std::size_t>(cell_.slots());
     if (tested_vertices_ < vertices_per_check) return;
@@ -140,7 +201,7 @@ void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     poll_stop();
     const auto i = static_cast<std::size_t>(home);
     // Their nearest images are clipped at the start.
-    if ((home == own_ || home == heaviest_) && cell_.has_plane(home, shift)) return;
+    if ((home == own_ || home == heaviest_ || clipped_by_owner_) && cell_.has_plane(home, shift)) return;
     exact::Plane plane = bisector(home, shift);
     if (home == coincident_ && coincides(plane)) return;
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
@@ -269,6 +330,7 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     }
     if (seeds_.size() == 0) {
         start();
+        clip_walls();
         return cell_;
     }
     coincident_ = find_coincident();
@@ -282,6 +344,17 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     max_tests_ = max_tests;
     if (max_tests == 0) return nullptr;
     start();
+    if (!seeds_.weights.empty()) clip_if_hidden();
+    const double from = cell_.empty() ? infinity : clip_window();
+    clip_walls();
+    if (from < infinity) clip_far(from);
+    if (seeds_.images != nullptr) clip_far_images();
+    if (exhausted()) return nullptr;
+    reach_ = 4 * cell_.radius_squared() * distance_slack;
+    return &cell_;
+}
+
+double CellBuilder::clip_window() {
     measured_ = 0;
     double from = 0;
     double to = first_band * reach_;
@@ -290,18 +363,16 @@ Cell* CellBuilder::search(std::size_t max_tests) {
             extend_window(to, 0);
             to = std::min(to, covered_);
         }
-        if (to <= from && covered_ < infinity) {
-            clip_far(from);
-            break;
-        }
-        if (clip_band(from, to) || to == infinity) break;
+        if (to <= from && covered_ < infinity) return from;
+        const bool complete = clip_band(from, to);
+        clip_walls();
+        if (complete || to == infinity) return infinity;
         from = to;
+        // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
+        const double reach_of_most = 4 * cell_.radius_squared();
+        if (!seeds_.weights.empty() && from >= reach_of_most && reach_squared() > 4 * reach_of_most) return from;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
-    if (seeds_.images != nullptr) clip_far_images();
-    if (exhausted()) return nullptr;
-    reach_ = reach_squared();
-    return &cell_;
 }
 
 Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> candidates) {
@@ -321,6 +392,7 @@ Cell& CellBuilder::build_from(std::span<const std::int32_t> candidates) {
         if (distance >= reach_squared()) break;
         clip_by(i, seeds_.x[i], seeds_.y[i], seeds_.z[i]);
     }
+    clip_walls();
     return cell_;
 }
 
@@ -330,6 +402,7 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
     guards_ = guards;
     start();
     for (std::size_t k = 0; k < candidates.size(); ++k) clip_by_image(candidates[k], shifts[k]);
+    clip_walls();
     return cell_;
 }
 
@@ -357,6 +430,7 @@ Cell& CellBuilder::rebuild_by_planes(const CellFaces& faces) {
         poll_stop();
         if (!cell_.has_plane(plane.id, plane.shift)) cell_.clip(plane.id, plane.source, plane.shift);
     }
+    clip_walls();
     return cell_;
 }
 
@@ -387,6 +461,7 @@ bool CellBuilder::clip_band(double from, double to) {
 
 void CellBuilder::clip_far(double from) {
     const Box here{at_, at_};
+    const bool weighted = !seeds_.weights.empty();
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
@@ -395,8 +470,9 @@ void CellBuilder::clip_far(double from) {
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
-        if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more_weight_))
-            continue;
+        const double more =
+            weighted ? std::min(more_weight_, hierarchy_.largest_weight(entry.level, entry.node) - weight_) : 0;
+        if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});

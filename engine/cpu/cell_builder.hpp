@@ -71,6 +71,8 @@ private:
     void start();
     Cell* search(std::size_t max_tests);
     Cell& build_from(std::span<const std::int32_t> candidates);
+    // Clips by the walls that start() postponed.
+    void clip_walls();
     void clip_by_own_images();
     [[nodiscard]] exact::Plane bisector(std::int32_t home, const exact::Shift& shift) const;
     [[nodiscard]] bool coincides(const exact::Plane& bisector) const;
@@ -90,10 +92,20 @@ private:
     // Clips by the window's seeds with squared distance in [from, to). Returns true when the cell is proven complete or
     // the tests are exhausted.
     bool clip_band(double from, double to);
+    // Clips by the window's seeds, nearest first. Returns infinity when the cell is proven complete or the tests are
+    // exhausted, else the squared distance from which on clip_far() must try seeds.
+    double clip_window();
     // Clips by all seeds, and images among them, from that squared distance on.
     void clip_far(double from);
     Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
+    [[nodiscard]] double weight_of(std::int32_t id) const;
+    // Returns a seed or image of less power |x - q|^2 - w than the cell's own seed, mostly the least, or -1. x: from
+    // the seed.
+    [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);
+    // Clips a cell that does not hold its seed by the owner of its middle, again and again, until it is empty or holds
+    // its middle. So a cell without volume takes few planes, wherever they come from.
+    void clip_if_hidden();
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
     void push_far(const ImageNode& node);
@@ -122,7 +134,8 @@ private:
 
     std::size_t group_ = ~std::size_t{0};
     Box home_{};
-    std::vector<QueueEntry> queue_, far_queue_;
+    bool walls_postponed_ = false, clipped_by_owner_ = false;
+    std::vector<QueueEntry> queue_, far_queue_, owner_queue_;
     std::vector<FarEntry> far_images_;
     double covered_ = 0;  // squared distance from home within which the window is complete
     std::vector<double> x_, y_, z_, distance_;

@@ -63,6 +63,7 @@ private:
         SearchBudget budget;
         std::vector<std::int32_t> hard;  // sorted seeds whose search was given up
         std::vector<std::int32_t> candidates;
+        std::vector<std::uint8_t> marks;  // of Delaunay::neighbors()
         std::vector<exact::Shift> shifts;
         CellFaces faces;
     };

@@ -39,7 +39,7 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
         if (job_.domain->is_plain() && count <= max_triangulated && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
-                delaunay_->neighbors(seed, worker.candidates);
+                delaunay_->neighbors(seed, worker.candidates, worker.marks);
                 return &worker.builder.build_from(seed, worker.candidates);
             });
         } else {

@@ -182,6 +182,14 @@ double largest_coordinate(const Box& box) {
     return largest;
 }
 
+void sort_walls(Domain& domain) {
+    constexpr std::size_t few_walls = 32;
+    if (domain.walls.size() <= few_walls) return;
+    exact::Point middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * domain.box.lower[k] + 0.5 * domain.box.upper[k];
+    domain.wall_tree = WallTree(domain.walls, middle);
+}
+
 std::array<double, 3> Basis::fraction(const std::array<double, 3>& x) const {
     return {dot(dual[0], x), dot(dual[1], x), dot(dual[2], x)};
 }

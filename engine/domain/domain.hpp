@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "domain/wall_tree.hpp"
 #include "exact/predicate.hpp"
 #include "votess/votess.hpp"
 
@@ -42,6 +43,7 @@ struct Domain {
     std::array<bool, 3> periodic{};
     double volume = 0;
     std::vector<exact::Plane> walls;  // ids -7, -8, ... in this order
+    WallTree wall_tree;               // of many walls, else empty
 
     bool triclinic = false;
     exact::Point origin{};
@@ -96,6 +98,9 @@ Extent longest_extent(const Domain& domain, const ShiftRange& range);
 exact::Shift only_shift(const Domain& domain, const ShiftRange& range);
 
 double largest_coordinate(const Box& box);
+
+// Makes wall_tree, if it is worth it, when walls and box are complete.
+void sort_walls(Domain& domain);
 
 // Returns the domain of a box. Its periods are upper - lower, exactly.
 Domain box_domain(const Box& box, const std::array<bool, 3>& periodic);

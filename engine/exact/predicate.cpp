@@ -135,6 +135,11 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
     const Fractions<W> vertex = fractions<W>(a, b, c);
     const auto determinant = scaled<Real>(vertex.determinant);
     std::array<Real, 3> x{};
+    if constexpr (std::is_same_v<Real, WideFloat>) {  // division takes most of the time
+        const WideFloat inverse = 1 / determinant.mantissa;
+        for (int k = 0; k < 3; ++k) x[k] = ldexp(scaled<Real>(vertex.numerator[k]).mantissa * inverse, quantum - 1);
+        return x;
+    }
     for (int k = 0; k < 3; ++k) {
         const auto numerator = scaled<Real>(vertex.numerator[k]);
         x[k] = scale_by_power<Real>(numerator.mantissa / determinant.mantissa,

@@ -40,13 +40,23 @@ WideFloat operator*(const WideFloat& a, const WideFloat& b) {
     return {a.mantissa_ * b.mantissa_, a.exponent_ + b.exponent_};
 }
 
-// Newton's iteration for 1/b doubles the 53 correct bits of its start each time.
+WideFloat WideFloat::truncated(int kept) const {
+    WideFloat result = *this;
+    for (int i = 0; i < limbs - kept; ++i) result.mantissa_.limb[i] = 0;
+    return result;
+}
+
+// Newton's iteration for 1/b doubles the 53 correct bits of its start each time. Each step takes the limbs that it can
+// make correct, and one more.
 WideFloat operator/(const WideFloat& a, const WideFloat& b) {
     constexpr int bits = 64 * WideFloat::limbs - 1;
     WideFloat divisor = b;  // scaled to between 1/2 and 1
     divisor.exponent_ = -bits;
     WideFloat inverse = 1 / static_cast<double>(divisor);
-    for (int correct = 50; correct < bits; correct *= 2) inverse += inverse * (1 - divisor * inverse);
+    for (int correct = 50; correct < bits; correct *= 2) {
+        const int kept = std::min(WideFloat::limbs, 2 * correct / 64 + 2);
+        inverse = (inverse + inverse * (1 - divisor.truncated(kept) * inverse)).truncated(kept);
+    }
     return a * ldexp(inverse, -bits - b.exponent_);
 }
 

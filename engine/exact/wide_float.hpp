@@ -44,6 +44,8 @@ private:
     static constexpr int limbs = 37;
     template <class Real>
     [[nodiscard]] Real to_real() const;
+    // Rounds down to the leading limbs.
+    [[nodiscard]] WideFloat truncated(int kept) const;
 
     // The number is mantissa * 2^exponent. The mantissa is as long as possible, or 0.
     WideInt<limbs> mantissa_;

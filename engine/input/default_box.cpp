@@ -32,6 +32,11 @@ Box default_box(const Box& bounds, std::size_t count) {
     return box;
 }
 
+// Returns a bound on the error of a coordinate x of a corner.
+double corner_error(const cpu::Cell& cell, std::int32_t slot, double x) {
+    return cell.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+}
+
 // The walls clip a box so large that a face on it means no bound. The planes and corners of the polyhedron are exact,
 // however thin it is. The bounds move out by far more than the rounding of a corner.
 Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
@@ -51,6 +56,7 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     }
     for (std::size_t w = 0; w < walls.size(); ++w)
         domain.walls.push_back(domain_wall(walls[w], scale, "wall " + std::to_string(w)));
+    sort_walls(domain);
 
     cpu::Cell polyhedron;
     polyhedron.start(middle, domain);
@@ -60,7 +66,21 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     if (faces.size() < min_faces) return otherwise;  // no room
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    // Only corners that may be outermost are solved exactly.
+    Box inner = bounds;
+    for (const std::int32_t slot : faces.corners)
+        for (int k = 0; k < 3; ++k) {
+            const double x = middle[k] + polyhedron.position(slot)[k], error = corner_error(polyhedron, slot, x);
+            inner.lower[k] = std::min(inner.lower[k], x + error);
+            inner.upper[k] = std::max(inner.upper[k], x - error);
+        }
     for (const std::int32_t slot : faces.corners) {
+        bool outermost = false;
+        for (int k = 0; k < 3; ++k) {
+            const double x = middle[k] + polyhedron.position(slot)[k], error = corner_error(polyhedron, slot, x);
+            outermost = outermost || !(x - error > inner.lower[k] && x + error < inner.upper[k]);
+        }
+        if (!outermost) continue;
         const auto [a, b, c] = polyhedron.corner_planes(slot);
         const auto x = exact::vertex_position<double>({}, a->source, b->source, c->source);
         for (int k = 0; k < 3; ++k) {

@@ -264,11 +264,30 @@ std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact:
            " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length);
 }
 
+// Returns the first wall that x is outside of, or their number. at: x, scaled as the domain.
+std::size_t first_outside(const Domain& domain, std::span<const exact::Plane> walls, const exact::Point& x,
+                          const exact::Point& at) {
+    const auto outside = [&](const exact::Plane& wall) { return !inside(wall, x); };
+    const WallTree& tree = domain.wall_tree;
+    if (tree.size() == 0) return static_cast<std::size_t>(std::ranges::find_if(walls, outside) - walls.begin());
+    std::size_t first = walls.size();
+    std::array<std::size_t, 128> pending{0};  // of a depth-first search
+    for (std::size_t count = 1; count > 0;) {
+        const std::size_t node = pending[--count], wall = tree.wall(node);
+        if (!tree.may_exclude(node, at, 0)) continue;
+        if (wall < first && outside(walls[wall])) first = wall;
+        for (std::size_t child = 2 * node + 1; child <= 2 * node + 2 && child < tree.size(); ++child)
+            pending[count++] = child;
+    }
+    return first;
+}
+
 void set_walls(Job& job, Domain& domain) {
     const auto& walls = job.options.walls;
     for (std::size_t w = 0; w < walls.size(); ++w)
         domain.walls.push_back(domain_wall(walls[w], job.scale, "wall " + std::to_string(w)));
     if (walls.empty()) return;
+    sort_walls(domain);
     // Seeds are compared as given: scaling could make those far outside infinite.
     std::vector<exact::Plane> as_given;
     for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
@@ -277,14 +296,15 @@ void set_walls(Job& job, Domain& domain) {
         if (i % points_per_stop_check == 0) check_stop();
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
-        const auto wall = std::ranges::find_if_not(as_given, [&](const auto& w) { return inside(w, x); });
-        if (wall == as_given.end()) {
-            if (!any_inside) any_inside = scaled(x, job.scale);
+        const exact::Point at = scaled(x, job.scale);
+        const std::size_t wall = first_outside(domain, as_given, x, at);
+        if (wall == walls.size()) {
+            if (!any_inside) any_inside = at;
             continue;
         }
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_wall(walls, static_cast<std::size_t>(wall - as_given.begin()), *wall, x) + outside_remedy);
+                   beyond_wall(walls, wall, as_given[wall], x) + outside_remedy);
         drop_seed(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;

@@ -4,8 +4,10 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -14,9 +16,13 @@ constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these, underflow may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
-constexpr double worst_condition = 1e4;   // |na||nb||nc| / |det|
-constexpr int tests_before_refining = 8;  // a lattice meets fewer, all ties, which need the exact test
+constexpr double smallest_height = 1e-300;  // differences of heights below it may come from underflow
+constexpr double worst_condition = 1e4;     // |na||nb||nc| / |det|
+constexpr int tests_before_refining = 8;    // a lattice meets fewer, all ties, which need the exact test
 constexpr int passed_before_sharpening = 256;
+constexpr std::size_t nodes_per_check = 256;
+constexpr int few_slots = 256;         // of a cell whose vertices are all compared with a plane
+constexpr int steps_at_first = 16;     // of a climb, before it starts again from the best of a sample
 constexpr std::int32_t no_plane = -1;  // walls are never refined
 constexpr double solved_factor = 110 * unit, rounded_factor = 10 * unit;
 // Covers the rounding of squared lengths and distances, and the outward rounding of a box.
@@ -52,8 +58,8 @@ void Cell::reserve_slots(int slots) {
     capacity_ = capacity;
     corners_.resize(capacity);
     refined_.resize(capacity);
+    visited_.resize(capacity, 0);
     alive_.resize(capacity / word_slots, 0);
-    killed_.resize(capacity / word_slots, 0);
 }
 
 VertexBlock Cell::block(int word) const {
@@ -150,6 +156,11 @@ void Cell::start(const exact::Point& seed, const Box& box) {
 }
 
 void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id) {
+    start_without_walls(seed, domain, id);
+    clip_walls(domain);
+}
+
+void Cell::start_without_walls(const exact::Point& seed, const Domain& domain, std::int32_t id) {
     seed_ = seed;
     planes_.clear();
     const bool is_box = !domain.is_periodic() && !domain.triclinic;
@@ -170,8 +181,11 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
     std::fill(alive_.begin(), alive_.end(), 0);
     alive_[0] = 0xff;
     slots_ = 8;
+    free_.clear();
+    last_ = 0;
     refined_plane_.id = no_plane;
     used_exact_ = met_tie_ = radius_known_ = empty_ = sharp_ = false;
+    radius_squared_ = infinity;
     passed_ = 0;
     std::fill_n(refined_.begin(), 8, Refined{});
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
@@ -190,11 +204,39 @@ void Cell::start(const exact::Point& seed, const Domain& domain, std::int32_t id
         tolerance_[v] = rounded_factor * (std::abs(x_[v]) + std::abs(y_[v]) + std::abs(z_[v]));
         radius_[v] = (x_[v] * x_[v] + y_[v] * y_[v] + z_[v] * z_[v]) * reach_of_error(rounded_factor);
     }
-    for (std::size_t w = 0; w < domain.walls.size(); ++w) clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]);
+}
+
+void Cell::clip_walls(const Domain& domain) {
+    const WallTree& tree = domain.wall_tree;
+    const auto clip_by = [&](std::size_t w) { clip(-7 - static_cast<std::int32_t>(w), domain.walls[w]); };
+    if (tree.size() == 0) {
+        for (std::size_t w = 0; w < domain.walls.size(); ++w) clip_by(w);
+        return;
+    }
+    // Level by level, so that a cell with many walls soon has some everywhere.
+    wall_queue_.assign(1, 0);
+    for (std::size_t k = 0; k < wall_queue_.size(); ++k) {
+        if (k % nodes_per_check == 0) check_stop();
+        const std::size_t node = wall_queue_[k];
+        if (slots_ <= few_slots && !may_meet(tree, node)) continue;
+        clip_by(tree.wall(node));
+        for (std::size_t child = 2 * node + 1; child <= 2 * node + 2 && child < tree.size(); ++child)
+            wall_queue_.push_back(static_cast<std::uint32_t>(child));
+    }
+}
+
+bool Cell::may_meet(const WallTree& walls, std::size_t node) const {
+    bool any = false;
+    for_each_alive([&](int v) {
+        any = any || walls.may_exclude(node, {seed_[0] + x_[v], seed_[1] + y_[v], seed_[2] + z_[v]}, tolerance_[v]);
+    });
+    return any;
 }
 
 double Cell::radius_squared() {
-    if (!radius_known_) {
+    // A large cell keeps its last bound, which stays valid, until as many requests as words of vertices have come.
+    if (!radius_known_ && (slots_ <= few_slots || ++requests_ * word_slots >= slots_)) {
+        requests_ = 0;
         double r = smallest_radius;
         for (int w = 0; w * word_slots < slots_; ++w) r = std::max(r, kernels_.largest_radius(block(w)));
         radius_squared_ = r * radius_slack;
@@ -215,7 +257,9 @@ Box seen_from(const exact::Point& at, const Box& box, const exact::Point& roundi
 }
 
 bool Cell::in_reach(const Box& relative, double more) const {
-    const double floor = smallest_radius + more * reach_of_error(worst_error) * radius_slack;
+    // A negative excess needs no slack except for its own rounding, since |q - v| is less than |v|.
+    const double floor =
+        smallest_radius + more * (more > 0 ? reach_of_error(worst_error) * radius_slack : 1 - 8 * unit);
     for (int w = 0; w * word_slots < slots_; ++w)
         if (kernels_.box_in_reach(block(w), relative, radius_slack, floor)) return true;
     return false;
@@ -252,6 +296,36 @@ void Cell::sharpen() {
 
 bool Cell::has_plane(std::int32_t id, const exact::Shift& shift) const {
     return std::ranges::any_of(planes_, [&](const CellPlane& p) { return p.id == id && p.shift == shift; });
+}
+
+std::array<double, 3> Cell::middle() const {
+    std::array<double, 3> sum{};
+    double count = 0;
+    for_each_alive([&](int v) {
+        sum[0] += x_[v], sum[1] += y_[v], sum[2] += z_[v];
+        ++count;
+    });
+    return {sum[0] / count, sum[1] / count, sum[2] / count};
+}
+
+void Cell::drop_if_flat() {
+    int first = 0;
+    while (!alive(first)) ++first;
+    for (const std::int32_t p : std::array(corners_[first].plane)) {
+        const CellPlane& plane = planes_[p];
+        bool flat = true;
+        for_each_alive([&](int v) {
+            const auto& [a, b, c] = corners_[v].plane;
+            if (!flat || a == p || b == p || c == p) return;
+            const double excess = plane.n[0] * x_[v] + plane.n[1] * y_[v] + plane.n[2] * z_[v] - plane.h;
+            const double bound = plane.norm * tolerance_[v] + 12 * unit * std::abs(plane.h);
+            flat = !(plane.reliable && std::abs(excess) > bound) && side_exact(v, plane) == 0;
+        });
+        if (!flat) continue;
+        std::ranges::fill(alive_, 0);
+        empty_ = true;
+        return;
+    }
 }
 
 int Cell::refined_side(int slot, const CellPlane& plane) {
@@ -296,18 +370,16 @@ int Cell::side_exact(int slot, const CellPlane& plane) {
 }
 
 int Cell::allocate_slot() {
-    for (int w = 0; w * word_slots < slots_; ++w) {
-        const std::uint64_t free = ~(alive_[w] | killed_[w]);
-        if (free == 0) continue;
-        const int slot = w * word_slots + std::countr_zero(free);
-        if (slot >= slots_) break;
-        return slot;
+    if (free_.empty()) {  // adds a whole block, with its lanes at the origin, where no plane cuts
+        reserve_slots(slots_ + lanes);
+        for (int i = slots_ + lanes - 1; i >= slots_; --i) {
+            x_[i] = y_[i] = z_[i] = tolerance_[i] = radius_[i] = 0;
+            free_.push_back(i);
+        }
+        slots_ += lanes;
     }
-    // Adds a whole block, with its free lanes at the origin, where no plane cuts.
-    reserve_slots(slots_ + lanes);
-    const int slot = slots_;
-    for (int i = slot; i < slot + lanes; ++i) x_[i] = y_[i] = z_[i] = tolerance_[i] = radius_[i] = 0;
-    slots_ += lanes;
+    const int slot = free_.back();
+    free_.pop_back();
     return slot;
 }
 
@@ -358,27 +430,26 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 }
 
 // In a power diagram the bisector with a farther seed may lie on the plane of a face. The face becomes the farther
-// seed's, whose power is least beyond the plane. Returns whether the planes are equal.
+// seed's, whose power is least beyond the plane. The first of equal walls has the face, in whatever order clip_walls()
+// clips by them. Returns whether the planes are equal.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
-    if (plane.source.is_reversed()) return false;
+    const bool is_wall = plane.source.kind == exact::Plane::Kind::wall;
+    if (!is_wall && (!plane.source.is_bisector() || plane.source.is_reversed())) return false;
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
-        if (!face.source.has_power() && !plane.source.has_power()) continue;
-        if (!face.source.is_bisector() || face.source.is_reversed() ||
-            !exact::same_plane(seed_, face.source, plane.source))
+        if (is_wall ? face.source.kind != plane.source.kind
+                    : (!face.source.has_power() && !plane.source.has_power()) || !face.source.is_bisector() ||
+                          face.source.is_reversed())
             continue;
-        if (exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        if (!exact::same_plane(seed_, face.source, plane.source)) continue;
+        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) face = plane;
         return true;
     }
     return false;
 }
 
-bool Cell::clip(const CellPlane& plane) {
-    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
-                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
-    const int words = ceil_div(slots_, word_slots);
-    bool any = false;
-    for (int w = 0; w < words; ++w) {
+bool Cell::scan(const CellPlane& plane, const FilterPlane& filter) {
+    for (int w = 0; w * word_slots < slots_; ++w) {
         auto [possible, certain] = kernels_.classify(block(w), filter);
         possible &= alive_[w];
         certain &= possible;
@@ -386,38 +457,105 @@ bool Cell::clip(const CellPlane& plane) {
             const int bit = std::countr_zero(m);
             const int side = side_exact(w * word_slots + bit, plane);
             if (side > 0) certain |= 1ull << bit;
-            if (side == 0 && plane.source.is_bisector() && replace_equal_face(plane, w * word_slots + bit))
-                return false;
+            if (side == 0 && replace_equal_face(plane, w * word_slots + bit)) return false;
         }
-        killed_[w] = certain;
-        any |= certain != 0;
+        for (std::uint64_t m = certain; m != 0; m &= m - 1) killed_.push_back(w * word_slots + std::countr_zero(m));
     }
-    if (!any) return false;
+    return !killed_.empty();
+}
+
+int Cell::best_of_sample(const FilterPlane& filter, int slot) const {
+    const auto height = [&](int v) { return filter.nx * x_[v] + filter.ny * y_[v] + filter.nz * z_[v]; };
+    const int step = static_cast<int>(std::sqrt(static_cast<double>(slots_)));
+    double highest = height(slot);
+    for (int v = 0; v < slots_; v += step) {
+        if (!alive(v) || !(height(v) > highest)) continue;
+        highest = height(v);
+        slot = v;
+    }
+    return slot;
+}
+
+// The cell is convex, and simple if later planes are pushed outward by far larger infinitesimals. So a vertex that
+// certainly lies higher than the three next to it lies higher than all. If it is certainly inside, so are all others.
+// The vertices outside are connected by edges between them.
+std::optional<bool> Cell::climb(const CellPlane& plane, const FilterPlane& filter) {
+    if (!plane.reliable) return std::nullopt;
+    const auto height = [&](int v) { return filter.nx * x_[v] + filter.ny * y_[v] + filter.nz * z_[v]; };
+    const auto bound = [&](int v) { return filter.norm * tolerance_[v]; };
+    int slot = last_;
+    double highest = height(slot);
+    for (int steps = 0;; ++steps) {
+        if (highest - filter.h > bound(slot) + filter.h_error) break;
+        if (steps == steps_at_first) {
+            slot = best_of_sample(filter, slot);
+            highest = height(slot);
+        }
+        int higher = slot;
+        bool certain = true;
+        const double from = highest;
+        for (const std::int32_t next : corners_[slot].next) {
+            const double at = height(next);
+            certain = certain && from - at > 2 * (bound(slot) + bound(next)) + smallest_height;
+            if (at > highest) highest = at, higher = next;
+        }
+        if (higher != slot) {
+            slot = higher;
+            continue;
+        }
+        if (certain && highest - filter.h < -(bound(slot) + filter.h_error)) return false;
+        return std::nullopt;
+    }
+    killed_.push_back(slot);
+    spread(plane, filter);
+    return true;
+}
+
+void Cell::spread(const CellPlane& plane, const FilterPlane& filter) {
+    spared_.clear();
+    visited_[killed_.front()] = 1;
+    for (std::size_t i = 0; i < killed_.size(); ++i)
+        for (const std::int32_t v : corners_[killed_[i]].next) {
+            if (visited_[v] != 0) continue;
+            visited_[v] = 1;
+            const double excess = filter.nx * x_[v] + filter.ny * y_[v] + filter.nz * z_[v] - filter.h;
+            const double bound = filter.norm * tolerance_[v] + filter.h_error;
+            const bool outside = excess > bound || (excess >= -bound && side_exact(v, plane) > 0);
+            (outside ? killed_ : spared_).push_back(v);
+        }
+    for (const auto* slots : {&killed_, &spared_})
+        for (const std::int32_t v : *slots) visited_[v] = 0;
+}
+
+bool Cell::clip(const CellPlane& plane) {
+    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
+                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+    killed_.clear();
+    std::optional<bool> any;
+    if (slots_ > few_slots && !empty_) any = climb(plane, filter);
+    if (!any) any = scan(plane, filter);
+    if (!*any) return false;
 
     // The horizon: edges with one end cut off.
     horizon_.clear();
-    auto is_killed = [this](int v) { return (killed_[v / word_slots] >> (v % word_slots)) & 1; };
-    for (int w = 0; w < words; ++w) {
-        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
-            const Corner& corner = corners_[w * word_slots + std::countr_zero(m)];
-            for (int k = 0; k < 3; ++k) {
-                const std::int32_t survivor = corner.next[k];
-                if (!is_killed(survivor))
-                    horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
-            }
+    for (const std::int32_t v : killed_) visited_[v] = 1;
+    for (const std::int32_t v : killed_) {
+        const Corner& corner = corners_[v];
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t survivor = corner.next[k];
+            if (visited_[survivor] == 0)
+                horizon_.push_back({corner.plane[k], corner.plane[k == 2 ? 0 : k + 1], survivor});
         }
     }
     if (horizon_.empty()) empty_ = true;
     const auto added = static_cast<std::int32_t>(planes_.size());
     planes_.push_back(plane);
     ring_.resize(planes_.size());
-    for (int w = 0; w < words; ++w) {  // horizon_ holds all that is needed of these vertices
-        for (std::uint64_t m = killed_[w]; m != 0; m &= m - 1) {
-            const int v = w * word_slots + std::countr_zero(m);
-            x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
-        }
-        alive_[w] &= ~killed_[w];
-        killed_[w] = 0;
+    for (const std::int32_t v : killed_ | std::views::reverse) {  // horizon_ holds all that is needed of them
+        x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
+        alive_[v / word_slots] &= ~(1ull << (v % word_slots));
+        visited_[v] = 0;
+        free_.push_back(v);
     }
 
     // One new vertex for each horizon edge, linked around the new face by the planes that they share.
@@ -437,6 +575,7 @@ bool Cell::clip(const CellPlane& plane) {
         const int v = ring_[edge.first], w = ring_[edge.second];
         corners_[v].next[1] = w;  // along planes second, added
         corners_[w].next[2] = v;
+        last_ = v;
     }
     radius_known_ = false;
     return true;

@@ -11,11 +11,16 @@
 // Vertices worse than `worst_condition` are solved exactly and rounded. exact::side_of_vertex decides signs inside the
 // bound. A vertex that many bisectors almost touch (seeds near a sphere) is first solved once to 106 bits and tested in
 // double-double arithmetic.
+//
+// A plane is compared with all vertices of a cell that has few. In a larger cell it climbs along edges to the vertex
+// farthest outside, and spreads over those outside from there. So a cell of n faces takes n log n, not n^2, if planes
+// come in an order in which successive ones are near each other and earlier ones are everywhere.
 #pragma once
 
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -73,22 +78,30 @@ public:
     // Resets the cell to the domain's walls and, along periodic axes, the bisectors with the nearest images of the
     // seed. The seed is `id`.
     void start(const exact::Point& seed, const Domain& domain, std::int32_t id = 0);
+    // Does the same without domain.walls. clip_walls() must follow, best when the cell is small.
+    void start_without_walls(const exact::Point& seed, const Domain& domain, std::int32_t id);
+    // Clips by those of domain.walls that may cut the cell.
+    void clip_walls(const Domain& domain);
     // Clips by the bisector with q, which must differ from the seed. Returns true if the cell changed.
     bool clip(std::int32_t id, const exact::Point& q);
     // Clips by a plane relative to seed(). A bisector with a seed at the same place needs power.
     bool clip(std::int32_t id, const exact::Plane& source, const exact::Shift& shift = {});
 
     // Returns an upper bound on the squared distance R^2 to the farthest vertex. No seed at 2 R or beyond cuts the
-    // cell.
+    // cell. The bound of a large cell may be that of some clips ago.
     [[nodiscard]] double radius_squared();
     // Returns false only if no seed inside the box (relative to seed()) can cut the cell. more: bound on the excess of
-    // their weight over the cell's, 0 or more.
+    // their weight over the cell's.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
     // Slower, and sharp even if the box is much nearer than the vertices, like the images along the short edge of a
     // thin box. After many calls it solves the vertices exactly.
     [[nodiscard]] bool may_cut(const Box& relative, double more);
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
+    // Returns the mean of the vertices.
+    [[nodiscard]] std::array<double, 3> middle() const;
+    // Makes the cell empty if all vertices lie on one plane of the first, so that it has no volume.
+    void drop_if_flat();
     // True if nothing is left: in a power diagram other seeds may be nearer everywhere.
     [[nodiscard]] bool empty() const { return empty_; }
 
@@ -132,6 +145,13 @@ private:
         double size;  // of the terms of minus_h
     };
     bool clip(const CellPlane& plane);
+    // Lists the vertices outside a plane in killed_. Returns false if there are none.
+    [[nodiscard]] bool scan(const CellPlane& plane, const FilterPlane& filter);
+    // Does the same for a large cell, or returns nothing when rounding or a tie hides the answer.
+    [[nodiscard]] std::optional<bool> climb(const CellPlane& plane, const FilterPlane& filter);
+    void spread(const CellPlane& plane, const FilterPlane& filter);
+    [[nodiscard]] int best_of_sample(const FilterPlane& filter, int slot) const;
+    [[nodiscard]] bool may_meet(const WallTree& walls, std::size_t node) const;
     [[nodiscard]] bool replace_equal_face(const CellPlane& plane, int slot);
     struct HorizonEdge {
         std::int32_t first, second;  // planes, as ordered in the vertex that is cut off
@@ -165,7 +185,13 @@ private:
     std::vector<Corner> corners_;
     std::vector<Refined> refined_;
     RefinedPlane refined_plane_{};  // of the last plane tested
-    std::vector<std::uint64_t> alive_, killed_;
+    std::vector<std::uint64_t> alive_;
+    std::vector<std::int32_t> free_;     // slots
+    std::vector<std::int32_t> killed_;   // slots outside the current plane
+    std::vector<std::uint8_t> visited_;  // by slot: state in spread() and clip()
+    std::vector<std::int32_t> spared_;   // slots that spread() found not outside
+    std::vector<std::uint32_t> wall_queue_;
+    std::int32_t last_ = 0;  // a vertex of the last cut
 
     std::vector<HorizonEdge> horizon_;
     std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
@@ -173,6 +199,7 @@ private:
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
     bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
     double radius_squared_ = 0;
+    int requests_ = 0;    // of the radius since it was known
     int passed_ = 0;      // boxes that may_cut() did not exclude
     bool sharp_ = false;  // vertices are rounded from exact ones
 };

@@ -106,8 +106,9 @@ void Delaunay::list_by_vertex() {
     });
 }
 
-void Delaunay::neighbors(std::size_t seed, std::vector<std::int32_t>& out) const {
+void Delaunay::neighbors(std::size_t seed, std::vector<std::int32_t>& out, std::vector<std::uint8_t>& marks) const {
     out.clear();
+    marks.resize(std::max(marks.size(), count_), 0);
     const auto self = static_cast<std::int32_t>(seed), end = static_cast<std::int32_t>(count_);
     for (std::int32_t cell = first_[seed]; cell >= 0;) {
         const Tetrahedron& t = cells_[cell];
@@ -115,13 +116,14 @@ void Delaunay::neighbors(std::size_t seed, std::vector<std::int32_t>& out) const
         for (int k = 0; k < 4; ++k) {
             if (t.vertex[k] == self)
                 own = k;
-            else if (t.vertex[k] < end)
+            else if (t.vertex[k] < end && marks[t.vertex[k]] == 0) {
+                marks[t.vertex[k]] = 1;
                 out.push_back(t.vertex[k]);
+            }
         }
         cell = t.neighbor[own];
     }
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
+    for (const std::int32_t neighbor : out) marks[neighbor] = 0;
 }
 
 }  // namespace votess::cpu

@@ -20,8 +20,8 @@ public:
 
     // False when there are too many tetrahedra (up to N^2 / 2).
     [[nodiscard]] bool valid() const { return valid_; }
-    // Writes sorted seeds, ascending. From any thread.
-    void neighbors(std::size_t seed, std::vector<std::int32_t>& out) const;
+    // Writes sorted seeds, each once, in any order. From any thread. marks: scratch, all zero between calls.
+    void neighbors(std::size_t seed, std::vector<std::int32_t>& out, std::vector<std::uint8_t>& marks) const;
 
 private:
     [[nodiscard]] bool triangulate(Triangulation& triangulation);

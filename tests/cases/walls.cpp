@@ -197,4 +197,67 @@ TEST_SUITE("cases") {
         refused([&] { return votess::cone_walls(zero, up, 1.6, 9); }, "angle 1.6");
         refused([&] { return votess::cone_walls(zero, up, 0, 9); }, "angle 0");
     }
+
+    TEST_CASE("walls: very many around one seed, each with a face") {
+        const std::size_t faces = test::by_size(20'000, 2000);
+        Options options;
+        options.want = {};
+        options.list_walls = true;
+        options.walls = votess::sphere_walls({0, 0, 0}, 1, faces);
+        const Coordinates points{0.1, 0.05, -0.02};
+        CHECK(votess::tessellate(points, options).neighbors(0).size() == faces);
+        options.walls = votess::cylinder_walls({0, 0, 0}, {0, 0, 1}, 1, faces);
+        options.box = test::cube(-2, 2);
+        CHECK(votess::tessellate(points, options).neighbors(0).size() == faces + 2);
+    }
+
+    TEST_CASE("walls: thousands around many seeds, in another order, and each of them twice") {
+        const std::size_t faces = test::by_size(4000, 400), seeds = test::by_size(2000, 200);
+        test::Random random(6);
+        Coordinates points;
+        while (points.size() < 3 * seeds) {
+            const Vector x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            if (std::hypot(x[0], x[1], x[2]) < 0.95) points.insert(points.end(), x.begin(), x.end());
+        }
+        Options options = test::all_options(test::cube(-2, 2));
+        options.walls = votess::sphere_walls({0, 0, 0}, 1, faces);
+        const auto t = votess::tessellate(points, options);
+        CHECK(t.stats().volume_sum == doctest::Approx(t.stats().box_volume).epsilon(1e-9));
+        // Only each first one has a face.
+        for (std::size_t w = 0; w < faces / 2; ++w) std::swap(options.walls[w], options.walls[faces - 1 - w]);
+        for (std::size_t w = 0; w < faces; ++w) {
+            const auto& [n, d] = options.walls[w];
+            options.walls.push_back(w % 2 == 0 ? options.walls[w]
+                                               : votess::Wall{{4 * n[0], 4 * n[1], 4 * n[2]}, 4 * d});
+        }
+        auto turned = test::rows_of(votess::tessellate(points, options));
+        for (auto& row : turned) {
+            for (std::int32_t& id : row)
+                if (id < -6) id = -7 - (static_cast<std::int32_t>(faces) - 1 - (-7 - id));
+            std::ranges::sort(row);
+        }
+        CHECK(turned == test::rows_of(t));
+    }
+
+    TEST_CASE("walls: more than are tried in order, through seeds and vertices, with seeds outside") {
+        for (std::uint64_t n = 0; n < test::by_size(30, 5); ++n) {
+            CAPTURE(n);
+            test::Random random(n + 40);
+            Options options = test::all_options(test::cube(-2, 2));
+            // Normals of few whole numbers: walls meet in vertices, and some are equal or parallel.
+            for (int w = 0; w < 60; ++w) {
+                Vector normal{};
+                while (normal == Vector{})
+                    for (double& x : normal) x = static_cast<double>(random.integer(-3, 3));
+                const double length = std::hypot(normal[0], normal[1], normal[2]);
+                options.walls.push_back(
+                    {normal, random.chance(0.5) ? length : static_cast<double>(random.integer(2, 6))});
+            }
+            options.outside = votess::Outside::drop;
+            Coordinates points;
+            for (int i = 0; i < 20; ++i)
+                for (int k = 0; k < 3; ++k) points.push_back(0.25 * static_cast<double>(random.integer(-5, 5)));
+            CHECK(test::check_right(points, options) == "");
+        }
+    }
 }

@@ -87,4 +87,39 @@ TEST_SUITE("cases") {
                 CHECK(test::check_right(points, options) == "");
             }
     }
+
+    TEST_CASE("weights: one seed buries 20,000 others") {
+        const std::size_t count = test::by_size(20'000, 2000);
+        test::Random random(3);
+        Coordinates points(3 * count);
+        for (double& x : points) x = random.uniform();
+        std::vector<double> weights(count);
+        weights[count / 3] = 1e6;
+        Options options = test::all_options(test::unit_box());
+        options.weights = weights;
+        const auto t = votess::tessellate(points, options);
+        CHECK(t.stats().empty_cells == count - 1);
+        CHECK(t.volumes()[count / 3] == doctest::Approx(1));
+    }
+
+    TEST_CASE("weights: minus the squared distance to 0 gives the diagram of seeds twice as far") {
+        const std::size_t count = test::by_size(1500, 300);
+        test::Random random(8);
+        Coordinates points(3 * count), doubled;
+        // Squares have no rounding.
+        for (double& x : points) x = std::ldexp(static_cast<double>(random.below(1 << 20)), -20);
+        for (const double x : points) doubled.push_back(2 * x);
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < points.size(); i += 3)
+            weights.push_back(-(points[i] * points[i] + points[i + 1] * points[i + 1] + points[i + 2] * points[i + 2]));
+        Options options = test::all_options(test::cube(0, 2));
+        const auto far = votess::tessellate(doubled, options);
+        options.weights = weights;
+        CHECK(test::rows_of(votess::tessellate(points, options)) == test::rows_of(far));
+        // Most cells lie outside of an eighth of the box.
+        options.box = test::unit_box();
+        const auto t = votess::tessellate(points, options);
+        CHECK(votess::verify(t, points).failure == "");
+        CHECK(t.stats().empty_cells > count / 2);
+    }
 }

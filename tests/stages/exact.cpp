@@ -8,6 +8,7 @@
 #include "exact/integer/wide_int.hpp"
 #include "exact/predicate.hpp"
 #include "exact/vertex.hpp"
+#include "exact/wide_float.hpp"
 #include "support/random.hpp"
 #include "support/rational_planes.hpp"
 
@@ -141,18 +142,21 @@ TEST_SUITE("stages") {
 
     TEST_CASE("exact: wide integers multiply, shift and compare like GMP") {
         Random random(8);
+        const auto value = [](const auto& w) {
+            mpz_class z = static_cast<long>(static_cast<std::int64_t>(w.limb.back()));
+            for (std::size_t k = w.limb.size() - 1; k-- > 0;)
+                z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
+            return z;
+        };
+        // Sparse limbs exercise carries and signs.
+        const auto fill = [&](auto& w) {
+            for (auto& l : w.limb) l = random.chance(0.3) ? (random.chance(0.5) ? 0 : ~0ull) : random.next();
+        };
         for (int i = 0; i < 2000; ++i) {
             votess::exact::WideInt<3> a;
             votess::exact::WideInt<2> b;
-            // Sparse limbs exercise carries and signs.
-            for (auto& l : a.limb) l = random.chance(0.3) ? (random.chance(0.5) ? 0 : ~0ull) : random.next();
-            for (auto& l : b.limb) l = random.chance(0.3) ? (random.chance(0.5) ? 0 : ~0ull) : random.next();
-            auto value = [](const auto& w) {
-                mpz_class z = static_cast<long>(static_cast<std::int64_t>(w.limb.back()));
-                for (std::size_t k = w.limb.size() - 1; k-- > 0;)
-                    z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
-                return z;
-            };
+            fill(a);
+            fill(b);
             REQUIRE(value(a * b) == value(a) * value(b));
             REQUIRE(a.sign() == sgn(value(a)));
             const int shift = static_cast<int>(random.below(190));
@@ -163,6 +167,26 @@ TEST_SUITE("stages") {
                 REQUIRE(std::abs(scaled.mantissa) >= 0.5);
                 REQUIRE(std::abs(std::ldexp(scaled.mantissa, scaled.exponent) / value(a).get_d() - 1) < 0x1p-50);
             }
+            // Wider ones, of which some hold a shorter number.
+            votess::exact::WideInt<12> c;
+            votess::exact::WideInt<9> d;
+            fill(c);
+            fill(d);
+            if (random.chance(0.5)) c = shift_left(votess::exact::resize<12>(a), static_cast<int>(random.below(500)));
+            if (random.chance(0.5)) d = shift_left(votess::exact::resize<9>(b), static_cast<int>(random.below(400)));
+            REQUIRE(value(c * d) == value(c) * value(d));
+        }
+    }
+
+    TEST_CASE("exact: wide floating point divides to 2,300 bits") {
+        Random random(9);
+        for (int i = 0; i < 200; ++i) {
+            using votess::exact::WideFloat;
+            WideFloat b = random.uniform(0.5, 1);
+            for (int k = 1; k < 40; ++k) b += ldexp(WideFloat(random.uniform(-1, 1)), -53 * k);
+            if (random.chance(0.5)) b = -b;
+            const WideFloat a = random.uniform(-1, 1), error = a / b * b - a;
+            REQUIRE(std::abs(static_cast<double>(ldexp(error, 2300))) < 1);
         }
     }
 

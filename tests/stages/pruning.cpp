@@ -112,17 +112,20 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
         }
         if (cell.empty()) continue;
         cell.canonical_faces(faces);
-        const double more = weighted ? domain.max_heavier_by(weight) : 0;
-        const double full = weighted ? domain.largest_weight - weight : 0;
         std::vector<std::int32_t> slots(faces.corners);
         std::ranges::sort(slots);
         slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
         for (const std::int32_t slot : slots) {
             const auto v = cell.position(slot);
-            const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], radius = std::sqrt(square + full);
+            const double square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
             const auto [a, b, d] = cell.corner_planes(slot);
             votess::exact::ExactVertex vertex(p, a->source, b->source, d->source);
             for (int tries = 0; tries < 8; ++tries) {
+                // The heaviest seed, or any, which may be lighter than the cell's.
+                const double other = domain.largest_weight * (tries < 6 ? 1 : random.uniform());
+                if (square + other - weight < 0) continue;
+                const double radius = std::sqrt(square + other - weight);
+                const double more = weighted ? std::min(domain.max_heavier_by(weight), other - weight) : 0;
                 const Point u = direction();
                 Point near;
                 for (std::size_t k = 0; k < 3; ++k) {
@@ -132,7 +135,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 }
                 const auto q = as_given(near);
                 const Point image = rounded_image(q.first, q.second, domain);
-                const Plane plane = bisector(q, domain.largest_weight);
+                const Plane plane = bisector(q, other);
                 ++counts.tried;
                 if (vertex.side(plane) <= 0) continue;
                 ++counts.cuts;
@@ -143,12 +146,13 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 for (std::size_t k = 0; k < 3; ++k)
                     if (setting.periodic[k]) of_axis[k] = 8 * unit * std::max(std::abs(at[k]), std::abs(image[k]));
                 const auto box = votess::cpu::seen_from(at, {image, image}, of_axis);
-                if (!cell.in_reach(box, more) || !cell.may_cut(box, more)) {
+                if (!cell.in_reach(box, more) || !cell.may_cut(box, std::max(0.0, more))) {
                     CAPTURE(setting.name);
                     CAPTURE(c);
                     FAIL_CHECK("a seed that cuts the cell is out of reach");
                 }
-                counts.missed += cell.in_reach(votess::cpu::seen_from(at, {image, image}), more * (1 - 1e-9)) ? 0 : 1;
+                counts.missed +=
+                    cell.in_reach(votess::cpu::seen_from(at, {image, image}), more - 1e-9 * std::abs(more)) ? 0 : 1;
                 // The bounds of an image by its shift hold the exact place.
                 if (!images) continue;
                 const auto by = votess::shifts_around(domain, {image, image}, at,

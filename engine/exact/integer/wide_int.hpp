@@ -66,7 +66,7 @@ WideInt<W> operator-(const WideInt<W>& a) {
 // Returns the full product. Schoolbook on the unsigned limbs, where a negative operand counts 2^(64 W) too much; that
 // is subtracted afterwards.
 template <int A, int B>
-WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
+WideInt<A + B> short_product(const WideInt<A>& a, const WideInt<B>& b) {
     WideInt<A + B> r;
     for (int i = 0; i < A; ++i) {
         std::uint64_t carry = 0;
@@ -88,6 +88,38 @@ WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
     if (a.negative()) subtract_high(b, A, B);
     if (b.negative()) subtract_high(a, B, A);
     return r;
+}
+
+// Does the same for wide integers, which mostly have few limbs that are not 0.
+template <int A, int B>
+[[gnu::noinline]] WideInt<A + B> long_product(const WideInt<A>& a, const WideInt<B>& b) {
+    const WideInt<A> u = a.negative() ? -a : a;
+    const WideInt<B> v = b.negative() ? -b : b;
+    WideInt<A + B> r;
+    int first = 0, end = B;
+    while (first < B && v.limb[first] == 0) ++first;
+    while (end > first && v.limb[end - 1] == 0) --end;
+    for (int i = 0; i < A; ++i) {
+        if (u.limb[i] == 0) continue;
+        std::uint64_t carry = 0;
+        for (int j = first; j < end; ++j) {
+            const Uint128 t = static_cast<Uint128>(u.limb[i]) * v.limb[j] + r.limb[i + j] + carry;
+            r.limb[i + j] = static_cast<std::uint64_t>(t);
+            carry = static_cast<std::uint64_t>(t >> 64);
+        }
+        r.limb[i + end] = carry;
+    }
+    return a.negative() != b.negative() ? -r : r;
+}
+
+template <int A, int B>
+WideInt<A + B> operator*(const WideInt<A>& a, const WideInt<B>& b) {
+    constexpr int few_limbs = 16;
+    if constexpr (A + B <= few_limbs) {
+        return short_product(a, b);
+    } else {
+        return long_product(a, b);
+    }
 }
 
 // Extends the sign or truncates. A truncated value must fit.

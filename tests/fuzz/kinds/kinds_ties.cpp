@@ -133,6 +133,17 @@ std::vector<Job> walls_through(Random& random) {
         }
         job.walls.push_back(wall);
     }
+    // More than are tried in order: equal to others, multiples of them, to rounding, or turned a little.
+    const std::size_t more = random.chance(0.1) ? 36 : 0;
+    while (job.walls.size() < more) {
+        votess::Wall wall = job.walls[random.below(job.walls.size())];
+        const auto how = random.below(3);
+        const double factor = how == 0 ? 1 : static_cast<double>(2 + random.below(2));
+        for (double& value : wall.normal) value *= factor;
+        wall.offset *= factor;
+        if (how == 2) wall.normal[random.below(3)] += random.uniform(-0.1, 0.1);
+        job.walls.push_back(wall);
+    }
     if (random.chance(0.3))
         for (std::size_t i = 0; i < n; ++i) job.weights.push_back(random.uniform(-0.1, 0.2));
     job.drop = true;

@@ -1,0 +1,81 @@
+// Cells of power diagrams that heavy seeds take: how many seeds and boxes a search tests before it knows.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "cpu/cell_builder.hpp"
+#include "index/hierarchy.hpp"
+#include "index/sort.hpp"
+#include "input/options.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+struct Tests {
+    double mean = 0;
+    std::size_t empty = 0;
+};
+
+// Searches the cells of uniform seeds in the unit box. weight(i, x): of seed i at x.
+template <class Weight>
+Tests search_all(std::size_t count, Weight weight) {
+    test::Random random(5);
+    test::Coordinates points(3 * count);
+    for (double& x : points) x = random.uniform();
+    votess::Options options;
+    options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    std::vector<double> weights;
+    for (std::size_t i = 0; i < count; ++i)
+        weights.push_back(weight(i, std::array{points[3 * i], points[3 * i + 1], points[3 * i + 2]}));
+    options.weights = weights;
+    const votess::Job job = validate({points, {}}, options);
+    votess::ThreadPool pool(1);
+    votess::cpu::SeedSorter sorter;
+    votess::cpu::SortedSeeds seeds;
+    sort_inside(job.points, job.scale, 0, job.outside, sorter, pool, seeds);
+    for (const std::int32_t i : seeds.input) seeds.weights.push_back(job.domain->weights[static_cast<std::size_t>(i)]);
+    votess::cpu::Hierarchy hierarchy;
+    hierarchy.build(seeds, pool);
+    votess::cpu::CellBuilder builder(seeds, hierarchy);
+    builder.begin_job(*job.domain);
+    Tests tests;
+    for (std::size_t s = 0; s < count; ++s) {
+        tests.empty += builder.build(s).empty() ? 1 : 0;
+        tests.mean += static_cast<double>(builder.tests()) / static_cast<double>(count);
+    }
+    return tests;
+}
+
+}  // namespace
+
+TEST_SUITE("stages") {
+    TEST_CASE("hidden cells: one heavy seed buries all others, at a cost that does not depend on their number") {
+        for (const std::size_t count : {test::by_size(2000, 500), test::by_size(16'000, 2000)}) {
+            const Tests tests = search_all(count, [](std::size_t i, const auto&) { return i == 77 ? 1000.0 : 0.0; });
+            CAPTURE(count);
+            CHECK(tests.empty == count - 1);
+            CHECK(tests.mean < 20);
+        }
+    }
+
+    TEST_CASE("hidden cells: a heavy seed that buries some adds only the search for it to the cost of others") {
+        const std::size_t count = test::by_size(8000, 1000);
+        const Tests none = search_all(count, [](std::size_t, const auto&) { return 0.0; });
+        const Tests one = search_all(count, [](std::size_t i, const auto&) { return i == 77 ? 0.05 : 0.0; });
+        CHECK(one.empty > 0);
+        CHECK(one.mean < 6 * none.mean);
+    }
+
+    TEST_CASE("hidden cells: most seeds lie where others own all") {
+        // The diagram of seeds twice as far from 0: seven of eight cells lie outside.
+        const std::size_t count = test::by_size(8000, 1000);
+        const Tests tests = search_all(count, [](std::size_t, const std::array<double, 3>& x) {
+            return -(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+        });
+        CHECK(static_cast<double>(tests.empty) > 0.75 * static_cast<double>(count));
+        CHECK(tests.mean < 400);
+    }
+}
