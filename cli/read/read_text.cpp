@@ -8,6 +8,7 @@
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
 #include "files/numbers.hpp"
+#include "in_order.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
 
@@ -15,7 +16,8 @@ namespace clvotess {
 namespace {
 
 constexpr std::size_t kept_fields = 64;
-constexpr std::size_t row_bytes = 40;  // estimate for a file
+constexpr std::size_t row_bytes = 40;                      // estimate for a file
+constexpr std::size_t piece_bytes = std::size_t{1} << 20;  // that a thread parses at once
 
 // The fields of one line. `count` may exceed kept_fields.
 struct Row {
@@ -52,8 +54,16 @@ public:
     // Appends the rows of the next part of the text.
     void append(std::string_view text, Input& input) {
         lines_.go_on(text);
+        append_rows(input, true);  // the first row says which columns there are
+        if (request_.threads != 1 && lines_.rest().size() >= 2 * piece_bytes) return append_pieces(input);
+        append_rows(input, false);
+    }
+
+private:
+    // Appends the next rows; up to the first row of all, if `first`.
+    void append_rows(Input& input, bool first) {
         Row row;
-        while (next_row(row)) {
+        while (!(first && places_) && next_row(row)) {
             if (!places_ && kind_ == TextKind::csv && names_.empty() && is_header(row)) {
                 names_ = names_of(line_);
                 check_names();
@@ -66,7 +76,39 @@ public:
         }
     }
 
-private:
+    // Appends the remaining rows, in pieces of whole lines.
+    void append_pieces(Input& input) {
+        struct Piece {
+            Input rows;
+            std::size_t bytes = 0, lines = 0;
+            bool good = true;
+        };
+        std::vector<std::string_view> texts;
+        for (std::string_view rest = lines_.rest(); !rest.empty(); rest.remove_prefix(texts.back().size()))
+            texts.push_back(rest.substr(0, std::min(rest.find('\n', piece_bytes), rest.size() - 1) + 1));
+        const TextReader start(*this);
+        in_order(
+            texts.size(), request_.threads,
+            [&](std::size_t k) {
+                Piece piece;
+                TextReader reader(start);
+                reader.lines_.go_on(texts[k]);
+                try {
+                    reader.append_rows(piece.rows, false);
+                } catch (const Failure&) {
+                    piece.good = false;
+                }
+                piece.bytes = texts[k].size();
+                piece.lines = reader.lines_.line() - start.lines_.line();
+                return piece;
+            },
+            [&](const Piece& piece) {
+                if (!piece.good) return append_rows(input, false);  // throws again, with the right line number
+                input.append(piece.rows);
+                lines_.skip(piece.bytes, piece.lines);
+            });
+    }
+
     // Reads the next line with a field. Returns false at the end.
     bool next_row(Row& row) {
         while (lines_.next_filled(line_)) {

@@ -395,6 +395,24 @@ class Columns(ReaderTest):
         np.testing.assert_array_equal(got["column_6"], kind)
         self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="header line")
 
+    def test_rows_by_threads(self):
+        """Threads parse and write rows in the order of the file, and name the line of an error."""
+        points, count = random_points(60000), 60000
+        rows = [f"{i},{','.join(repr(float(x)) for x in point)},{i / 8}" for i, point in enumerate(points)]
+        rows[1000] += "\n\n# between rows\n"
+        self.put("a.csv", "id,x,y,z,mass\n" + "\n".join(rows))
+        self.assertGreater((self.folder / "a.csv").stat().st_size, 3 << 20)
+        for threads in [1, 3]:
+            self.run_cli("a.csv", "-t", threads, "--copy", "mass", "--format", "%i %q", "-o", f"{threads}.txt")
+            got = np.loadtxt(self.folder / f"{threads}.txt")
+            np.testing.assert_array_equal(got[:, 0], np.arange(count))
+            np.testing.assert_array_equal(got[:, 1:4], points)
+            np.testing.assert_array_equal(got[:, 4], np.arange(count) / 8)
+        for row, line in [(10, 12), (59990, 59995)]:
+            self.put("b.csv", "id,x,y,z,mass\n" + "\n".join([*rows[:row], "7,0,0,none,1", *rows[row:]]))
+            for options in [["-t", 3], ["-t", 1], ["-t", 3, "--memory", "500M"]]:
+                self.refuse("b.csv", *options, *["-o", "b.h5"] * (len(options) > 2), says=[f"b.csv:{line}:", "'none'"])
+
     def test_arrays(self):
         points, mass, flow = random_points(30), np.arange(30) * 0.5, random_points(30, 9)[:, :2]
         expected = {"mass": mass, "flow": flow, "type": np.arange(30)}
