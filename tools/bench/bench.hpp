@@ -85,6 +85,7 @@ std::unique_ptr<Peer> make_votess_on(const std::string& device);
 std::unique_ptr<Peer> make_voropp();
 std::unique_ptr<Peer> make_qhull();
 std::unique_ptr<Peer> make_cgal();
+std::unique_ptr<Peer> make_geogram();
 
 using Peers = std::vector<std::unique_ptr<Peer>>;
 

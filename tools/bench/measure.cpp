@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t max_repeats = 200;
 constexpr const char* failed = "failed: ";
 // Rounding costs Voro++ a face in millions of these; ties and the sphere's center cost every inexact peer more.
-constexpr std::string_view in_general_position[] = {"uniform",  "clustered", "jittered",
-                                                    "periodic", "triclinic", "radii"};
+constexpr std::string_view in_general_position[] = {"uniform",   "clustered", "jittered", "periodic",
+                                                    "triclinic", "radii",     "smooth"};
 
 struct Entry {
     const Contestant* contestant;
