@@ -139,7 +139,8 @@ def small_print(data, drawn):
             f"{machine['compiler']}, {flags}; {machine['date']}. {names}. "
             "Medians of runs that took turns, shaded from the fastest to the slowest; all but votess use one thread.")
     if unbounded:
-        text += f" {' and '.join(unbounded)} compute the unbounded diagram."
+        listed = " and ".join([", ".join(unbounded[:-1]), unbounded[-1]][-len(unbounded):])
+        text += f" {listed} compute the unbounded diagram where the box is not periodic."
     return textwrap.fill(text, SMALL_PRINT_LETTERS)
 
 

@@ -30,7 +30,7 @@ Entry entry_for(const Contestant& contestant) {
     m.n = input->size();
     m.want = want;
     m.peer = peer->name();
-    m.bounded = peer->bounded();
+    m.bounded = peer->bounded(*input);
     m.threads = threads;
     m.volume_error = peer->volume_error();
     m.expected_links = input->links;

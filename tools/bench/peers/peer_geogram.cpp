@@ -58,7 +58,7 @@ public:
         const bool open = input.periodic == std::array{false, false, false};
         return want == Want::neighbors && !input.cell && input.walls.empty() && (open || (periodic(input) && cube));
     }
-    [[nodiscard]] bool bounded() const override { return false; }
+    [[nodiscard]] bool bounded(const Input& input) const override { return periodic(input); }
 
     [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {
         std::vector<double> weights = input.weights;
