@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <new>
 #include <span>
@@ -61,11 +62,13 @@ public:
         const auto from = reinterpret_cast<std::uintptr_t>(data() + first) / page * page;
         const auto to = reinterpret_cast<std::uintptr_t>(data() + end), base = from / huge_page * huge_page;
         if (to < from + 4 * page) return;
-        pool.run(ceil_div(to - base, huge_page), [&](std::size_t piece, unsigned) {
+        const auto touch_piece = [&](std::size_t piece, unsigned) {
             const std::uintptr_t begin = std::max(from, base + piece * huge_page);
             madvise(reinterpret_cast<void*>(begin), std::min(to, base + (piece + 1) * huge_page) - begin,
                     MADV_POPULATE_WRITE);
-        });
+        };
+        const std::size_t pieces = ceil_div(to - base, huge_page);
+        pieces == 1 ? touch_piece(0, 0) : pool.run(pieces, std::cref(touch_piece));  // by reference: no allocation
 #endif
     }
 

@@ -32,6 +32,7 @@ void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
 template <class T>
 void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
     buffer.resize_uninitialized(count);
+    buffer.touch(0, count, pool);
     for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
         std::fill(buffer.data() + begin, buffer.data() + end, value);
     });
