@@ -16,8 +16,9 @@
 
 namespace clvotess {
 
-// Calls make(0) .. make(count - 1) on threads, and take(result) in that order on the calling thread. Few results wait
-// at a time. Throws the first exception in order. threads: 0 for one per processor; fewer if the system gives fewer.
+// Calls make(0) .. make(count - 1) on threads, and take(result) in that order on the calling thread, until take returns
+// false. Few results wait at a time. Throws the first exception in order. threads: 0 for one per processor; fewer if
+// the system gives fewer.
 template <class Make, class Take>
 void in_order(std::size_t count, unsigned threads, const Make& make, const Take& take) {
     if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
@@ -69,7 +70,7 @@ void in_order(std::size_t count, unsigned threads, const Make& make, const Take&
     }
     for (std::size_t index = 0; index < count; ++index) {
         if (workers.threads.empty()) {
-            take(make(index));
+            if (!take(make(index))) return;
             continue;
         }
         Slot slot;
@@ -82,7 +83,7 @@ void in_order(std::size_t count, unsigned threads, const Make& make, const Take&
             work.notify_all();
         }
         if (slot.failure) std::rethrow_exception(slot.failure);
-        take(std::move(*slot.made));
+        if (!take(std::move(*slot.made))) return;
     }
 }
 

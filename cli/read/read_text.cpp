@@ -2,22 +2,22 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include "failure.hpp"
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
 #include "files/numbers.hpp"
-#include "in_order.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
+#include "read/rows_by_threads.hpp"
 
 namespace clvotess {
 namespace {
 
 constexpr std::size_t kept_fields = 64;
-constexpr std::size_t row_bytes = 40;                      // estimate for a file
-constexpr std::size_t piece_bytes = std::size_t{1} << 20;  // that a thread parses at once
+constexpr std::size_t row_bytes = 40;  // estimate for a file
 
 // The fields of one line. `count` may exceed kept_fields.
 struct Row {
@@ -55,9 +55,13 @@ public:
     void append(std::string_view text, Input& input) {
         lines_.go_on(text);
         append_rows(input, true);  // the first row says which columns there are
-        if (request_.threads != 1 && lines_.rest().size() >= 2 * piece_bytes) return append_pieces(input);
-        append_rows(input, false);
+        append_by_threads(*this, input, std::numeric_limits<std::size_t>::max(), request_.threads);
+        append_rows(input);
     }
+    void append_rows(Input& input) { append_rows(input, false); }
+
+    [[nodiscard]] LineReader& lines() noexcept { return lines_; }
+    [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
     // Appends the next rows; up to the first row of all, if `first`.
@@ -74,39 +78,6 @@ private:
             if (input.points.empty()) begin(input);
             append_row(row, input);
         }
-    }
-
-    // Appends the remaining rows, in pieces of whole lines.
-    void append_pieces(Input& input) {
-        struct Piece {
-            Input rows;
-            std::size_t bytes = 0, lines = 0;
-            bool good = true;
-        };
-        std::vector<std::string_view> texts;
-        for (std::string_view rest = lines_.rest(); !rest.empty(); rest.remove_prefix(texts.back().size()))
-            texts.push_back(rest.substr(0, std::min(rest.find('\n', piece_bytes), rest.size() - 1) + 1));
-        const TextReader start(*this);
-        in_order(
-            texts.size(), request_.threads,
-            [&](std::size_t k) {
-                Piece piece;
-                TextReader reader(start);
-                reader.lines_.go_on(texts[k]);
-                try {
-                    reader.append_rows(piece.rows, false);
-                } catch (const Failure&) {
-                    piece.good = false;
-                }
-                piece.bytes = texts[k].size();
-                piece.lines = reader.lines_.line() - start.lines_.line();
-                return piece;
-            },
-            [&](const Piece& piece) {
-                if (!piece.good) return append_rows(input, false);  // throws again, with the right line number
-                input.append(piece.rows);
-                lines_.skip(piece.bytes, piece.lines);
-            });
     }
 
     // Reads the next line with a field. Returns false at the end.

@@ -260,7 +260,10 @@ void write_text(OutputFile& file, const OutputData& data) {
     const std::size_t count = data.tessellation.size();
     in_order((count + block - 1) / block, data.threads,
              [&](std::size_t k) { return TextWriter(data, seeds).rows(k * block, std::min(count, (k + 1) * block)); },
-             [&](const OutputBuffer& rows) { file.write(rows.bytes()); });
+             [&](const OutputBuffer& rows) {
+                 file.write(rows.bytes());
+                 return true;
+             });
 }
 
 }  // namespace clvotess

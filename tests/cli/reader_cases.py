@@ -408,6 +408,25 @@ class Columns(ReaderTest):
             np.testing.assert_array_equal(got[:, 0], np.arange(count))
             np.testing.assert_array_equal(got[:, 1:4], points)
             np.testing.assert_array_equal(got[:, 4], np.arange(count) / 8)
+        atoms = [f"Si {' '.join(repr(float(x)) for x in point)} {i}" for i, point in enumerate(points)]
+        comment = "Properties=species:S:1:pos:R:3:id:I:1"
+        frame = f"{count}\n{comment}\n" + "\n".join(atoms) + "\n"
+        self.put("a.xyz", frame + "2\n\nH 1 2 3\nH 3 4 5\n" + frame)
+        for number, expected in [(0, points), (1, [[1, 2, 3], [3, 4, 5]]), (2, points)]:
+            self.assert_points("a.xyz", expected, "-t", 3, "--frame", number)
+        atoms[59990] = "Si 0 0 none 1"
+        self.put("b.xyz", f"{count}\n{comment}\n" + "\n".join(atoms) + "\n")
+        self.refuse("b.xyz", "-t", 3, says=["b.xyz:59993:", "'none'"])
+        self.put("b.xyz", f"{count + 1}\n{comment}\n" + "\n".join(atoms[:59990] + atoms[59991:]) + "\n")
+        self.refuse("b.xyz", "-t", 3, says="the file ends after 59999 of the 60001 rows")
+        dump = (f"ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n" + "0 1\n" * 3 +
+                "ITEM: ATOMS id x y z mass\n" + "".join(f"{i} {' '.join(repr(float(x)) for x in point)} {i / 8}\n"
+                                                        for i, point in enumerate(points)))
+        self.put("a.dump", dump + dump.replace("\n5\n", "\n6\n"))
+        for number in [0, 1]:
+            self.run_cli("a.dump", "-t", 3, "--frame", number, "--copy", "all", "--format", "%i %q", "-o", "d.txt")
+            got = np.loadtxt(self.folder / "d.txt")
+            np.testing.assert_array_equal(got, np.column_stack([np.arange(count), points, np.arange(count) / 8]))
         for row, line in [(10, 12), (59990, 59995)]:
             self.put("b.csv", "id,x,y,z,mass\n" + "\n".join([*rows[:row], "7,0,0,none,1", *rows[row:]]))
             for options in [["-t", 3], ["-t", 1], ["-t", 3, "--memory", "500M"]]:
