@@ -141,7 +141,7 @@ int run(const Arguments& arguments) {
             image->finish();
         }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, options.radii,
-                                          domain_from, carried, arguments.coloring, !arguments.quiet});
+                                          domain_from, carried, arguments.coloring, !arguments.quiet, options.threads});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

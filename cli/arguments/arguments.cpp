@@ -278,6 +278,7 @@ Arguments read_arguments(int count, const char* const* values) {
     check_companions(typed, arguments);
     votess::Options& options = arguments.options;
     typed.read_members(options);
+    arguments.read.threads = options.threads;
     read_source(typed, arguments);
     read_domain(typed, arguments);
     if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)

@@ -104,6 +104,7 @@ Arguments read_voropp_arguments(int count, const char* const* values) {
     arguments.input = words.take("the box");
     arguments.outputs = {arguments.input + ".vol"};
     arguments.read.text = true;
+    arguments.read.threads = options.threads;
     if (arguments.has_radii) arguments.read.columns = {"5"};
     check_outputs(arguments.outputs, {arguments.input});
 

@@ -101,6 +101,7 @@ public:
         rest_.remove_prefix(count);
         line_ += lines;
     }
+    [[nodiscard]] std::size_t line() const noexcept { return line_; }  // number of the last line
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:

@@ -60,21 +60,17 @@ private:
     int descriptor_ = -1;
 };
 
-// Buffers text and binary numbers in front of an OutputFile.
+// Text and binary numbers for a file.
 class OutputBuffer {
 public:
-    explicit OutputBuffer(OutputFile& file) : file_(file), bytes_(capacity, '\0') {}
-
     void put(std::string_view text) {
-        if (text.empty()) return;
-        if (text.size() > capacity - used_) flush();
-        if (text.size() > capacity) return file_.write(text);
+        make_room(text.size());
         std::memcpy(bytes_.data() + used_, text.data(), text.size());
         used_ += text.size();
     }
 
     void put(char c) {
-        make_room();
+        make_room(1);
         bytes_[used_++] = c;
     }
 
@@ -85,7 +81,7 @@ public:
     // Writes a number as text.
     template <typename Number>
     void put_number(Number value) {
-        make_room();
+        make_room(longest_number);
         if constexpr (std::is_floating_point_v<Number>) {
             if (std::isnan(value)) return put(std::string_view("nan"));  // never -nan
         }
@@ -112,25 +108,21 @@ public:
     // Writes the bytes of a value.
     template <typename Number>
     void put_binary(Number value) {
-        make_room();
+        make_room(sizeof value);
         std::memcpy(bytes_.data() + used_, &value, sizeof value);
         used_ += sizeof value;
     }
 
-    void flush() {
-        file_.write(std::string_view(bytes_.data(), used_));
-        used_ = 0;
-    }
+    [[nodiscard]] std::string_view bytes() const noexcept { return std::string_view(bytes_).substr(0, used_); }
+    void clear() noexcept { used_ = 0; }
 
 private:
-    static constexpr std::size_t capacity = std::size_t{1} << 20;
     static constexpr std::size_t longest_number = 32;
 
-    void make_room() {
-        if (capacity - used_ < longest_number) flush();
+    void make_room(std::size_t count) {
+        if (bytes_.size() - used_ < count) bytes_.resize(2 * bytes_.size() + count);
     }
 
-    OutputFile& file_;
     std::string bytes_;
     std::size_t used_ = 0;
     int digits_ = 0;

@@ -143,7 +143,9 @@ InputShare deal(const Ranks& ranks, const Arguments& arguments) {
     std::vector<std::vector<char>> rows;
     const auto parts = static_cast<std::uint64_t>(ranks.size());
     ranks.first_alone([&] {
-        all = read_input(arguments.input, arguments.read);
+        ReadRequest request = arguments.read;
+        if (!arguments.threads_given) request.threads = 1;
+        all = read_input(arguments.input, request);
         whole = pack_whole(all);
         for (std::uint64_t r = 0; r < parts; ++r) rows.push_back(pack_rows(all, {r, parts}));
         all = {};

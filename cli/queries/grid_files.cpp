@@ -58,17 +58,23 @@ void write_vti(OutputFile& file, const GridOutput& grid) {
     for (std::size_t c = 0; c < grid.names.size(); ++c)
         head += "<DataArray type=\"Float64\" Name=\"" + xml_escaped(grid.names[c]) +
                 "\" format=\"appended\" offset=\"" + std::to_string(c * (sizeof bytes + bytes)) + "\"/>\n";
-    OutputBuffer out(file);
+    OutputBuffer out;
+    const auto flush = [&] {
+        file.write(out.bytes());
+        out.clear();
+    };
     out.put(head + "</CellData>\n</Piece>\n</ImageData>\n<AppendedData encoding=\"raw\">\n_");
     for (std::size_t c = 0; c < grid.names.size(); ++c) {
         out.put_binary(bytes);
-        for (std::size_t z = 0; z < cells[2]; ++z)
+        for (std::size_t z = 0; z < cells[2]; ++z) {
             for (std::size_t y = 0; y < cells[1]; ++y)
                 for (std::size_t x = 0; x < cells[0]; ++x)
                     out.put_binary(grid.numbers[((x * cells[1] + y) * cells[2] + z) * grid.names.size() + c]);
+            flush();
+        }
     }
     out.put("\n</AppendedData>\n</VTKFile>\n");
-    out.flush();
+    flush();
 }
 
 }  // namespace

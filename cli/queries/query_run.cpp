@@ -64,6 +64,7 @@ Values values_of(const Input& seeds, std::size_t first_column) {
 
 ReadRequest request_of_queries(const Arguments& arguments) {
     ReadRequest request;
+    request.threads = arguments.read.threads;
     if (!arguments.has_weights) return request;
     request.columns = {arguments.read.columns.at(0)};
     request.columns_may_lack = true;

@@ -171,6 +171,13 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
         in_quotes(path) + ": leave --memory out, or convert the file");
 }
 
+void Input::append(const Input& rows) {
+    points.insert(points.end(), rows.points.begin(), rows.points.end());
+    ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
+    for (std::size_t c = 0; c < rows.columns.size(); ++c)
+        columns[c].values.insert(columns[c].values.end(), rows.columns[c].values.begin(), rows.columns[c].values.end());
+}
+
 std::span<const double> one_each(const InputColumn& column) {
     if (column.width == 1) return column.values;
     throw bad_input("the column " + in_quotes(column.name) + " has " + std::to_string(column.width) +

@@ -55,6 +55,8 @@ struct Input {
     std::string note;              // the part of the file that was read, for the summary; may be empty
 
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
+    // Appends points with the same columns.
+    void append(const Input& rows);
 };
 
 // Returns the numbers of a column with one number for each point. Throws Failure when it has more.
@@ -83,6 +85,7 @@ struct ReadRequest {
     bool columns_may_lack = false;       // skip those of `columns` that the file lacks
     bool all_columns = false;            // read the others too
     std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                // that parse text; 0: one per processor
     Share share;                         // of the points, for files that reads_shares() accepts
 };
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
 #include <optional>
 
 #include "failure.hpp"
@@ -10,6 +11,7 @@
 #include "files/numbers.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
+#include "read/rows_by_threads.hpp"
 
 namespace clvotess {
 namespace {
@@ -52,8 +54,20 @@ public:
     // Appends the rows of the next part of the text.
     void append(std::string_view text, Input& input) {
         lines_.go_on(text);
+        append_rows(input, true);  // the first row says which columns there are
+        append_by_threads(*this, input, std::numeric_limits<std::size_t>::max(), request_.threads);
+        append_rows(input);
+    }
+    void append_rows(Input& input) { append_rows(input, false); }
+
+    [[nodiscard]] LineReader& lines() noexcept { return lines_; }
+    [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
+
+private:
+    // Appends the next rows; up to the first row of all, if `first`.
+    void append_rows(Input& input, bool first) {
         Row row;
-        while (next_row(row)) {
+        while (!(first && places_) && next_row(row)) {
             if (!places_ && kind_ == TextKind::csv && names_.empty() && is_header(row)) {
                 names_ = names_of(line_);
                 check_names();
@@ -66,7 +80,6 @@ public:
         }
     }
 
-private:
     // Reads the next line with a field. Returns false at the end.
     bool next_row(Row& row) {
         while (lines_.next_filled(line_)) {

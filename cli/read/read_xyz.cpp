@@ -9,6 +9,7 @@
 #include "files/line_reader.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
+#include "read/rows_by_threads.hpp"
 
 namespace clvotess {
 namespace {
@@ -59,6 +60,14 @@ public:
         throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
                         std::to_string(frames_) + ", counted from 0");
     }
+
+    // Appends all rows of the text.
+    void append_rows(Input& input) {
+        while (append_row(input)) {
+        }
+    }
+    [[nodiscard]] LineReader& lines() noexcept { return lines_; }
+    [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
     // Reads the count of a frame. Returns false at the end of the file.
@@ -163,39 +172,48 @@ private:
         return wanted;
     }
 
+    // Appends the next row. Returns false at the end of the text.
+    bool append_row(Input& input) {
+        std::string_view line;
+        if (!lines_.next_filled(line)) return false;
+        split_words(line, words_);
+        if (!wanted_) wanted_ = wanted_of_row();
+        if (input.points.empty()) input.columns = wanted_->columns(most_rows());
+        const std::size_t first = first_.value_or(1);
+        const bool more = wanted_->end() > 0;
+        const bool fits = has_properties() ? words_.size() == names_.size()
+                          : more           ? words_.size() >= std::max<std::size_t>(wanted_->end(), 4)
+                                           : words_.size() == 4;
+        if (!fits) {
+            throw lines_.error("this row has " + columns_text(words_.size()) + ", expected " +
+                               (has_properties() ? std::to_string(names_.size()) + ", as Properties says"
+                                : more           ? "more"
+                                                 : "4 (element x y z)"));
+        }
+        for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
+        if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
+        wanted_->append(input.columns,
+                        [this](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
+        return true;
+    }
+    // Returns how many rows may follow.
+    [[nodiscard]] std::size_t most_rows() const {
+        constexpr std::size_t shortest = 8;  // bytes of "H 0 0 0" and its line end
+        return std::min(static_cast<std::size_t>(count_), lines_.rest().size() / shortest + 2);
+    }
+    [[nodiscard]] bool has_properties() const { return !names_.empty(); }
+
     Input read_frame(std::string_view comment, std::uint64_t frame) {
         Input input;
         input.domain = read_domain(comment);
         const auto properties = value_of(comment, "properties");
         if (properties) read_properties(*properties);
-        const std::size_t first = first_.value_or(1);
         const auto count = static_cast<std::size_t>(count_);
         if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
-        input.points.reserve(3 * count);
-        std::optional<ColumnPlaces> wanted;  // known from the first row
-        std::string_view line;
-        for (std::size_t i = 0; i < count; ++i) {
-            if (!lines_.next_filled(line)) throw short_frame(i);
-            split_words(line, words_);
-            if (!wanted) {
-                wanted = wanted_of_row();
-                input.columns = wanted->columns(count);
-            }
-            const bool more = wanted->end() > 0;
-            const bool fits = properties ? words_.size() == names_.size()
-                              : more     ? words_.size() >= std::max<std::size_t>(wanted->end(), 4)
-                                         : words_.size() == 4;
-            if (!fits) {
-                throw lines_.error("this row has " + columns_text(words_.size()) + ", expected " +
-                                   (properties ? std::to_string(names_.size()) + ", as Properties says"
-                                    : more     ? "more"
-                                               : "4 (element x y z)"));
-            }
-            for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
-            if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
-            wanted->append(input.columns, [this](std::size_t k, const std::string& column) {
-                return lines_.number(words_[k], column);
-            });
+        input.points.reserve(3 * most_rows());
+        for (std::size_t i = 0; i < count; i = input.size()) {
+            if (!append_row(input)) throw short_frame(i);
+            if (i == 0) append_by_threads(*this, input, count, request_.threads);
         }
         const bool more = begin_frame(frame + 1);
         if (more || frame > 0) input.note = "frame " + std::to_string(frame);
@@ -208,6 +226,7 @@ private:
     std::uint64_t count_ = 0, frames_ = 0;
     std::vector<std::string> names_;  // of the columns, by Properties
     std::optional<std::size_t> first_, id_;
+    std::optional<ColumnPlaces> wanted_;  // known from the first row
 };
 
 }  // namespace

@@ -42,6 +42,7 @@ struct OutputData {
     const std::vector<InputColumn>& carried;  // columns of the input, after the arrays of the cells
     const Coloring& coloring;                 // for .glb
     bool reports_size = false;                // print the size of a .glb on stderr before it is written
+    unsigned threads = 1;                     // that make text; 0: one per processor
 };
 
 // Returns the attributes of .npz and .h5: units of the input, domain_from, periodic_from and version.

@@ -1,9 +1,11 @@
-// Text rows, written through a buffer of fixed size.
+// Text rows, in blocks that threads make.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "files/output_file.hpp"
+#include "in_order.hpp"
 #include "write/nearest_images.hpp"
 #include "write/output.hpp"
 
@@ -16,17 +18,14 @@ using Polygon = std::span<const std::int32_t>;
 
 class TextWriter {
 public:
-    TextWriter(OutputFile& file, const OutputData& data)
-        : data_(data),
-          cells_(data.tessellation),
-          buffer_(file),
-          seeds_(data.input.points, cells_),
-          areas_(cells_.face_areas()) {
+    TextWriter(const OutputData& data, const NearestImages& seeds)
+        : data_(data), cells_(data.tessellation), seeds_(seeds), areas_(cells_.face_areas()) {
         if (data_.format.like_voropp()) buffer_.set_digits(6);
     }
 
-    void write() {
-        for (std::size_t i = 0; i < cells_.size(); ++i) {
+    // Returns the rows of cells begin .. end - 1.
+    OutputBuffer rows(std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
             ordered_ = false;
             if (data_.format.like_voropp() && cells_.status()[i] != votess::CellStatus::certified) continue;
             for (const FormatPiece& piece : data_.format.pieces()) {
@@ -44,7 +43,7 @@ public:
             }
             buffer_.put('\n');
         }
-        buffer_.flush();
+        return std::move(buffer_);
     }
 
 private:
@@ -247,7 +246,7 @@ private:
     const OutputData& data_;
     const votess::Tessellation& cells_;
     OutputBuffer buffer_;
-    NearestImages seeds_;
+    const NearestImages& seeds_;
     std::span<const double> areas_;
     std::vector<std::size_t> order_, counts_;
     bool ordered_ = false;  // whether order_ belongs to the current row
@@ -256,7 +255,15 @@ private:
 }  // namespace
 
 void write_text(OutputFile& file, const OutputData& data) {
-    TextWriter(file, data).write();
+    constexpr std::size_t block = 4096;
+    const NearestImages seeds(data.input.points, data.tessellation);
+    const std::size_t count = data.tessellation.size();
+    in_order((count + block - 1) / block, data.threads,
+             [&](std::size_t k) { return TextWriter(data, seeds).rows(k * block, std::min(count, (k + 1) * block)); },
+             [&](const OutputBuffer& rows) {
+                 file.write(rows.bytes());
+                 return true;
+             });
 }
 
 }  // namespace clvotess

@@ -25,7 +25,7 @@ public:
             used_ = 0;
         }
         if (current_ == segments_.size()) {
-            Buffer<std::byte> segment;
+            Buffer<std::byte> segment(Buffer<std::byte>::Pages::huge);
             // room for a slightly larger piece in the next use
             segment.resize_uninitialized(std::max(segment_bytes_, std::bit_ceil(bytes + bytes / 8)));
             segments_.push_back(std::move(segment));

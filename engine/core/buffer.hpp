@@ -2,13 +2,18 @@
 // cost of new pages, and each page lies near its thread.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
+
+#include "core/arithmetic.hpp"
+#include "core/thread_pool.hpp"
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -48,13 +53,22 @@ public:
         size_ = count;
     }
 
-    // Makes the pages of these elements present at once, which is cheaper than a fault for each.
-    void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t count) {
+    // Makes the pages of elements first .. end - 1 present, on all threads: cheaper than a fault for each page. No two
+    // threads share a huge page, which both would clear.
+    void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t end,
+               [[maybe_unused]] ThreadPool& pool) {
 #if defined(__linux__) && defined(MADV_POPULATE_WRITE)
         constexpr std::uintptr_t page = 4096;
-        const auto begin = reinterpret_cast<std::uintptr_t>(data() + first), end = begin + count * sizeof(T);
-        const std::uintptr_t from = begin / page * page;
-        if (count * sizeof(T) >= 4 * page) madvise(reinterpret_cast<void*>(from), end - from, MADV_POPULATE_WRITE);
+        const auto from = reinterpret_cast<std::uintptr_t>(data() + first) / page * page;
+        const auto to = reinterpret_cast<std::uintptr_t>(data() + end), base = from / huge_page * huge_page;
+        if (to < from + 4 * page) return;
+        const auto touch_piece = [&](std::size_t piece, unsigned) {
+            const std::uintptr_t begin = std::max(from, base + piece * huge_page);
+            madvise(reinterpret_cast<void*>(begin), std::min(to, base + (piece + 1) * huge_page) - begin,
+                    MADV_POPULATE_WRITE);
+        };
+        const std::size_t pieces = ceil_div(to - base, huge_page);
+        pieces == 1 ? touch_piece(0, 0) : pool.run(pieces, std::cref(touch_piece));  // by reference: no allocation
 #endif
     }
 

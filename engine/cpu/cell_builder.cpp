@@ -189,7 +189,7 @@ void CellBuilder::poll_stop() {
 
 void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
     poll_stop();
-    if (plain_ && coincident_ < 0)
+    if (plain_ && id != coincident_)
         cell_.clip(id, {x, y, z});
     else if (seeds_.images == nullptr)
         clip_by_image(id, {});
@@ -335,6 +335,15 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     }
     coincident_ = find_coincident();
     group_ = ~std::size_t{0};
+    if (!guards.empty()) {
+        // Few boxes are in reach of a cell that has been cut, while a window around the probe may hold most seeds.
+        tests_ = 0;
+        max_tests_ = std::numeric_limits<std::size_t>::max();
+        start();
+        clip_far(0);
+        if (seeds_.images != nullptr) clip_far_images();
+        return cell_;
+    }
     open_window({at_, at_});
     return *search(std::numeric_limits<std::size_t>::max());
 }

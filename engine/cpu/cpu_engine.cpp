@@ -19,6 +19,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
+    result_.touch(1, 0, clipper_.pool());
     clipper_.clip_all(result_, clipping);
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);

@@ -260,6 +260,10 @@ void GpuEngine::clip_part(std::size_t index) {
         const double progress = progress_now();
         if (started != nullptr || done < seeds_.count() || !last_part) clip_pending(progress);
         Progress::require(progress_.going_on(progress));
+        if (started != nullptr || running != nullptr) {
+            const double share = static_cast<double>(done) / seeds_.count();
+            touch_results((static_cast<double>(index) + share) / static_cast<double>(parts_->size()), first_batch);
+        }
         if (running != nullptr) take(*running);
         running = started;
         if (running != nullptr && piece->trial) {  // its outcome is worth the wait
@@ -274,6 +278,12 @@ void GpuEngine::clip_part(std::size_t index) {
         }
     }
     take_batch(first_batch && is_in_input_order());
+}
+
+void GpuEngine::touch_results(double share, bool first_batch) {
+    const bool placed = first_batch && is_in_input_order() && job_.options.want.neighbors && !lists_only_;
+    const double row = placed && done_cells_ > 0 ? static_cast<double>(download_.entries()) / done_cells_ : 0;
+    result_.touch(share, row, clipper_.pool());
 }
 
 std::size_t GpuEngine::uncertain_cells(const Chunk& chunk) const {

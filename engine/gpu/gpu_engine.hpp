@@ -59,6 +59,9 @@ private:
     void collect(const Chunk& chunk, Schedule& schedule);
     // Downloads the cells that are on the device. all_cells: all others are the CPU's.
     void take_batch(bool all_cells);
+    // Makes pages of the result present while the device works: those of this share of the cells, and of their rows if
+    // take_batch() will place these.
+    void touch_results(double share, bool first_batch);
     // Returns the number of cells left to the CPU that may have ties of small whole numbers.
     [[nodiscard]] std::size_t uncertain_cells(const Chunk& chunk) const;
     // Returns how many cells the next chunk should have, by the time that this one took: at most host_seconds on the

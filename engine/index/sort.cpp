@@ -79,6 +79,8 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     out.duplicate_of.clear();
     out.duplicates = 0;
     if (count == 0) return;
+    // Otherwise threads would meet in huge pages, and each clear them.
+    for (auto* v : {&out.x, &out.y, &out.z}) v->touch(0, padded, pool);
 
     chunks_ = pool.size() == 1 ? 1 : std::clamp<std::size_t>(count / chunk_seeds, 1, pool.size() * chunks_per_thread);
     splits_.clear();
@@ -96,6 +98,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     std::uint32_t begin = 0;
     order_buckets(splits_[0], begin);
     records_.resize_uninitialized(count);
+    records_.touch(0, count, pool);
     scatter(cloud, pool, keys);
     sort_buckets(pool, out);
     if (out.duplicates > 0) remove_duplicates(count, pool, out);

@@ -30,14 +30,9 @@ void for_blocks(ThreadPool& pool, std::size_t count, Task task) {
 }
 
 template <class T>
-void touch(Buffer<T>& buffer, ThreadPool& pool) {
-    for_blocks(pool, buffer.size(),
-               [&](std::size_t, std::size_t begin, std::size_t end) { buffer.touch(begin, end - begin); });
-}
-
-template <class T>
 void fill(Buffer<T>& buffer, std::size_t count, T value, ThreadPool& pool) {
     buffer.resize_uninitialized(count);
+    buffer.touch(0, count, pool);
     for_blocks(pool, count, [&](std::size_t, std::size_t begin, std::size_t end) {
         std::fill(buffer.data() + begin, buffer.data() + end, value);
     });
@@ -81,6 +76,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
         result_ = std::move(*job.arrays);
     blocks_.clear();
     settled_ = false;
+    touched_cells_ = touched_entries_ = 0;
     memory_.reset(std::clamp(8 * count, min_segment, max_segment));
     counters_ = {};
     faces_.begin(0);
@@ -118,11 +114,42 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
     if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
     if (want.radii) result_.security_radii.resize_uninitialized(count);
-    touch(result_.volumes, pool);
-    touch(result_.centroids, pool);
     mesh_.begin(job);
     for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
         counts->resize_uninitialized(want.counts ? count : 0);
+}
+
+void ResultBuilder::touch(double share, double row, ThreadPool& pool) {
+    const auto count = static_cast<double>(result_.status.size());
+    const auto cells = static_cast<std::size_t>(share * count);
+    if (cells > touched_cells_) {
+        if (!result_.volumes.empty()) result_.volumes.touch(touched_cells_, cells, pool);
+        if (!result_.centroids.empty()) result_.centroids.touch(3 * touched_cells_, 3 * cells, pool);
+        touched_cells_ = cells;
+    }
+    if (!want_neighbors_ || row == 0) return;
+    constexpr double longest = 20, longer = 1.2;  // later rows may be longer, and untouched memory costs nothing
+    row = std::min(row, longest);
+    if (result_.indices.empty()) resize_entries(static_cast<std::size_t>(longer * row * count));
+    touch_entries(std::min(static_cast<std::size_t>(share * row * count), result_.indices.size()), pool);
+}
+
+void ResultBuilder::resize_entries(std::size_t entries) {
+    if (entries > result_.indices.capacity()) touched_entries_ = 0;
+    result_.indices.resize_uninitialized(entries);
+    result_.face_areas.resize_uninitialized(want_areas_ ? entries : 0);
+    result_.face_normals.resize_uninitialized(want_normals_ ? 3 * entries : 0);
+    result_.shifts.resize_uninitialized(want_shifts_ ? 3 * entries : 0);
+}
+
+void ResultBuilder::touch_entries(std::size_t end, ThreadPool& pool) {
+    const std::size_t begin = touched_entries_;
+    if (end <= begin) return;
+    touched_entries_ = end;
+    result_.indices.touch(begin, end, pool);
+    if (want_areas_) result_.face_areas.touch(begin, end, pool);
+    if (want_normals_) result_.face_normals.touch(3 * begin, 3 * end, pool);
+    if (want_shifts_) result_.shifts.touch(3 * begin, 3 * end, pool);
 }
 
 void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
@@ -286,14 +313,8 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     if (!want_neighbors_) return;
     sum_lengths(later, pool);
     const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
-    result_.indices.resize_uninitialized(size);
-    result_.face_areas.resize_uninitialized(want_areas_ ? size : 0);
-    result_.face_normals.resize_uninitialized(want_normals_ ? 3 * size : 0);
-    result_.shifts.resize_uninitialized(want_shifts_ ? 3 * size : 0);
-    touch(result_.indices, pool);
-    touch(result_.face_areas, pool);
-    touch(result_.face_normals, pool);
-    touch(result_.shifts, pool);
+    resize_entries(size);
+    touch_entries(size, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
 }
 

@@ -35,6 +35,10 @@ public:
     // empty row. The other arrays are not initialized: the engine writes them for each cell except duplicates.
     void begin(const Job& job, ThreadPool& pool);
 
+    // Makes the pages of a share of the arrays present, on all threads, so that later writes do not wait for them.
+    // Shares ascend. row: expected entries of a row, 0 if unknown; then the arrays of rows wait for settle().
+    void touch(double share, double row, ThreadPool& pool);
+
     // Arrays of N values, centroids 3N; empty if not requested. Threads may write different cells at once. finish()
     // throws if a cell still has a hand-over status.
     [[nodiscard]] std::span<CellStatus> status() { return result_.status; }
@@ -97,6 +101,10 @@ private:
     template <class T>
     [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values);
     void check_status(ThreadPool& pool) const;
+    // Sizes the arrays of rows.
+    void resize_entries(std::size_t entries);
+    // Makes their pages present up to this entry.
+    void touch_entries(std::size_t end, ThreadPool& pool);
     void sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool);
     void place_block(const Block& block);
     // Copies `count` entries, one or more rows.
@@ -108,6 +116,7 @@ private:
 
     bool want_neighbors_ = false, want_areas_ = false, want_normals_ = false, want_shifts_ = false;
     bool settled_ = false;
+    std::size_t touched_cells_ = 0, touched_entries_ = 0;  // with pages made present
     double min_face_ = 0, min_area_ = 0;
     double box_volume_ = 0, scale_ = 1;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()

@@ -20,8 +20,8 @@ struct Result {
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;
     Buffer<std::int32_t> dropped_vertices;
-    Buffer<std::int64_t> indptr;
     // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
+    Buffer<std::int64_t> indptr{Buffer<std::int64_t>::Pages::huge};
     Buffer<std::int32_t> indices{Buffer<std::int32_t>::Pages::huge};
     Buffer<std::int8_t> shifts{Buffer<std::int8_t>::Pages::huge};
     Buffer<double> centroids{Buffer<double>::Pages::huge}, volumes{Buffer<double>::Pages::huge};

@@ -36,7 +36,7 @@ goals = read("goals.json")
 assert len(goals["goals"]) == 23 and goals["measurements"] and goals["machine"]["date"], goals
 memory = read("memory.json")["memory"]
 assert memory and all(row["n"] == 1000 and row["bytes_per_point"] >= 0 for row in memory), memory
-assert {row["peer"] for row in memory if row["input"] == "heavy"} == {"votess"}, memory
+assert {row["peer"] for row in memory if row["input"] == "heavy"} - {"geogram"} == {"votess"}, memory
 for m in read("file.json")["measurements"]:
     assert m["input"] == "file:points" and m["n"] == 1000 and len(m["seconds"]) >= 2, m
 END

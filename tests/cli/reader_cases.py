@@ -395,6 +395,43 @@ class Columns(ReaderTest):
         np.testing.assert_array_equal(got["column_6"], kind)
         self.refuse("a.txt", "--copy", "all", "-o", "out.npz", says="header line")
 
+    def test_rows_by_threads(self):
+        """Threads parse and write rows in the order of the file, and name the line of an error."""
+        points, count = random_points(60000), 60000
+        rows = [f"{i},{','.join(repr(float(x)) for x in point)},{i / 8}" for i, point in enumerate(points)]
+        rows[1000] += "\n\n# between rows\n"
+        self.put("a.csv", "id,x,y,z,mass\n" + "\n".join(rows))
+        self.assertGreater((self.folder / "a.csv").stat().st_size, 3 << 20)
+        for threads in [1, 3]:
+            self.run_cli("a.csv", "-t", threads, "--copy", "mass", "--format", "%i %q", "-o", f"{threads}.txt")
+            got = np.loadtxt(self.folder / f"{threads}.txt")
+            np.testing.assert_array_equal(got[:, 0], np.arange(count))
+            np.testing.assert_array_equal(got[:, 1:4], points)
+            np.testing.assert_array_equal(got[:, 4], np.arange(count) / 8)
+        atoms = [f"Si {' '.join(repr(float(x)) for x in point)} {i}" for i, point in enumerate(points)]
+        comment = "Properties=species:S:1:pos:R:3:id:I:1"
+        frame = f"{count}\n{comment}\n" + "\n".join(atoms) + "\n"
+        self.put("a.xyz", frame + "2\n\nH 1 2 3\nH 3 4 5\n" + frame)
+        for number, expected in [(0, points), (1, [[1, 2, 3], [3, 4, 5]]), (2, points)]:
+            self.assert_points("a.xyz", expected, "-t", 3, "--frame", number)
+        atoms[59990] = "Si 0 0 none 1"
+        self.put("b.xyz", f"{count}\n{comment}\n" + "\n".join(atoms) + "\n")
+        self.refuse("b.xyz", "-t", 3, says=["b.xyz:59993:", "'none'"])
+        self.put("b.xyz", f"{count + 1}\n{comment}\n" + "\n".join(atoms[:59990] + atoms[59991:]) + "\n")
+        self.refuse("b.xyz", "-t", 3, says="the file ends after 59999 of the 60001 rows")
+        dump = (f"ITEM: TIMESTEP\n5\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS ff ff ff\n" + "0 1\n" * 3 +
+                "ITEM: ATOMS id x y z mass\n" + "".join(f"{i} {' '.join(repr(float(x)) for x in point)} {i / 8}\n"
+                                                        for i, point in enumerate(points)))
+        self.put("a.dump", dump + dump.replace("\n5\n", "\n6\n"))
+        for number in [0, 1]:
+            self.run_cli("a.dump", "-t", 3, "--frame", number, "--copy", "all", "--format", "%i %q", "-o", "d.txt")
+            got = np.loadtxt(self.folder / "d.txt")
+            np.testing.assert_array_equal(got, np.column_stack([np.arange(count), points, np.arange(count) / 8]))
+        for row, line in [(10, 12), (59990, 59995)]:
+            self.put("b.csv", "id,x,y,z,mass\n" + "\n".join([*rows[:row], "7,0,0,none,1", *rows[row:]]))
+            for options in [["-t", 3], ["-t", 1], ["-t", 3, "--memory", "500M"]]:
+                self.refuse("b.csv", *options, *["-o", "b.h5"] * (len(options) > 2), says=[f"b.csv:{line}:", "'none'"])
+
     def test_arrays(self):
         points, mass, flow = random_points(30), np.arange(30) * 0.5, random_points(30, 9)[:, :2]
         expected = {"mass": mass, "flow": flow, "type": np.arange(30)}

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <numeric>
 
 #include "domain/domain.hpp"
 #include "support/check.hpp"
@@ -108,6 +109,35 @@ TEST_SUITE("stages") {
         CHECK(refused(later, 0, 3, 4, later));
         CHECK(refused(later, 0, 7, 6, {0, 1, 2, 0, 0, 0, 3}));
         CHECK(refused(later, 3, 5, 3, {0, 0, 0, 0, 0, 0, 3, 0}));
+    }
+
+    TEST_CASE("result builder: pages made present early keep what is written, whatever rows were expected") {
+        const std::size_t count = 200000, length = 4;
+        const std::vector<float> points(3 * count);
+        votess::Job job;
+        job.domain = std::make_shared<const votess::Domain>();
+        job.points.f32 = points;
+        job.options.want = {.neighbors = true, .volumes = true, .centroids = true};
+        ThreadPool pool(3);
+        ResultBuilder builder;
+        std::vector<std::int32_t> ids(length * count);
+        std::iota(ids.begin(), ids.end(), 0);
+        const std::vector<std::uint32_t> lengths(count, length);
+        for (const double expected : {0.0, 1.0, 4.0, 20.0}) {
+            builder.begin(job, pool);
+            builder.volumes()[count - 1] = 7;
+            builder.touch(0.3, 0, pool);
+            builder.touch(0.6, expected, pool);
+            builder.centroids()[0] = 8;
+            builder.touch(1, expected, pool);
+            builder.settle(lengths, pool);
+            builder.place_rows(0, lengths, ids);
+            votess::detail::Result result;
+            builder.finish(result, pool);
+            CHECK(std::ranges::equal(result.indices, ids));
+            CHECK(result.volumes[count - 1] == 7);
+            CHECK(result.centroids[0] == 8);
+        }
     }
 
     TEST_CASE("result builder: the sum of volumes is that of any number of threads, and right to its last digits") {

@@ -59,6 +59,7 @@ struct Settings {
     bool strict = false;
     bool check = false;
     double check_limit = 1e5;
+    bool only_uniform_full = false;  // the other inputs without --want full
 
     void complete() {
         const bool quick = mode == Mode::quick, sweep = mode == Mode::sweep, memory = mode == Mode::memory;
@@ -77,7 +78,11 @@ struct Settings {
             if (!memory) {
                 inputs.emplace_back("clustered");
             }
+            if (sweep) {
+                inputs.insert(inputs.end(), {"radii", "smooth"});
+            }
         }
+        only_uniform_full = sweep && wants.empty();
         if (wants.empty()) {
             wants = {"neighbors"};
             if (quick || sweep || memory) {
@@ -102,6 +107,9 @@ Peers all_peers() {
 #endif
 #ifdef BENCH_CGAL
     peers.push_back(make_cgal());
+#endif
+#ifdef BENCH_GEOGRAM
+    peers.push_back(make_geogram());
 #endif
     return peers;
 }
@@ -135,6 +143,9 @@ int run_comparison(const Settings& settings, const Peers& peers, const std::vect
             const Input input = make_input(name, n, settings.rng_seed);
             for (const std::string& want_name : settings.wants) {
                 const Want want = want_name == "full" ? Want::full : Want::neighbors;
+                if (want == Want::full && name != "uniform" && settings.only_uniform_full) {
+                    continue;
+                }
                 std::vector<Contestant> contestants;
                 for (const auto& peer : peers) {
                     for (const unsigned threads :
@@ -232,7 +243,7 @@ int main(int argc, char** argv) try {
     for (const auto& peer : bench::all_peers()) {
         peer_names.push_back(peer->name());
     }
-    CLI::App app{"Compares votess with Voro++, Qhull and CGAL on the same points; or measures it on a GPU."};
+    CLI::App app{"Compares votess with Voro++, Qhull, CGAL and GEOGRAM on the same points; or measures it on a GPU."};
     app.option_defaults()->delimiter(',');
     app.add_option("--n,--sizes", sizes, "numbers of seeds, such as 100000 or 1e5")
         ->check(CLI::Range(1.0, 1073741824.0));
@@ -283,7 +294,8 @@ int main(int argc, char** argv) try {
     };
     std::vector<CLI::Option*> modes{
         mode("--quick", Mode::quick, "2e4 seeds, neighbors and full, 3 repeats: under a minute"),
-        mode("--sweep", Mode::sweep, "1e3 to 1e6 seeds, neighbors and full, for figure.py; some 15 minutes"),
+        mode("--sweep", Mode::sweep,
+             "1e3 to 1e6 seeds, neighbors, of uniform ones full too, for figure.py; some 25 minutes"),
         mode("--goals", Mode::goals,
              "the speeds that votess sets out to reach, a line each; --n A,B tries it out with other numbers of "
              "seeds; some 5 minutes"),

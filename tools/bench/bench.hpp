@@ -70,7 +70,7 @@ public:
     // Returns the numbers of threads to measure with, out of those requested.
     [[nodiscard]] virtual std::vector<unsigned> threads(const std::vector<unsigned>&) const { return {1}; }
     // Whether the diagram ends at the box. Others report the unbounded diagram, which has more neighbors at the rim.
-    [[nodiscard]] virtual bool bounded() const { return true; }
+    [[nodiscard]] virtual bool bounded(const Input&) const { return true; }
     // Relative error of the sum of the volumes.
     [[nodiscard]] virtual double volume_error() const { return 1e-9; }
     // Makes the setup that a user would reuse, before the first run on an input. Not timed.
@@ -85,6 +85,7 @@ std::unique_ptr<Peer> make_votess_on(const std::string& device);
 std::unique_ptr<Peer> make_voropp();
 std::unique_ptr<Peer> make_qhull();
 std::unique_ptr<Peer> make_cgal();
+std::unique_ptr<Peer> make_geogram();
 
 using Peers = std::vector<std::unique_ptr<Peer>>;
 

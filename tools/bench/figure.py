@@ -22,6 +22,8 @@ PANELS = [
     ("uniform", "neighbors", ("Uniform points", "neighbor lists")),
     ("uniform", "full", ("Uniform points", "lists, volumes, centroids, areas")),
     ("clustered", "neighbors", ("50 normal clusters", "neighbor lists")),
+    ("radii", "neighbors", ("Power diagram, random radii", "neighbor lists")),
+    ("smooth", "neighbors", ("Power diagram, smooth weights", "neighbor lists, periodic box")),
 ]
 # Colors of Okabe and Ito, which the color-blind can distinguish; each has a marker too.
 STYLES = {
@@ -29,9 +31,11 @@ STYLES = {
     "voro++": ("Voro++", "#D55E00", "s"),
     "qhull": ("Qhull", "#009E73", "^"),
     "cgal": ("CGAL", "#CC79A7", "D"),
+    "geogram": ("GEOGRAM", "#E69F00", "v"),
 }
 DASHES_OF_VOTESS = ["solid", (0, (4, 1.2)), (0, (2, 1)), (0, (1, 1))]  # fewest threads first
-WIDTH_INCHES, HEIGHT_INCHES, DOTS_PER_INCH = 8.0, 3.6, 200
+WIDTH_INCHES, ROW_INCHES, PRINT_INCHES, DOTS_PER_INCH = 8.0, 3.0, 0.75, 200
+COLUMNS = 3
 LABEL_POINTS, SMALL_PRINT_POINTS, SMALL_PRINT_LETTERS = 8, 6, 175
 
 
@@ -135,7 +139,8 @@ def small_print(data, drawn):
             f"{machine['compiler']}, {flags}; {machine['date']}. {names}. "
             "Medians of runs that took turns, shaded from the fastest to the slowest; all but votess use one thread.")
     if unbounded:
-        text += f" {' and '.join(unbounded)} compute the unbounded diagram."
+        listed = " and ".join([", ".join(unbounded[:-1]), unbounded[-1]][-len(unbounded):])
+        text += f" {listed} compute the unbounded diagram where the box is not periodic."
     return textwrap.fill(text, SMALL_PRINT_LETTERS)
 
 
@@ -143,21 +148,26 @@ def draw(data, file):
     panels = [(title, curves_of(data["measurements"], name, want)) for name, want, title in PANELS]
     panels = [(title, curves) for title, curves in panels if curves]
     if not panels:
-        raise ValueError("no measurements of uniform or clustered points")
-    figure, row = pyplot.subplots(1, len(panels), figsize=(WIDTH_INCHES, HEIGHT_INCHES), dpi=DOTS_PER_INCH, sharey=True,
-                                  squeeze=False)
-    figure.subplots_adjust(left=0.066, right=0.887, top=0.865, bottom=0.245, wspace=0.53)
+        raise ValueError("no measurements of any panel: run votess_bench --sweep --json FILE")
+    rows, columns = -(-len(panels) // COLUMNS), min(len(panels), COLUMNS)
+    height = rows * ROW_INCHES + PRINT_INCHES
+    figure, grid = pyplot.subplots(rows, columns, figsize=(WIDTH_INCHES, height), dpi=DOTS_PER_INCH, sharey=True,
+                                   squeeze=False)
+    figure.subplots_adjust(left=0.066, right=0.887, top=1 - 0.48 / height, bottom=(PRINT_INCHES + 0.25) / height,
+                           wspace=0.53, hspace=0.42)
+    for axes in grid.flat[len(panels):]:
+        axes.set_axis_off()
     ends = []
-    for axes, (title, curves) in zip(row[0], panels):
-        dress(axes, title, axes is row[0][0])
+    for k, (axes, (title, curves)) in enumerate(zip(grid.flat, panels)):
+        dress(axes, title, k % columns == 0)
         ends.append(draw_curves(axes, curves))
-    for axes, (_, curves) in zip(row[0], panels):
+    for axes, (_, curves) in zip(grid.flat, panels):
         numbers = [n for points in curves.values() for n, *_ in points]
         axes.set_xlim(min(numbers) / 1.15, max(numbers) * 1.0001)
-    lowest, highest = row[0][0].get_ylim()
-    row[0][0].set_ylim(lowest / 1.15, highest)
+    lowest, highest = grid[0][0].get_ylim()
+    grid[0][0].set_ylim(lowest / 1.15, highest)
     figure.canvas.draw()  # settles the limits
-    for axes, panel_ends in zip(row[0], ends):
+    for axes, panel_ends in zip(grid.flat, ends):
         draw_labels(axes, panel_ends)
     drawn = {peer for _, curves in panels for peer, _ in curves}
     figure.text(0.01, 0.022, small_print(data, drawn), fontsize=SMALL_PRINT_POINTS, color="#555555", linespacing=1.5)

@@ -174,6 +174,37 @@ Input sphere(std::size_t n, Random& random) {
     return input;
 }
 
+// Uniform and periodic, with a sum of 20 waves as weights. Its diagram is about that of seeds displaced by half of the
+// gradient, here by at most the mean spacing: no cell is empty.
+Input smooth(std::size_t n, Random& random) {
+    constexpr std::size_t waves = 20;
+    constexpr double most_periods = 3;
+    Input input = periodic(n, random);
+    input.name = "smooth";
+    input.weights.assign(n, 0);
+    std::vector<std::array<double, 3>> gradients(n, {0, 0, 0});
+    for (std::size_t wave = 0; wave < waves; ++wave) {
+        double k[3], square = 0;
+        for (double& x : k) {
+            x = std::floor((2 * most_periods + 1) * random.uniform()) - most_periods;
+            square += x * x;
+            x *= 2 * std::numbers::pi;
+        }
+        const double phase = 2 * std::numbers::pi * random.uniform();
+        for (std::size_t i = 0; i < n; ++i) {
+            const double* p = &input.points[3 * i];
+            const double angle = k[0] * p[0] + k[1] * p[1] + k[2] * p[2] + phase;
+            input.weights[i] += std::sin(angle) / (1 + square);
+            for (std::size_t axis = 0; axis < 3; ++axis) gradients[i][axis] += k[axis] * std::cos(angle) / (1 + square);
+        }
+    }
+    double steepest = 0;
+    for (const auto& g : gradients) steepest = std::max(steepest, std::hypot(g[0], g[1], g[2]));
+    const double spacing = 1 / std::cbrt(static_cast<double>(n));
+    for (double& weight : input.weights) weight *= 2 * spacing / steepest;
+    return input;
+}
+
 // Uniform in an octahedron of walls.
 Input octahedron(std::size_t n, Random& random) {
     Input input{"octahedron", {}, unit_box};
@@ -209,7 +240,8 @@ constexpr Maker makers[] = {{"uniform", uniform},
                             {"triclinic", triclinic},
                             {"octahedron", octahedron},
                             {"radii", radii},
-                            {"heavy", heavy}};
+                            {"heavy", heavy},
+                            {"smooth", smooth}};
 constexpr std::string_view file_prefix = "file:";
 
 // Returns the numbers of a line, without its comment. Throws for any other text.

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t max_repeats = 200;
 constexpr const char* failed = "failed: ";
 // Rounding costs Voro++ a face in millions of these; ties and the sphere's center cost every inexact peer more.
-constexpr std::string_view in_general_position[] = {"uniform",  "clustered", "jittered",
-                                                    "periodic", "triclinic", "radii"};
+constexpr std::string_view in_general_position[] = {"uniform",   "clustered", "jittered", "periodic",
+                                                    "triclinic", "radii",     "smooth"};
 
 struct Entry {
     const Contestant* contestant;
@@ -30,7 +30,7 @@ Entry entry_for(const Contestant& contestant) {
     m.n = input->size();
     m.want = want;
     m.peer = peer->name();
-    m.bounded = peer->bounded();
+    m.bounded = peer->bounded(*input);
     m.threads = threads;
     m.volume_error = peer->volume_error();
     m.expected_links = input->links;

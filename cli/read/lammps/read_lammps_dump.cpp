@@ -10,6 +10,7 @@
 #include "read/columns.hpp"
 #include "read/input.hpp"
 #include "read/lammps/lammps_box.hpp"
+#include "read/rows_by_threads.hpp"
 
 namespace clvotess {
 namespace {
@@ -71,6 +72,14 @@ public:
         throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
                         std::to_string(frames) + ", counted from 0");
     }
+
+    // Appends all rows of the text.
+    void append_rows(Input& input) {
+        while (append_row(input)) {
+        }
+    }
+    [[nodiscard]] LineReader& lines() noexcept { return lines_; }
+    [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
     void read_count() {
@@ -149,46 +158,56 @@ private:
         throw lines_.error("no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
     }
 
+    // Appends the next row. Returns false at the end of the text.
+    bool append_row(Input& input) {
+        std::string_view line;
+        if (!lines_.next(line)) return false;
+        split_words(line, words_);
+        if (words_.size() != names_.size()) {
+            throw lines_.error("this row has " + columns_text(words_.size()) + ", " + std::to_string(names_.size()) +
+                               " are announced");
+        }
+        std::array<double, 3> position{};
+        for (std::size_t k = 0; k < 3; ++k) position[k] = lines_.number(words_[place_.columns[k]]);
+        if (place_.scaled) position = box_.unscaled(position);
+        if (others_) {
+            std::vector<std::size_t> taken(place_.columns.begin(), place_.columns.end());
+            taken.push_back(id_.value_or(names_.size()));
+            wanted_->add_others(names_, taken, words_);
+            others_ = false;
+        }
+        if (input.points.empty()) input.columns = wanted_->columns(most_rows());
+        input.points.insert(input.points.end(), position.begin(), position.end());
+        if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
+        wanted_->append(input.columns,
+                        [&](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
+        return true;
+    }
+    // Returns how many rows may follow.
+    [[nodiscard]] std::size_t most_rows() const {
+        return std::min(static_cast<std::size_t>(*count_), lines_.rest().size() / (2 * names_.size()) + 2);
+    }
+
     Input read_atoms(std::uint64_t frame, std::string_view timestep) {
-        Words names(words_.begin() + 2, words_.end());
-        const Place place = find_place(names);
-        const auto id = std::find(names.begin(), names.end(), "id");
-        const auto id_column = static_cast<std::size_t>(id - names.begin());
-        ColumnPlaces wanted(request_, names, lines_.name());
-        bool others = request_.all_columns;  // known from the first row
+        names_.assign(words_.begin() + 2, words_.end());
+        place_ = find_place(names_);
+        if (const auto id = std::find(names_.begin(), names_.end(), "id"); id != names_.end())
+            id_ = static_cast<std::size_t>(id - names_.begin());
+        wanted_.emplace(request_, names_, lines_.name());
+        others_ = request_.all_columns;
 
         Input input;
         input.domain = box_.domain();
         if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
         input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
         const auto count = static_cast<std::size_t>(*count_);
-        if (!can_hold(lines_.rest().size(), count, 2 * names.size())) throw short_frame(0);
+        if (!can_hold(lines_.rest().size(), count, 2 * names_.size())) throw short_frame(0);
         input.points.reserve(3 * count);
-        if (id != names.end()) input.ids.reserve(count);
-        input.columns = wanted.columns(count);
-        Words row;
-        for (std::size_t i = 0; i < count; ++i) {
-            std::string_view line;
-            if (!lines_.next(line)) throw short_frame(i);
-            split_words(line, row);
-            if (row.size() != names.size()) {
-                throw lines_.error("this row has " + columns_text(row.size()) + ", " + std::to_string(names.size()) +
-                                   " are announced");
-            }
-            std::array<double, 3> position{};
-            for (std::size_t k = 0; k < 3; ++k) position[k] = lines_.number(row[place.columns[k]]);
-            if (place.scaled) position = box_.unscaled(position);
-            input.points.insert(input.points.end(), position.begin(), position.end());
-            if (id != names.end()) input.ids.push_back(lines_.whole(row[id_column], "an id"));
-            if (others) {
-                std::vector<std::size_t> taken(place.columns.begin(), place.columns.end());
-                taken.push_back(id_column);
-                wanted.add_others(names, taken, row);
-                input.columns = wanted.columns(count);
-                others = false;
-            }
-            wanted.append(input.columns,
-                          [&](std::size_t k, const std::string& column) { return lines_.number(row[k], column); });
+        if (id_) input.ids.reserve(count);
+        input.columns = wanted_->columns(0);  // of a frame without atoms
+        for (std::size_t i = 0; i < count; i = input.size()) {
+            if (!append_row(input)) throw short_frame(i);
+            if (i == 0) append_by_threads(*this, input, count, request_.threads);
         }
         std::string_view next;
         if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&
@@ -205,6 +224,12 @@ private:
     bool has_box_ = false;
     std::string_view units_;  // metal, lj, ...
     LammpsBox box_;
+    // Of the atoms.
+    Words names_;
+    Place place_;
+    std::optional<std::size_t> id_;
+    std::optional<ColumnPlaces> wanted_;
+    bool others_ = false;  // more columns are known from the first row
 };
 
 }  // namespace

@@ -12,12 +12,12 @@
 namespace votess::blocks {
 namespace {
 
-constexpr double reach_slack = 1 + 1e-6;  // covers the rounding of distances
-
 Options options_for(const Seeds& seeds, Options options) {
     options.weights = seeds.weights;
     options.radii = {};
     options.want.neighbors = true;
+    // Measures include the radius, see Run::reach_of().
+    options.want.radii |= options.want.volumes || options.want.centroids || options.want.areas || options.want.surfaces;
     options.min_face = options.min_area = 0;
     return options;
 }
@@ -109,6 +109,11 @@ void Run::clip(const Options& options, std::size_t first) {
 
 // All vertices count. Those that the cell did not find itself, a neighbor among the first seeds found.
 double Run::reach_of(std::size_t cell, double heaviest) const {
+    const double weight = job.domain->weights.empty() ? 0 : job.domain->weights[cell];
+    if (!result.security_radii.empty()) {
+        const double radius = 0.5 * result.security_radii[cell] * job.scale;
+        return reach_within(radius * radius, heaviest - weight);
+    }
     double power = powers[cell];
     for (auto e = static_cast<std::size_t>(result.indptr[cell]); e < static_cast<std::size_t>(result.indptr[cell + 1]);
          ++e) {
@@ -116,9 +121,8 @@ double Run::reach_of(std::size_t cell, double heaviest) const {
         if (neighbor >= 0 && static_cast<std::size_t>(neighbor) < powers.size())
             power = std::max(power, powers[static_cast<std::size_t>(neighbor)]);
     }
-    const double weight = job.domain->weights.empty() ? 0 : job.domain->weights[cell];
     const double square = cpu::bounds::back(power, weight);
-    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - weight))) * reach_slack;
+    return reach_within(square, heaviest - weight);
 }
 
 LocalBlock::LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled)
@@ -164,11 +168,10 @@ void LocalBlock::clip(std::vector<Outline> outlines, std::size_t number, Seeds h
     all_.seeds.add(halo.sorted());
     halo = {};
     all_.clip(options_, count_);
-    positions_.assign(count_, -1);
+    positions_.assign(all_.seeds.size(), -1);
     const auto& input = all_.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s)
-        if (static_cast<std::size_t>(input[s]) < count_)
-            positions_[static_cast<std::size_t>(input[s])] = static_cast<std::int32_t>(s);
+        positions_[static_cast<std::size_t>(input[s])] = static_cast<std::int32_t>(s);
     make_requests();
 }
 
@@ -183,7 +186,7 @@ double LocalBlock::longest_reach(double heaviest) const {
     const auto [lightest, own_heaviest] =
         weights.empty() ? std::pair(0.0, 0.0) : std::pair(std::ranges::min(weights), std::ranges::max(weights));
     const double square = cpu::bounds::back(std::ranges::max(all_.powers), own_heaviest);
-    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, heaviest - lightest))) * reach_slack;
+    return reach_within(square, heaviest - lightest);
 }
 
 bool LocalBlock::any_near(std::size_t tile, double reach) const {
@@ -263,6 +266,7 @@ BlockCells LocalBlock::finish(const Seeds& replies) {
         else
             add(all_, i, count_);
     }
+    if (!options_.want.radii) cells.security_radii.clear();
     std::ranges::sort(foreign_neighbors);
     const auto [end, last] = std::ranges::unique(foreign_neighbors);
     counts_.needed = static_cast<std::uint64_t>(end - foreign_neighbors.begin());

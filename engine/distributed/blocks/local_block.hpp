@@ -10,6 +10,8 @@
 // Responder replies for a block from the seeds that mark_near() finds.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -45,6 +47,13 @@ struct Requests {
 
 // Marks the tiles whose seeds may cut a cell of the requests.
 void mark_near(const Outline& outline, const Nearness& nearness, const Requests& requests, std::vector<bool>& near);
+
+// Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
+// weight by which other seeds may be heavier.
+inline double reach_within(double square, double more) {
+    constexpr double slack = 1 + 1e-6;  // covers the rounding of distances
+    return (std::sqrt(square) + std::sqrt(square + std::max(0.0, more))) * slack;
+}
 
 // Seeds with their sorted copies and the result. The first seeds have cells.
 struct Run {
@@ -132,7 +141,7 @@ private:
     TiledSeeds tiled_;
     std::vector<Outline> outlines_;
     std::size_t number_ = 0;
-    std::vector<std::int32_t> positions_;       // of the own seeds among the sorted ones; -1: none
+    std::vector<std::int32_t> positions_;       // of all_.seeds among the sorted ones; -1: none
     std::vector<std::uint32_t> pending_;        // own cells, ascending
     std::vector<std::int32_t> kept_neighbors_;  // of pending cells: indices into all_.seeds
     std::uint64_t pending_faces_ = 0;

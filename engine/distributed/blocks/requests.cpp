@@ -73,14 +73,37 @@ public:
     }
 
 private:
+    // Returns the cell of an own seed, clipped by its neighbors again.
+    cpu::Cell& from_neighbors(std::size_t number) {
+        const detail::Result& result = block_.all_.result;
+        const auto own = static_cast<std::size_t>(block_.positions_[number]);
+        const cpu::SeedImages* const images = block_.all_.clipper.seeds().images;
+        neighbors_.clear();
+        shifts_.clear();
+        for (auto e = static_cast<std::size_t>(result.indptr[number]);
+             e < static_cast<std::size_t>(result.indptr[number + 1]); ++e) {
+            if (result.indices[e] < 0) continue;
+            const std::int32_t neighbor = block_.positions_[static_cast<std::size_t>(result.indices[e])];
+            neighbors_.push_back(neighbor);
+            if (images == nullptr) continue;
+            exact::Shift shift = images->shift_in_domain(neighbor, own);
+            for (std::size_t j = 0; j < 3; ++j) shift[j] = result.shifts[3 * e + j] - shift[j];
+            shifts_.push_back(shift);
+        }
+        return images == nullptr ? builder_.build_from(own, neighbors_) : builder_.build_from(own, neighbors_, shifts_);
+    }
+
     // Adds the cell when it reaches a box of unknown seeds.
     void test(std::size_t number, double reach, std::vector<Pending>& pending) {
         const std::int32_t own = block_.positions_[number];
-        cpu::Cell& cell = builder_.build(static_cast<std::size_t>(own));
+        cpu::Cell& cell = from_neighbors(number);
         ++tested;
         const double weight = block_.weight_of(number);
+        // The reach so far is that of the cell and its neighbors.
+        reach = std::min(reach, reach_within(cell.radius_squared(), heaviest_ - weight));
         std::vector<std::uint32_t> blocks;
         for (const Unknown* one : near_) {
+            if (distance_squared(block_.places_[number], one->box) > reach * reach) continue;
             if (std::ranges::find(blocks, one->block) != blocks.end()) continue;
             const Box seen = cpu::seen_from(block_.places_[number], one->box);
             if (cell.in_reach(seen, std::max(0.0, one->largest_weight - weight))) blocks.push_back(one->block);
@@ -106,6 +129,8 @@ private:
     double heaviest_ = -std::numeric_limits<double>::infinity();
     double longest_ = 0;  // bounds the reach of all cells
     cpu::CellFaces faces_;
+    std::vector<std::int32_t> neighbors_;
+    std::vector<exact::Shift> shifts_;
     std::vector<double> reaches_;
     std::vector<const Unknown*> near_;
 };

@@ -32,6 +32,7 @@ public:
         return entries_ + entries <= results_.sizes().entries || !wanted_.neighbors;
     }
     void set_entries(std::uint32_t entries) { entries_ = entries; }
+    [[nodiscard]] VkDeviceSize entries() const { return entries_; }
     [[nodiscard]] const DeviceResults& on_device() const { return results_; }
 
     // Reads info and row lengths by member, once all chunks of a batch are done.

@@ -23,7 +23,7 @@ public:
     [[nodiscard]] bool can(const Input& input, Want want) const override {
         return input.plain() && want == Want::neighbors;
     }
-    [[nodiscard]] bool bounded() const override { return false; }
+    [[nodiscard]] bool bounded(const Input&) const override { return false; }
 
     [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {
         // Copied into CGAL's own type before the clock starts, as a user of CGAL would have them.

@@ -41,7 +41,7 @@ public:
     [[nodiscard]] bool can(const Input& input, Want want) const override {
         return input.plain() && want == Want::neighbors;
     }
-    [[nodiscard]] bool bounded() const override { return false; }
+    [[nodiscard]] bool bounded(const Input&) const override { return false; }
 
     [[nodiscard]] Answer run(const Input& input, Want, unsigned) const override {
         std::vector<double> points = input.points;  // Qhull asks for a mutable array
