@@ -191,8 +191,10 @@ void clip_by_group(uint group, uint self, real listed) {
     for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
-        // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice.
-        if (key_of(tested, real(1)) < listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
+        // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice, as are
+        // all where the list ends below 0.
+        const bool is_listed = listed > real(0) && key_of(tested, real(1)) < listed;
+        if (is_listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
         if (test_plane() && status == STATUS_CERTIFIED) {
             cut();
             changed = true;

@@ -31,7 +31,7 @@
 // determinant also has the right sign then.
 //
 // A seed cuts a vertex X off when |n - X|^2 + w < |X|^2, that is, when |n|^2 + w < 2 n.X. Let R be the largest distance of
-// a vertex. Then s = (|n|^2 + w) / |n| is less than 2 R: searches compare s |s|, the key of a seed (search/power.glsl).
+// a vertex. Then s = (|n|^2 + w) / |n| is less than 2 R: searches compare s^2, the key of a seed (search/power.glsl).
 // Where w >= -A, such a seed is nearer than R + sqrt(R^2 + A); A is called `heavier`.
 #ifndef VOTESS_CLIP_FILTER_GLSL
 #define VOTESS_CLIP_FILTER_GLSL

@@ -230,7 +230,9 @@ void main() {
         search();
         // High words were too coarse: the radius shrank, or all seeds are nearer. Sorted buckets and the list's end are
         // beyond a quarter of the farthest neighbor, where the order is certain again, see coarse_from.
-        if (coarse && min(worst, farthest_in_store()) < coarse_from) {
+        // Keys are bounds in any case; one below 0 is that of a heavy seed, not of a near one.
+        const float needed = weighted != 0u ? worst : min(worst, farthest_in_store());
+        if (coarse && needed < coarse_from && (weighted == 0u || needed > 0.0)) {
             fine = true;
             truncated = false;
             worst = max(worst, coarse_from);

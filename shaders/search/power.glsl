@@ -2,8 +2,8 @@
 //
 // Let a seed at n from the cell's be lighter by w, less the tilt's share: w_p - w_q + 2 a.n (clip/relative_to_seed.glsl).
 // Its plane lies at the distance s / 2 of the center, where s = (|n|^2 + w) / |n|, and cuts off only vertices farther
-// away. So a cell with vertices within R needs the seeds with s < 2 R. The key is s |s|. It is the squared distance where
-// w is 0. It is negative where the plane lies behind the center.
+// away. So a cell with vertices within R needs the seeds with s < 2 R. The key is s^2. It is the squared distance where w
+// is 0. Where the plane lies behind the center it is |n|^2 + w, which is negative: heavy seeds come first.
 //
 // A tilt follows weights that vary smoothly. Then w is small for near seeds, and the nearest seeds have the smallest
 // keys, as without weights. Each node of the hierarchy has a fit. It bounds the weight of a seed q of the node by that of
@@ -60,8 +60,8 @@ float sum_of(vec3 a) {
 
 // rank: |n|^2 + w.
 float key_of(float square, float rank) {
-    precise const float key = rank / square * abs(rank);
-    return square < near_square ? smallest_key : clamp(key, smallest_key, largest_key);
+    precise const float key = rank / square * rank;
+    return square < near_square ? smallest_key : (rank < 0.0 ? rank : min(key, largest_key));
 }
 
 // Returns a lower bound of w above for a seed at n, where |n|^2 is `square`, less the slack of its key.
@@ -98,7 +98,7 @@ void bound_node(uint node, vec3 lower, vec3 upper, out vec3 v, out float c) {
 
 // Returns a lower bound of the keys of seeds in this box at this distance or beyond, with the bounds above. With
 // t = |n - v| and |n| <= t + |v| = u, s is at least (t^2 + c - |v|^2) / u = u - 2 |v| + c / u where that is positive. It
-// grows with u where u^2 >= c.
+// grows with u where u^2 >= c. Else t^2 + c - |v|^2 is the bound.
 float node_key(vec3 lower, vec3 upper, vec3 v, float c, float distance) {
     const vec3 gap = max(max(lower, -upper), vec3(0.0)), from_v = max(max(lower - v, v - upper), vec3(0.0));
     const float slack = 2.5 * key_slack, square = dot(gap, gap) * (1.0 - slack);
@@ -108,10 +108,11 @@ float node_key(vec3 lower, vec3 upper, vec3 v, float c, float distance) {
         key = key_of(further, further + c - slack * abs(c));
         key -= slack * abs(key);
     } else {
-        const float off = length(v);
-        const float u = max(max(sqrt(dot(from_v, from_v)) + off, distance), sqrt(max(c, 0.0)));
+        const float off = length(v), nearest = max(sqrt(dot(from_v, from_v)) + off, distance);
+        const float u = max(nearest, sqrt(max(c, 0.0))), t = nearest - off;
         const float s = u - 2.0 * off + c / u - slack * (u + 2.0 * off + abs(c) / u);
-        if (s > 0.0) key = min(s * s, largest_key);
+        const float rank = t * t + c - off * off - 2.0 * slack * (nearest * nearest + off * off + abs(c));
+        key = s > 0.0 ? min(s * s, largest_key) : min(rank, 0.0);
     }
     return square < near_square ? smallest_key : key;
 }
