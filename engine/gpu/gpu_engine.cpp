@@ -73,7 +73,7 @@ void GpuEngine::run(const Job& job, const DeviceDomain* domain, StageClock& cloc
             clock.enter(&StageSeconds::sort);
             sort_part();
             clock.enter(&StageSeconds::knn);
-            seeds_.build_hierarchy(*passes_);
+            seeds_.build_hierarchy(*passes_, part_);
             device_seconds_.knn += seeds_.seconds().knn;
             clock.enter(&StageSeconds::clip);
             clip_part(index);
@@ -193,10 +193,7 @@ void GpuEngine::clip_part(std::size_t index) {
     job.neighbors = options.want.neighbors || lists_only_;
     job.walls = options.list_walls;
     job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
-    job.own_count = part_.own_count;
-    std::copy_n(part_.lower, 3, job.lower);
-    std::copy_n(part_.upper, 3, job.upper);
-    job.bounded = part_.bounded;
+    static_cast<KnownSeeds&>(job) = part_;
     if (!part_.members.empty()) job.named_from = named_from();
     const auto max_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().max_entries(count); };
     download_.begin(

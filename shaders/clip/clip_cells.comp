@@ -34,12 +34,16 @@ layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState
 #include "clip/invocation_ties.glsl"
 #endif
 #include "measure/invocation_measure.glsl"
+#include "search/distances.glsl"
 #include "search/hierarchy.glsl"
+#include "search/power.glsl"
+
+float reach_of_images;  // in a power diagram, in units
 
 void test_next(uint q) {
     const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
     if (weighted != 0u)
-        tested = bisector(x, y, z, lighter_by(seeds_w[q]));
+        tested = bisector(x, y, z, lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]));
     else
         tested = bisector(x, y, z);
     tested_id = int(q);
@@ -63,8 +67,9 @@ bool is_left_out() {
 // Returns whether no unknown seed, at this squared distance in units or beyond, can cut the cell.
 bool is_secure_from(float bound) {
     if (bound >= UNBOUNDED) return true;
-    return is_secure(real(bound * scale * scale),
-                     weighted != 0u ? cutting_distance_squared(radius(), max_heavier) : security());
+    if (weighted == 0u) return is_secure(real(bound * scale * scale), security());
+    return is_secure(real(bound * scale * scale), cutting_distance_squared(radius() + tilt_length, max_heavier)) ||
+           radius() < real(reach_of_images * scale);
 }
 
 // Clips by the walls. Each invocation goes to its next wall that cuts, as with neighbors. A wall farther than all
@@ -106,7 +111,7 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach, float bou
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
             if (is_left_out()) continue;
-            if (next > unsorted && rank_of(tested) * real(BUCKET_SLACK) >= beyond) {
+            if (next > unsorted && key_of(tested, real(-1)) * real(BUCKET_SLACK) >= beyond) {
                 next = count;
                 break;
             }
@@ -126,37 +131,46 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach, float bou
     }
     if (status != STATUS_CERTIFIED || (weighted == 0u && reach >= UNBOUNDED)) return true;
     measure_radius_and_error();
-    if (weighted != 0u && !is_secure_from(bound)) return false;
-    return reach >= UNBOUNDED || is_secure(real(reach * scale * scale), security());
+    const bool complete = reach >= UNBOUNDED || is_secure(real(reach * scale * scale), security());
+    if (weighted != 0u && complete && !is_secure_from(bound)) status = STATUS_CANDIDATES_EXHAUSTED;
+    return complete;
 }
 
-real gap(uvec2 p, uvec2 lower, uvec2 upper) {
-    return less64(p, lower) ? difference(lower, p) : (less64(upper, p) ? difference(upper, p) : real(0));
+vec3 offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
 }
 
 // Returns false only when no seed in the node's box can cut the cell. A seed cuts a vertex off when it is nearer to it
 // than the cell's own seed.
 bool in_reach(uint level, uint node, real security) {
-    const Node box = nodes[push.level_first[level] + node];
+    const uint n = push.level_first[level] + node;
+    const Node box = nodes[n];
     if (box.lower[0].y == NO_COORDINATE) return false;
-    const real gx = gap(px, box.lower[0], box.upper[0]), gy = gap(py, box.lower[1], box.upper[1]),
-               gz = gap(pz, box.lower[2], box.upper[2]);
-    real heavier = real(0);
+    vec3 lower = offset_of(box.lower[0], box.lower[1], box.lower[2]),
+         upper = offset_of(box.upper[0], box.upper[1], box.upper[2]);
+    vec3 v = vec3(0.0);
+    float c = 0.0, key;
     if (weighted != 0u) {
-        heavier = heavier_by(lighter_by(node_weights[push.level_first[level] + node]));
-        security = cutting_distance_squared(radius(), heavier);
+        bound_node(n, lower, upper, v, c);
+        key = node_key(lower, upper, v, c, 0.0);
+        v *= scale;
+        c *= scale * scale;
+    } else {
+        const vec3 gap = max(max(lower, -upper), vec3(0.0));
+        key = dot(gap, gap);
     }
-    if (is_secure(gx * gx + gy * gy + gz * gz, security)) return false;
-    const real lower_x = difference(box.lower[0], px), upper_x = difference(box.upper[0], px);
-    const real lower_y = difference(box.lower[1], py), upper_y = difference(box.upper[1], py);
-    const real lower_z = difference(box.lower[2], pz), upper_z = difference(box.upper[2], pz);
+    if (is_secure(real(key * scale * scale), security)) return false;
+    lower *= scale;
+    upper *= scale;
+    // A vertex ball around X + v holds the seeds with |n - X|^2 + c - 2 v.n < |X|^2.
+    const real moved = real(1e-6 * length(v));
     for (int first = 0; first < vertex_count; first += side_by_side) {
         bool reached = false;
-        for (int i = 0; i < side_by_side; ++i) {
-            const int v = first + i;
-            const bool near = is_in_reach(vertex_x[v], vertex_y[v], vertex_z[v], vertex_error[v], lower_x, upper_x,
-                                          lower_y, upper_y, lower_z, upper_z, heavier);
-            reached = reached || (v < vertex_count && near);
+        for (int i = first; i < first + side_by_side; ++i) {
+            const bool near =
+                is_in_reach(vertex_x[i] + real(v.x), vertex_y[i] + real(v.y), vertex_z[i] + real(v.z),
+                            vertex_error[i] + moved, lower, upper, real(-c));
+            reached = reached || (i < vertex_count && near);
         }
         if (reached) return true;
     }
@@ -177,9 +191,10 @@ void clip_by_group(uint group, uint self, real listed) {
     for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
         if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
         test_next(q);
-        // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice.
-        const real rank = real(2) * tested.h + (weighted != 0u ? real(2e-5) * size_of(tested) : real(0));
-        if (rank < listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
+        // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice, as are
+        // all where the list ends below 0.
+        const bool is_listed = listed > real(0) && key_of(tested, real(1)) < listed;
+        if (is_listed || is_plane_of_cell(int(q)) || is_left_out()) continue;
         if (test_plane() && status == STATUS_CERTIFIED) {
             cut();
             changed = true;
@@ -190,7 +205,7 @@ void clip_by_group(uint group, uint self, real listed) {
 
 // Continues where the list ended: visits all boxes that can hold a seed that cuts the cell, near ones first.
 void clip_by_walk(uint self, float reach, float bound) {
-    real listed = real(reach * scale * scale);
+    real listed = real(max(reach, 0.0) * scale * scale);
     if (weighted == 0u) listed *= real(0.9999);  // distances in lists are right to 1.4e-5
     uint visits = 0u, node = self / GROUP_SEEDS;
     clip_by_group(node, self, listed);
@@ -290,7 +305,15 @@ void main() {
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];
-    if (weighted != 0u) pw = seeds_w[self];
+    vec3 of_group = vec3(0.0);
+    if (weighted != 0u) {
+        pw = seeds_w[self];
+        of_group = tilt_of(self / GROUP_SEEDS);
+        begin_power(1.0, state, self / GROUP_SEEDS);
+        set_power_slacks(false);
+        reach_of_images = node_weights[self / GROUP_SEEDS].image_reach;
+    }
+    set_center(of_group);
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
         status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
         finish(slot, cell, 0u);
@@ -303,7 +326,7 @@ void main() {
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u || weighted != 0u) {
         float nearest = UNBOUNDED;  // right except for the width of a bucket
-        // Any may be the nearest in an order of ranks.
+        // Any may be the nearest in an order of keys.
         for (uint i = 0u; i < (weighted != 0u ? count : max(unsorted, 1u)); ++i)
             nearest = min(nearest, distance_along_axes(list[i * push.list_stride + column]));
         if (weighted != 0u) nearest = min(min(nearest, nearest_of_group(self)), exp2(COORDINATE_BITS - 1));
@@ -318,7 +341,7 @@ void main() {
     } else {
         start_cell(real[6](start_wall(0u), start_wall(1u), start_wall(2u), start_wall(3u), start_wall(4u), start_wall(5u)));
         if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach, found.bound)) {
-            // One heavy seed anywhere makes ranks prove nothing; boxes have their own largest weights.
+            // Heavy seeds may fill the list of a light one.
             if (tier == 0u && weighted == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;
             else

@@ -37,7 +37,7 @@ layout(push_constant) uniform Push { CellsPush push; };
 #include "clip/subgroup_ties.glsl"
 #endif
 #include "measure/subgroup_measure.glsl"
-#include "search/distances.glsl"
+#include "search/bounds.glsl"
 #include "search/subgroup_search.glsl"
 
 // Leaves the cell to the second tier. It has no vote, for subgroups of another size than this was made for.
@@ -85,13 +85,13 @@ void clip_by_candidates(inout bool walls_wait) {
         }
         const uint end = min(candidate_count - first, uint(lanes));
         bool too_near = false;
-        real rank = real(uintBitsToFloat(0x7f800000u));  // infinite where a lane has no candidate
+        real key = real(uintBitsToFloat(0x7f800000u));  // infinite where a lane has no candidate
         if (lane < end) {
             const uint q = candidate_at(first + lane);
             const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
             Plane p;
             if (weighted != 0u)
-                p = bisector(x, y, z, lighter_by(seeds_w[q]));
+                p = bisector(x, y, z, lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]));
             else
                 p = bisector(x, y, z);
             too_near = is_too_near(p);
@@ -102,20 +102,20 @@ void clip_by_candidates(inout bool walls_wait) {
             prepare_test(p, int(q));
             // The order of two seeds is uncertain within the error of their distances, 1e-6 or 1.4e-5
             // (search/distances.glsl), and the seven bits that keys lack, 1.6e-5.
-            rank = rank_of(p) * real(0.9998);
+            key = key_of(p, real(-1)) * real(0.9998);
         }
         share();
         if (any_lane(too_near)) {
             status = STATUS_NEEDS_EXACT;
             break;
         }
-        uint secure = first_lane(!(rank < security));
+        uint secure = first_lane(!(key < security));
         for (uint i = 0u; i < secure; ++i) {
             const Plane p = plane_to_test(i);
             if (!reaches(p)) continue;
             clip_by(p, i);
             if (status != STATUS_CERTIFIED) break;
-            secure = first_lane(!(rank < security));
+            secure = first_lane(!(key < security));
         }
         if (secure < end || status != STATUS_CERTIFIED) break;
         share();
@@ -139,10 +139,11 @@ float square_scale() {
     return (scale * high_unit) * (scale * high_unit);
 }
 
-// In a power diagram: returns whether no seed at this squared distance of searches or beyond can cut the cell.
+// In a power diagram: returns whether no unknown seed, at this squared distance of searches or beyond, can cut the cell.
 bool is_secure_from(float bound) {
     return bound >= UNBOUNDED ||
-           is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all, max_heavier));
+           is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all + tilt_length, max_heavier)) ||
+           radius_of_all < real(node_weights[self / GROUP_SEEDS].image_reach * scale);
 }
 
 // Searches and clips in turn, outwards, until it has tested all seeds within the security radius or all that can cut
@@ -281,7 +282,12 @@ void main() {
     px = from_first_lane(seeds_x[own]);
     py = from_first_lane(seeds_y[own]);
     pz = from_first_lane(seeds_z[own]);
-    if (weighted != 0u) pw = seeds_w[self];
+    vec3 of_group = vec3(0.0);
+    if (weighted != 0u) {
+        pw = seeds_w[self];
+        of_group = tilt_of(self / GROUP_SEEDS);
+    }
+    set_center(of_group);
     uint exponent = 0u;
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count)
         status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;

@@ -1,12 +1,13 @@
 // The filter of both kernels: planes and vertices of a cell, and the tests that decide on them.
-// Everything is relative to the cell's seed, in units of about the distance to its nearest neighbor.
+// Everything is relative to the cell's seed, in a power diagram to its center (clip/relative_to_seed.glsl), in units of
+// about the distance to the nearest neighbor.
 // Each plane and vertex has a bound of its error. A test inside its bound is unknown: the cell becomes uncertain, and
 // rounding decides nothing.
 // A cell is complete when no seed beyond its security radius can cut it. The bounds follow; u is the unit roundoff.
 //
 // A plane (n, h) is n.x = h with |n| >= 0.89, rounded from the exact one: n to a relative 1.01 u, h = |n|^2 / 2 to 5u.
-// In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's. Then h may be small or
-// negative, and is right to 6u of H = (|n|^2 + |w|) / 2; without weights H is h. With P = |na||nb||nc|, d = H/|n| and
+// In a power diagram h = (|n|^2 + w) / 2, where the seed is lighter by w than the cell's, less the tilt's share. Then h may
+// be small or negative, and is right to 6u of H = (|n|^2 + |w|) / 2: w has one rounding. Without weights H is h. With P = |na||nb||nc|, d = H/|n| and
 // condition P / det(na,nb,nc), Cramer's rule gives the vertex X to
 //     |x - X| <= u (condition (14 (da + db + dc) + 9.3 |x|) + 6 |x|).
 // The terms of a numerator are right to 12u: 5 of h, 2 of the normals, 5 of roundings. Its products of absolute values
@@ -20,17 +21,18 @@
 // `quantum` (|x| + 1). It moves n by less than sqrt(3) (1 + 2^-29) units, and h by that times |n|, which is divided by |n|.
 // A wall of any direction is a plane with |n| = 1. Rounding moves only its h, by at most `quantum`, and h is right to 5u
 // besides. A weight that was rounded moves h by less than half a unit of weight, and the plane by 0.57 of one; `quantum`
-// has 0.6 of it, in addition to the share of coordinates and walls. The H of a wall is h or more, so the bounds hold in a
+// has 0.6 of it, in addition to the share of coordinates and walls. A tilt a adds n.a to h. Where n moves by less than
+// sqrt(3) units, the plane moves by sqrt(3) |a| / |n| of these more, where |n| >= 0.89. So `quantum` is larger by the
+// factor 1 + |a|. The H of a wall is h or more, so the bounds hold in a
 // power diagram within walls too. The vertex moves by at most 3 condition times as much, to first order.
 //
 // Both bounds are of first order in u condition and in quantum condition. These are at most 5e-4 and 1e-3, so that higher
 // orders add a factor of less than 1 + 9.3 5e-4 + 3 1e-3 < 1.01. The code has factors of 1.05, and 4 instead of 3. The
 // determinant also has the right sign then.
 //
-// The rank of a seed is 2 h = |n|^2 + w, the squared distance where weights are equal. The seed cuts a vertex X off when
-// |n - X|^2 + w < |X|^2, that is, when its rank is less than 2 n.X. Let R be the largest distance of a vertex and A,
-// `heavier`, the most by which a weight exceeds the cell's. Then such a seed is nearer than D = R + sqrt(R^2 + A), and its
-// rank is less than 2 R D = D^2 - A.
+// A seed cuts a vertex X off when |n - X|^2 + w < |X|^2, that is, when |n|^2 + w < 2 n.X. Let R be the largest distance of
+// a vertex. Then s = (|n|^2 + w) / |n| is less than 2 R: searches compare s^2, the key of a seed (search/power.glsl).
+// Where w >= -A, such a seed is nearer than R + sqrt(R^2 + A); A is called `heavier`.
 #ifndef VOTESS_CLIP_FILTER_GLSL
 #define VOTESS_CLIP_FILTER_GLSL
 
@@ -44,7 +46,8 @@ real quantum;
 real error_of_length, error_of_condition, error_of_both, max_condition;
 // In a power diagram, in squared units of the cell:
 real weight_quantum;  // 0 unless a weight was rounded
-real max_heavier;     // A over all seeds
+real max_heavier;     // A over all seeds, without a tilt
+real tilt_length;     // |a|
 
 // Returns how far rounded coordinates and walls move a plane, in units (clip/wall_distance.glsl). Rounded vectors of a
 // lattice move an image by half a unit a step: at most MAX_STEPS_APART / 2, times sqrt(3).
@@ -115,10 +118,13 @@ bool cannot_cut(Plane p, real radius) {
            (p.norm + quantum) * radius * real(1.0001);
 }
 
-// Returns a lower bound of the rank that searches find for the bisector's seed, right to 3e-6 of 2 H
-// (search/power.glsl).
-real rank_of(Plane p) {
-    return weighted != 0u ? real(2) * p.h - real(2e-5) * size_of(p) : real(2) * p.h;
+// Returns a bound of the key that searches find for the bisector's seed; sign: 1 for an upper, -1 for a lower bound. They
+// find s right to 5e-5 (|n|^2 + |w_p - w_q| + 2 |a||n|) / |n| + 2.6e-5 |a| + 1e-5 s (search/power.glsl), which is at most
+// 1.2e-4 H / |n| + 2.3e-4 |a|.
+real key_of(Plane p, real sign) {
+    if (weighted == 0u) return real(2) * p.h;
+    const real s = (real(2) * p.h + sign * real(1.5e-4) * size_of(p)) / p.norm + sign * real(3e-4) * tilt_length;
+    return s * abs(s);
 }
 
 // Returns a number that is positive outside. A fused fma has fewer roundings.
@@ -149,47 +155,39 @@ real cutting_distance_squared(real radius, real heavier) {
 
 // Returns an upper bound of the squared security radius. A seed cuts a vertex X off when it is nearer to X than the
 // cell's own seed; it is then within 2|X| <= 2 (|x| + error) of that one. The factor exceeds the roundings of a square,
-// a root and a product.
-//
-// In a power diagram it is an upper bound of the rank that a search finds for any seed that cuts the cell. This rank
-// errs by 3e-6 (|n|^2 + |w|), where |n|^2 <= 2 R D + A and |w| <= max(A, 2 R D), and by a unit where a weight was
-// rounded.
+// a root and a product. In a power diagram it is an upper bound of the key of any seed that cuts the cell. Rounding to
+// units moves the plane of a seed at most by a quantum where it is nearest to the center; the error has several.
 real security_radius_squared(real farthest, real largest_error) {
-    if (weighted != 0u) {
-        const real radius = real(1.00001) * (farthest + largest_error);
-        const real distance = radius + sqrt(radius * radius + max_heavier);
-        return real(2.0001) * radius * distance + real(1e-5) * max_heavier + real(2) * weight_quantum;
-    }
     const real radius = real(2.00002) * (farthest + largest_error);
     return radius * radius;
 }
 
-// Returns whether no seed at this squared distance (in a power diagram, of this rank), right to 1e-5, or beyond can cut
+// Returns whether no seed at this squared distance (in a power diagram, of this key), right to 1e-5, or beyond can cut
 // the cell.
 bool is_secure(real squared_distance, real security) {
     return squared_distance * real(0.99999) >= security;
 }
 
 // Returns an upper bound of the radius of the ball around the computed vertex that holds all seeds that cut it off:
-// |X|, plus |x - X| for the center. The factor exceeds the roundings of the compared number, about 3u of the radius an
+// |X|, plus |x - X| for the center. The factor exceeds the roundings of the compared number, about 1e-6 of the radius an
 // axis. For coordinates that were rounded to units, 2 error has 4 quantum to spare.
 real reach_of_vertex(real x, real y, real z, real error) {
     return (sqrt(fma(x, x, fma(y, y, z * z))) + real(2) * error) * real(1.00001);
 }
 
 // The same for seeds that are heavier by at most this: sqrt(|X|^2 + heavier), or negative where there are none. The
-// compared number also errs by 3u of |x|, and moves by less than a quantum; each error has two quantum to spare.
+// compared number also errs by 1e-6 of |x|, and moves by less than a quantum; each error has two quantum to spare.
 real reach_of_vertex(real x, real y, real z, real error, real heavier) {
     const real length = sqrt(fma(x, x, fma(y, y, z * z))) + error;
     const real square = length * length * real(1.00001) + heavier;
     return square <= real(0) ? real(-1) : (sqrt(square) + error) * real(1.00001) + real(1e-5) * length;
 }
 
-// Returns whether a box reaches into that ball. Its bounds are relative to the seed.
-bool is_in_reach(real x, real y, real z, real error, real lower_x, real upper_x, real lower_y, real upper_y,
-                 real lower_z, real upper_z, real heavier) {
-    const real dx = max(max(lower_x - x, x - upper_x), real(0)), dy = max(max(lower_y - y, y - upper_y), real(0)),
-               dz = max(max(lower_z - z, z - upper_z), real(0));
+// Returns whether a box reaches into that ball. Its bounds are relative to the seed, right to 1e-6.
+bool is_in_reach(real x, real y, real z, real error, vec3 lower, vec3 upper, real heavier) {
+    const real dx = max(max(real(lower.x) - x, x - real(upper.x)), real(0)),
+               dy = max(max(real(lower.y) - y, y - real(upper.y)), real(0)),
+               dz = max(max(real(lower.z) - z, z - real(upper.z)), real(0));
     if (weighted != 0u) {
         const real radius = reach_of_vertex(x, y, z, error, heavier);
         return !(radius < real(0)) && !(dx * dx + dy * dy + dz * dz > radius * radius);

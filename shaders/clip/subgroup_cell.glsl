@@ -28,7 +28,7 @@ real vertex_norm[slots], vertex_error[slots];
 uint vertex_planes[slots];     // 0 where there is no vertex
 bool killed[slots];
 uint free_planes;              // planes not in use
-real largest_error, security;  // over all vertices; security: squared radius, in a power diagram a rank
+real largest_error, security;  // over all vertices; security: squared radius, in a power diagram a key
 real radius_of_all;            // in a power diagram, a bound of the distance of all vertices
 #ifdef DECIDES_TIES
 bool met_tie;  // a vertex of this lane lies on a fourth plane

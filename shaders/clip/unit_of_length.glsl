@@ -13,10 +13,12 @@ void set_unit_of_length(uint exponent, uint root) {
     scale = uintBitsToFloat((127u - exponent) << 23);
     quantum = real(quantum_in_units(state.lossy) * scale);
     if (weighted == 0u) return;
-    weight_scale = scale * scale * uintBitsToFloat(uint(127 + state.weight_exponent) << 23);
+    weight_bits = uint(state.weight_exponent);
+    weight_scale = scale * scale * uintBitsToFloat((127u + weight_bits) << 23);
     weight_quantum = state.lossy_weights != 0u ? real(weight_scale) : real(0);
-    quantum += real(0.6) * weight_quantum;
-    max_heavier = max(heavier_by(lighter_by(node_weights[root])), real(0));
+    tilt_length = real(length(vec3(tilt)) * 1.00001 * exp2(float(TILT_BITS)) * scale);
+    quantum = (quantum + real(0.6) * weight_quantum) * (real(1) + tilt_length);
+    max_heavier = max(heavier_by(lighter_by(max64(node_weights[root].largest, state.heaviest))), real(0));
 }
 
 #endif

@@ -1,6 +1,6 @@
-// Walls of any direction as planes of a cell. The seed's distance is right to less than MAX_WALL_ERROR, which `quantum`
-// includes in a run with walls (clip/wall_distance.glsl). A distance below 0 becomes 0, because the seed lies within
-// its walls.
+// Walls of any direction as planes of a cell. The center's distance is right to less than MAX_WALL_ERROR, which `quantum`
+// includes in a run with walls (clip/wall_distance.glsl). A center that is not the seed may lie beyond a wall; the seed
+// lies within its walls, so a distance below 0 becomes 0.
 #ifndef VOTESS_CLIP_WALLS_GLSL
 #define VOTESS_CLIP_WALLS_GLSL
 
@@ -29,36 +29,30 @@ uint wall_in_turn(uint i) {
     return i + 6u < count ? i + 6u : i + 6u - count;
 }
 
-// In units.
+// In units, in two's complement.
 uvec2 wall_distance(WallPlane wall) {
-    const uvec4 fine = fine_wall_distance(wall, px, py, pz);
-    return is_negative(fine.zw) ? uvec2(0) : whole_wall_distance(fine);
+    const uvec4 fine = fine_wall_distance(wall, cx, cy, cz);
+    return is_negative(fine.zw) && !is_tilted ? uvec2(0) : whole_wall_distance(fine);
 }
 
-real wall_number(uvec2 m) {
-#ifdef CLIP_FLOAT64
-    return real(m.y) * 4294967296.0LF + real(m.x);
-#else
-    return round64(m);
-#endif
+real wall_number(uvec2 a) {
+    const real size = round_weight(magnitude64(a));
+    return is_negative(a) ? -size : size;
 }
 
 Plane wall_plane(uint w) {
     const WallPlane wall = walls[w];
     real n[3];
-    for (int k = 0; k < 3; ++k) {
-        const real size = wall_number(magnitude64(wall.normal[k])) * real(wall_step);
-        n[k] = is_negative(wall.normal[k]) ? -size : size;
-    }
+    for (int k = 0; k < 3; ++k) n[k] = wall_number(wall.normal[k]) * real(wall_step);
     const real distance = wall_number(wall_distance(wall)) * real(scale);
-    return Plane(n[0], n[1], n[2], distance, real(1), distance);
+    return Plane(n[0], n[1], n[2], distance, real(1), abs(distance));
 }
 
 vec3 rough_place() {
-    return rough_place(px, py, pz);
+    return rough_place(cx, cy, cz);
 }
 
-// Returns a lower bound of the distance, in units of the cell, of a seed at this place.
+// Returns a lower bound of the distance, in units of the cell, of a center at this place.
 float min_wall_distance(uint w, vec3 place) {
     return min_wall_distance(walls[w], place) * scale;
 }

@@ -21,7 +21,8 @@
 // In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
 // are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86
 // condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may err
-// by 2 R times the relative error of the volume. This must be below twice the tolerance times the cell's size.
+// by 2 R times the relative error of the volume. This must be below twice the tolerance times the cell's size. The move
+// from the center to the seed rounds the centroid by a few units in the last place of the tilt.
 //
 // The .comp declares `push`, with extent, before.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
@@ -47,6 +48,16 @@ Number exact_difference(uvec2 q, uvec2 p) {
     return exact_difference(q, p, scale);
 }
 
+// Returns how much lighter seed q is than the cell's, less the tilt's share, in squared units of the cell.
+Number exact_lighter_by(uint q) {
+    if (!is_tilted) return exact_difference(pw, seeds_w[q], weight_scale);
+    const uvec4 d = tilted_lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]);
+    const bool negative = is_negative(d.zw);
+    const uvec4 m = negative ? negate128(d) : d;
+    const float power = negative ? -scale * scale : scale * scale;
+    return plus(times_power(number64(m.zw), power * 18446744073709551616.0), times_power(number64(m.xy), power));
+}
+
 struct ExactPlane {
     Vector n;
     Number foot;  // n.x = foot |n|^2; of bisectors 1/2, with weights 1/2 + w / (2 |n|^2)
@@ -59,20 +70,20 @@ ExactPlane exact_wall(uint i) {
         for (int k = 0; k < 3; ++k)
             n[k] = times_power(number64(magnitude64(wall.normal[k])),
                                wall_step * (is_negative(wall.normal[k]) ? -1.0 : 1.0));
-        return ExactPlane(Vector(n[0], n[1], n[2]), times_power(number64(wall_distance(wall)), scale));
+        return ExactPlane(Vector(n[0], n[1], n[2]), exact_difference(wall_distance(wall), uvec2(0)));
     }
     const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
     const uint axis = i / 2u;
-    const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
+    const uvec2 c = axis == 0u ? cx : (axis == 1u ? cy : cz);
     return ExactPlane(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero),
-                      (i & 1u) != 0u ? exact_difference(push.extent[axis], p) : exact_difference(p, uvec2(0)));
+                      (i & 1u) != 0u ? exact_difference(push.extent[axis], c) : exact_difference(c, uvec2(0)));
 }
 
 ExactPlane exact_bisector(uint q) {
     const Vector n = Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
                             exact_difference(seeds_z[q], pz));
     if (weighted == 0u) return ExactPlane(n, number(0.5));
-    const Number lighter = exact_difference(pw, seeds_w[q], weight_scale);
+    const Number lighter = exact_lighter_by(q);
     return ExactPlane(n, times(number(0.5), plus(number(1.0), times(lighter, reciprocal(dot(n, n))))));
 }
 
@@ -172,9 +183,12 @@ void conclude(Moments all) {
     // Slightly more than the bound, for its own roundings.
     volume_error = moved + number_unit * all.error * radius * radius * radius * 0.334;
     if (weighted == 0u) return;
+    // The centroid is relative to the seed.
+    mass_center = Vector(minus(mass_center.x, exact_difference(px, cx)), minus(mass_center.y, exact_difference(py, cy)),
+                         minus(mass_center.z, exact_difference(pz, cz)));
     volume_error *= 2.0;
     length_of_cell = pow(max(rounded(volume), 0.0), 1.0 / 3.0);
-    centroid_error = volume_error * radius;
+    centroid_error = volume_error * radius + number_unit * 4.0 * float(tilt_length) * max(rounded(volume), 0.0);
 }
 
 // Areas of tiny faces may come out negative.

@@ -2,6 +2,8 @@
 #ifndef VOTESS_NUMBERS_INT128_GLSL
 #define VOTESS_NUMBERS_INT128_GLSL
 
+#include "numbers/int64.glsl"
+
 uvec4 add128(uvec4 a, uvec4 b) {
     uvec4 sum, carry, more;
     sum = uaddCarry(a, b, carry);
@@ -13,6 +15,30 @@ uvec4 add128(uvec4 a, uvec4 b) {
 
 uvec4 negate128(uvec4 a) {
     return add128(~a, uvec4(1u, 0u, 0u, 0u));
+}
+
+// n < 96
+uvec4 shift_left128(uvec4 a, uint n) {
+    if (n >= 64u) a = uvec4(0u, 0u, a.xy);
+    if ((n & 32u) != 0u) a = uvec4(0u, a.xyz);
+    const uint bits = n & 31u;
+    return bits == 0u ? a : (a << bits) | (uvec4(0u, a.xyz) >> (32u - bits));
+}
+
+// Returns a number of 64 bits in two's complement.
+uvec4 extend128(uvec2 a) {
+    return uvec4(a, uvec2(uint(int(a.y) >> 31)));
+}
+
+// Returns a b of numbers in two's complement.
+uvec4 product128(uvec2 a, int b) {
+    const uvec2 m = magnitude64(a);
+    uvec2 low, high;
+    umulExtended(m, uvec2(uint(abs(b))), high, low);
+    uint carry;
+    const uint middle = uaddCarry(low.y, high.x, carry);
+    const uvec4 product = uvec4(low.x, middle, high.y + carry, 0u);
+    return is_negative(a) != (b < 0) ? negate128(product) : product;
 }
 
 // Returns a b of unsigned numbers.

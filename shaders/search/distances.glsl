@@ -1,5 +1,4 @@
 // The distances that searches compare: squared, in units, right to 8 roundings of float32 of at most 2^-23 each, 1e-6.
-// The .comp declares `push`, with lower, upper and bounded, before.
 #ifndef VOTESS_SEARCH_DISTANCES_GLSL
 #define VOTESS_SEARCH_DISTANCES_GLSL
 
@@ -30,25 +29,6 @@ float gap(uvec2 p, uvec2 lower, uvec2 upper) {
 
 float coarse_gap(uint p, uint lower, uint upper) {
     return 4294967296.0 * (p < lower ? float(lower - p) : (upper < p ? float(p - upper) : 0.0));
-}
-
-float distance_to_bounds(int axis, uvec2 p) {
-    float nearest = UNBOUNDED;
-    if ((push.bounded & (1u << axis)) != 0u) {
-        const float d = less64(p, push.lower[axis]) ? 0.0 : rough_difference(p, push.lower[axis]);
-        nearest = min(nearest, d * d * reach_slack);
-    }
-    if ((push.bounded & (8u << axis)) != 0u) {
-        const float d = less64(push.upper[axis], p) ? 0.0 : rough_difference(push.upper[axis], p);
-        nearest = min(nearest, d * d * reach_slack);
-    }
-    return nearest;
-}
-
-// Returns the squared distance up to which all seeds are known: none are known beyond the bounds. It is 0 for a seed
-// outside of them.
-float distance_to_bounds(uvec2 x, uvec2 y, uvec2 z) {
-    return min(distance_to_bounds(0, x), min(distance_to_bounds(1, y), distance_to_bounds(2, z)));
 }
 
 // Returns the squared radius of a ball with about `count` seeds, from the density of the 64 seeds around it in memory.

@@ -5,8 +5,8 @@
 // the end neighbors are sorted by distance into buckets, each a sixteenth of an octave wide; the order within a bucket
 // is arbitrary. The first bucket holds all that are nearer.
 //
-// In a power diagram ranks replace squared distances, see search/power.glsl. All ranks below 0 are in the first bucket.
-// If that alone exceeds the list, its higher half is dropped.
+// In a power diagram keys replace squared distances, see search/power.glsl. All keys below 0 are in the first bucket. If
+// that alone exceeds the list, its higher half is dropped.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #include "invocations/index.glsl"
@@ -26,6 +26,7 @@ layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
 
+#include "search/bounds.glsl"
 #include "search/distances.glsl"
 #include "search/hierarchy.glsl"
 
@@ -91,8 +92,8 @@ void forget_far_ones() {
     }
 }
 
-// Keeps those of smallest rank: k or a few less.
-void forget_high_ranks() {
+// Keeps those of smallest key: k or a few less.
+void forget_large_keys() {
     uint low = 0u, high = ordered(worst);  // at most k are below low, more than k below high
     for (int below = 0; below < k - k / 8 && high - low > 1u;) {
         const uint middle = low + (high - low) / 2u;
@@ -108,38 +109,33 @@ void forget_high_ranks() {
     worst = of_ordered(low);
     int kept = 0;
     for (int i = 0; i < size; ++i) {
-        const float rank = distances[i];
-        if (rank < worst) {
+        const float key = distances[i];
+        if (key < worst) {
             indices[kept] = indices[i];
-            distances[kept++] = rank;
+            distances[kept++] = key;
         }
     }
     size = kept;
 }
 
+vec3 offset_of(uvec2 x, uvec2 y, uvec2 z) {
+    if (coarse) return vec3(coarse_offset(x.y, px.y), coarse_offset(y.y, py.y), coarse_offset(z.y, pz.y));
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz));
+}
+
 void visit_group(uint group) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
-        const uint high = seeds_x[seed].y;
-        if (seed == self || high == NO_COORDINATE) continue;
-        float dx, dy, dz;
-        if (coarse) {
-            dx = coarse_offset(high, px.y);
-            dy = coarse_offset(seeds_y[seed].y, py.y);
-            dz = coarse_offset(seeds_z[seed].y, pz.y);
-        } else {
-            dx = rough_difference(seeds_x[seed], px);
-            dy = rough_difference(seeds_y[seed], py);
-            dz = rough_difference(seeds_z[seed], pz);
-        }
-        float d = dx * dx + dy * dy + dz * dz;
-        if (weighted != 0u) d = rank_at(d, rough_lighter_by(seeds_w[seed]));
+        if (seed == self || seeds_x[seed].y == NO_COORDINATE) continue;
+        const vec3 at = offset_of(seeds_x[seed], seeds_y[seed], seeds_z[seed]);
+        float d = dot(at, at);
+        if (weighted != 0u) d = seed_key(d, seed_lighter(at, d, seeds_w[seed]));
         if (!(d < worst)) continue;
         distances[size] = d;
         indices[size++] = seed;
         if (size < store) continue;
         if (weighted != 0u)
-            forget_high_ranks();
+            forget_large_keys();
         else
             forget_far_ones();
     }
@@ -148,6 +144,14 @@ void visit_group(uint group) {
 bool is_near(uint level, uint node) {
     const uint n = push.level_first[level] + node;
     if (nodes[n].lower[0].y == NO_COORDINATE) return false;
+    if (weighted != 0u) {
+        const vec3 lower = offset_of(nodes[n].lower[0], nodes[n].lower[1], nodes[n].lower[2]),
+                   upper = offset_of(nodes[n].upper[0], nodes[n].upper[1], nodes[n].upper[2]);
+        vec3 v;
+        float c;
+        bound_node(n, lower, upper, v, c);
+        return node_key(lower, upper, v, c, 0.0) < worst;
+    }
     float dx, dy, dz;
     if (coarse) {
         dx = coarse_gap(px.y, nodes[n].lower[0].y, nodes[n].upper[0].y);
@@ -158,9 +162,7 @@ bool is_near(uint level, uint node) {
         dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
         dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
     }
-    const float d = dx * dx + dy * dy + dz * dz;
-    if (weighted != 0u) return min_rank(d, rough_lighter_by(node_weights[n])) < worst;
-    return d * box_slack < worst;
+    return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
 }
 
 // Visits all near boxes below a node.
@@ -194,7 +196,7 @@ float expected_reach() {
     if (push.level_count < 3u) return UNBOUNDED;
     const uint around = push.level_first[1] + self / (GROUP_SEEDS * FAN);
     const float reach = expected_reach_in(nodes[around], k);
-    return weighted != 0u ? reach + max(rough_lighter_by(node_weights[around]), 0.0) : reach;
+    return weighted != 0u ? reach * node_weights[around].stretch : reach;
 }
 
 void main() {
@@ -217,17 +219,20 @@ void main() {
 
     if (weighted != 0u) {
         pw = seeds_w[self];
-        set_weight_unit(state.weight_exponent);
+        begin_power(1.0, state, self / GROUP_SEEDS);
     }
     worst = expected_reach();
-    bool fine = weighted != 0u;
+    bool fine = false;
     for (int attempt = 0; attempt < 4;) {
         coarse = !fine && worst >= coarse_from;
+        if (weighted != 0u) set_power_slacks(coarse);
         size = 0;
         search();
         // High words were too coarse: the radius shrank, or all seeds are nearer. Sorted buckets and the list's end are
         // beyond a quarter of the farthest neighbor, where the order is certain again, see coarse_from.
-        if (coarse && min(worst, farthest_in_store()) < coarse_from) {
+        // Keys are bounds in any case; one below 0 is that of a heavy seed, not of a near one.
+        const float needed = weighted != 0u ? worst : min(worst, farthest_in_store());
+        if (coarse && needed < coarse_from && (weighted == 0u || needed > 0.0)) {
             fine = true;
             truncated = false;
             worst = max(worst, coarse_from);
@@ -243,7 +248,7 @@ void main() {
     // The list holds whole buckets.
     count_by_bucket();
     if (weighted != 0u && counts[0] > k) {
-        forget_high_ranks();
+        forget_large_keys();
         count_by_bucket();
     }
     const int in_first_bucket = counts[0];
@@ -257,7 +262,7 @@ void main() {
         }
     }
     float reach = fitting == buckets ? worst : (fitting == 0 ? 0.0 : bucket_end(fitting - 1));
-    if (weighted == 0u) reach *= reach_slack;
+    if (reach > 0.0) reach *= reach_slack;
     if (worst >= UNBOUNDED && fitting == buckets) reach = UNBOUNDED;
     for (int i = 0; i < size; ++i) {
         const int b = BUCKET_OF(distances[i]);
@@ -267,7 +272,7 @@ void main() {
         places[b] = place + 1;
     }
     const float bound = distance_to_bounds(px, py, pz);
-    const float none = weighted != 0u ? -UNBOUNDED : 0.0;
+    const float none = weighted != 0u ? smallest_key : 0.0;
     if (truncated) reach = none;
     if (loops_were_cut_short(2u + (push.seed_count >> 31))) {
         reach = none;

@@ -8,9 +8,9 @@
 //
 // Lengths here are in units of the high words of coordinates, so their differences need no factor.
 //
-// In a power diagram ranks replace squared distances, from the smallest possible one, below 0, to one that no seed that
-// can cut the cell has. Seeds, and boxes, whose weight keeps them from cutting the cell are skipped. The .comp declares
-// `push` (CellsPush) before.
+// In a power diagram keys replace squared distances (search/power.glsl), from the smallest possible one, below 0, to one
+// that no seed that can cut the cell has. Seeds, and boxes, whose weight keeps them from cutting the cell are skipped. The
+// .comp declares `push` (CellsPush) before.
 #ifndef VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
 #define VOTESS_SEARCH_SUBGROUP_SEARCH_GLSL
 
@@ -18,6 +18,7 @@
 #include "invocations/subgroup.glsl"
 #include "numbers/int64.glsl"
 #include "search/distances.glsl"
+#include "search/levels.glsl"
 #include "search/power.glsl"
 #include "search/seeds.glsl"
 #include "search/subgroup_state.glsl"
@@ -42,7 +43,6 @@ uint node_count, group_count;
 float reach_radius;    // bound of the distance of all vertices
 float first_reach;     // of the first search
 float nearest_square;  // of the seeds that this lane tested
-float rounded_weight;  // a unit of weight when some were rounded
 
 const float coarse_search_from = coarse_from / (high_unit * high_unit);
 const uint lanes_each = FAN;  // lanes for a box, and for a group, as GROUP_SEEDS == FAN
@@ -54,19 +54,6 @@ const uint key_place_mask = SUBGROUP_STORE - 1u;
 Node node_at(uint n) {
     const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
     return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
-}
-
-uint nodes_of(uint level) {
-    return ((push.seed_count - 1u) >> (FAN_BITS * (level + 1u))) + 1u;
-}
-
-// Returns the sum of nodes_of() over the levels below: `level` ones, and floor(m / 8^i) for i = 1 .. level. By
-// Legendre's formula these are (m - floor(m / 8^level) - the sum of the last digits of m to base 8) / 7.
-uint nodes_below(uint level) {
-    const uint m = push.seed_count - 1u, digits = m & ((1u << (FAN_BITS * level)) - 1u);
-    const uint digit_sum = uint(bitCount(digits & 011111111111u)) + 2u * uint(bitCount(digits & 022222222222u)) +
-                           4u * uint(bitCount(digits & 04444444444u));
-    return level + (m - (m >> (FAN_BITS * level)) - digit_sum) * 0xb6db6db7u;  // 1 / 7 modulo 2^32
 }
 
 // Returns candidate i of the sorted store, and its approximate squared distance.
@@ -99,14 +86,12 @@ void begin_search() {
         next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count) / (high_unit * high_unit);
     coarse = weighted == 0u && next >= coarse_search_from;
     if (weighted == 0u) return;
-    set_weight_unit(state.weight_exponent);
-    weight_unit /= high_unit * high_unit;
-    rounded_weight = state.lossy_weights != 0u ? weight_unit : 0.0;
+    begin_power(high_unit, state, self / GROUP_SEEDS);
+    set_power_slacks(false);
+    next *= node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)].stretch;
     nearest_square = UNBOUNDED;
     reach_radius = exp2(float(COORDINATE_BITS + 1)) / high_unit;  // beyond the box
-    done = min_rank(0.0, rough_lighter_by(node_weights[root_node()]));
-    if (next < UNBOUNDED)
-        next += max(rough_lighter_by(node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)]), 0.0);
+    done = smallest_key;
     first_reach = next;
 }
 
@@ -141,15 +126,14 @@ vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
     return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz)) / high_unit;
 }
 
-// Returns whether a seed may cut the cell. The seed lies between these bounds, at this squared distance or beyond, and
-// is lighter by at least this. For a seed heavier by A, a vertex ball is larger by at most sqrt(A), see set_reach().
-bool may_cut(vec3 lower, vec3 upper, float square, float lighter) {
+// Returns whether a seed may cut the cell. The seed lies between these bounds, with this key or a larger one, and is
+// lighter by at least this. For a seed heavier by A, a vertex ball is larger by at most sqrt(A), see set_reach().
+bool may_cut(vec3 lower, vec3 upper, float key, float lighter) {
     float further = 0.0;
     bool none = false;
     if (weighted != 0u) {
-        const float heavier = 1e-5 * abs(lighter) - lighter + rounded_weight;
-        further = sqrt(max(heavier, 0.0)) * 1.0001;
-        none = square >= float(cutting_distance_squared(real(reach_radius), real(heavier)));
+        further = sqrt(max(-lighter, 0.0)) * 1.0001;
+        none = key >= 4.0001 * reach_radius * reach_radius;
     }
     const bool above = any(greaterThan(lower, reach_upper + further)), below = any(lessThan(upper, reach_lower - further));
     return !(none || above || below);
@@ -171,9 +155,14 @@ bool is_near(uint level, uint node) {
     }
     const vec3 gap = max(max(lower, -upper), vec3(0.0));
     float d = dot(gap, gap) * box_slack, lighter = 0.0;
-    if (weighted != 0u) lighter = rough_lighter_by(node_weights[n]);
+    if (weighted != 0u) {
+        vec3 v;
+        float c;
+        bound_node(n, lower, upper, v, c);
+        d = node_key(lower, upper, v, c, 0.0);
+        lighter = c - 2.0 * dot(abs(v), max(abs(lower), abs(upper)));
+    }
     const bool full = box.lower[0].y != NO_COORDINATE, may = may_cut(lower, upper, d, lighter), possible = full && may;
-    if (weighted != 0u) d = min_rank(dot(gap, gap), lighter);
     const bool near = d < next;
     nearest_beyond = min(nearest_beyond, possible && !near ? d : UNBOUNDED);
     return possible && near;
@@ -191,13 +180,13 @@ bool is_candidate(uint seed, out float d) {
     precise const float square = at.x * at.x + at.y * at.y + at.z * at.z;
     d = square;
     float lighter = 0.0;
-    if (weighted != 0u) lighter = rough_lighter_by(seeds_w[seed]);
-    const bool other = seed != self, there = x.y != NO_COORDINATE, counts = other && there,
-               may = may_cut(at, at, square * box_slack, lighter), possible = counts && may;
     if (weighted != 0u) {
-        nearest_square = min(nearest_square, counts ? square : UNBOUNDED);
-        d = rank_at(square, lighter);
+        lighter = seed_lighter(at, square, seeds_w[seed]);
+        d = seed_key(square, lighter);
     }
+    const bool other = seed != self, there = x.y != NO_COORDINATE, counts = other && there,
+               may = may_cut(at, at, d, lighter), possible = counts && may;
+    if (weighted != 0u) nearest_square = min(nearest_square, counts ? square : UNBOUNDED);
     const bool near = d < next;
     nearest_beyond = min(nearest_beyond, possible && !near ? d : UNBOUNDED);
     const bool fresh = d >= done;
@@ -314,7 +303,7 @@ bool search() {
     sort_candidates();
     const float shorter =
         candidate_count == 0u
-            ? 0.5 * (done + next)
+            ? 0.5 * (max(done, 0.0) + next)
             : distance_at(candidate_count * uint(first_count) / (5u * SUBGROUP_STORE / 4u));
     if (shorter > done && shorter < next)
         next = shorter;

@@ -28,6 +28,12 @@
 // 0.
 #define WEIGHT_BITS 62
 
+// A tilt (shaders/search/power.glsl) is a whole number of 2^TILT_BITS units along each axis, less than 2^MAX_TILT_BITS
+// units.
+#define TILT_BITS 31
+#define MAX_TILT_BITS 59
+#define MIN_TILTED_SEEDS 8
+
 // sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
 #define KEY_BITS_PER_AXIS 20
 #define KEY_WORD_BITS 30

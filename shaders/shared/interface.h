@@ -77,7 +77,7 @@
 #define BINDING_LATTICE 50       // LatticeData of a frame in a triclinic box
 #define BINDING_POINTS_W 51      // N uvec2, weights, input order; this and the next two only in a power diagram
 #define BINDING_SEEDS_W 52       // N uvec2, sorted order
-#define BINDING_NODE_WEIGHTS 53  // uvec2, beside NODES: the largest weight below a node
+#define BINDING_NODE_WEIGHTS 53  // NodeWeights, beside NODES
 #define BINDING_COUNT 54
 
 #endif

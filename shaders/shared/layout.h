@@ -61,6 +61,19 @@ struct BoxesPush {
     uint below_count;
 };
 
+struct ReachPush {
+    uvec2 lower[3];  // as in KnnPush
+    uvec2 upper[3];
+    uvec2 side[3];  // of the periodic box
+    uint bounded;
+    uint periodic;  // a bit an axis
+    uint seed_count;
+    uint own_count;
+    uint level_count;
+    uint node_count;  // of level 1
+    uint max_visits;
+};
+
 struct KnnPush {
     uvec2 lower[3];  // all seeds within these bounds are known, where a bit of `bounded` is set
     uvec2 upper[3];
@@ -156,6 +169,15 @@ struct Node {
     uvec2 upper[3];
 };
 
+// The weights below a node, see shaders/search/power.glsl.
+struct NodeWeights {
+    uvec2 largest;
+    float tilt[3];      // units
+    float drop;         // squared units
+    float image_reach;  // of a group, in units: no unknown image cuts off vertices nearer to the centers of its cells
+    float stretch;      // of a node of level 1: squared, by how much lengths shrink from seeds to centers
+};
+
 // A wall of any direction, behind the run state. The normal has length 1; the offset along it is from the box's lower
 // corner, in units. Both are times 2^WALL_BITS; `rough` has both as floats. The rough offset of a missing wall is far
 // away.
@@ -186,6 +208,7 @@ struct RunState {
     uint incomplete;      // 1: images are missing
     int weight_exponent;  // see WEIGHT_BITS
     uint lossy_weights;   // 1: some weights were rounded
+    uvec2 heaviest;       // weight of seeds that are not in a part
 };
 
 // What knn found out about a cell's list.

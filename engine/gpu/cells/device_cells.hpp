@@ -5,19 +5,15 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "gpu/domain/parts.hpp"
 #include "gpu/seeds/device_seeds.hpp"
 
 namespace votess::gpu {
 
 // The limits of the seeds that the cells may rely on, and the requested results.
-struct ChunkJob {
+struct ChunkJob : KnownSeeds {
     bool neighbors = true, walls = false;
     double volume_tolerance = 1e-5;
-    // Seeds with an index of at least this are beside the part and get no cell.
-    std::uint32_t own_count = 0;
-    // Bounds in units from the box's lower corner. All seeds within them are known; see KnnPush.
-    std::uint64_t lower[3]{}, upper[3]{};
-    std::uint32_t bounded = 0;
     // Rows have the names of ids from here on in place of the ids.
     std::uint32_t named_from = INDEX_MASK;
 };

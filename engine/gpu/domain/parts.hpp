@@ -12,12 +12,19 @@
 
 namespace votess::gpu {
 
-struct Part {
-    std::vector<std::int32_t> members;  // input indices, own seeds first; empty: all points are the part's own
+// What a device has of all seeds and images.
+struct KnownSeeds {
+    // Seeds with an index of at least this are beside the part and get no cell.
     std::uint32_t own_count = 0;
-    // Bounds in units from the box's lower corner. All seeds within them are members; see KnnPush.
+    // Bounds in units from the box's lower corner. All seeds within them are known; see KnnPush.
     std::uint64_t lower[3]{}, upper[3]{};
     std::uint32_t bounded = 0;
+    // Units by which the own seeds repeat along each axis; 0 where they do not, and where edges are oblique.
+    std::uint64_t period[3]{};
+};
+
+struct Part : KnownSeeds {
+    std::vector<std::int32_t> members;  // input indices, own seeds first; empty: all points are the part's own
 };
 
 class Parts {

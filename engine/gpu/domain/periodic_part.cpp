@@ -195,6 +195,7 @@ void Images::set_bounds() const {
         out_.part.bounded |= 9u << k;
         out_.part.lower[k] = 2;
         out_.part.upper[k] = extent_[k] - 3;
+        if (!domain_.triclinic) out_.part.period[k] = static_cast<std::uint64_t>(vector_[k][k] >> 64);
     }
 }
 

@@ -107,7 +107,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     stamp(2);
     {
         const auto label = recorder_.label("knn");
-        seeds_.record_hierarchy(recorder_, passes);
+        seeds_.record_hierarchy(recorder_, passes, chunk_job(options.count));
     }
     stamp(3);
     record_cells(options.count);
@@ -131,8 +131,7 @@ void detail::FrameState::record_upload(std::uint32_t count) {
     if (is_periodic(options)) seeds_.record_images(recorder_, passes, header_, count);
 }
 
-void detail::FrameState::record_cells(std::uint32_t count) {
-    const gpu::Passes& passes = *plan->passes;
+gpu::ChunkJob detail::FrameState::chunk_job(std::uint32_t count) const {
     gpu::ChunkJob job;
     job.neighbors = plan->options.neighbors;
     job.walls = plan->options.list_walls;
@@ -149,8 +148,15 @@ void detail::FrameState::record_cells(std::uint32_t count) {
         if (!plan->options.periodic[k]) continue;
         job.bounded |= 9u << k;
         job.upper[k] = seeds_.extent()[k];
+        job.period[k] = seeds_.period(k);
         job.named_from = count;
     }
+    return job;
+}
+
+void detail::FrameState::record_cells(std::uint32_t count) {
+    const gpu::Passes& passes = *plan->passes;
+    const gpu::ChunkJob job = chunk_job(count);
     // Images are sorted among the seeds and get no cells.
     for (std::uint32_t first = 0; first < seeds_.count();) {
         const std::uint32_t cells = std::min(plan->chunk_cells, seeds_.count() - first);

@@ -34,6 +34,7 @@ private:
     void record_stages(const RecordOptions& options);
     void record_upload(std::uint32_t count);
     void record_cells(std::uint32_t count);
+    [[nodiscard]] gpu::ChunkJob chunk_job(std::uint32_t count) const;
 
     gpu::DeviceSeeds seeds_;
     gpu::DeviceCells cells_;

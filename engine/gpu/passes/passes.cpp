@@ -169,9 +169,12 @@ Passes::Passes(Device& device, const PassSettings& s)
       clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
       download_rows(gpu::download_rows(device, s)),
       download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
-    if (s.weights)
+    if (s.weights) {
         upload_weights =
             std::make_unique<Pass>(make<UploadPush>(device, "upload_weights", shaders::upload_weights, s.local_size));
+        image_reach = std::make_unique<Pass>(
+            make<ReachPush>(device, "image_reach", shaders::image_reach, s.local_size, {has_weights(s)}));
+    }
     if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(device, s));
     if (!s.frames) {
         download_place =

@@ -60,7 +60,7 @@ struct Passes {
     vulkan::Pass download_rows, download_total;
     // Null when not needed.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
-    std::unique_ptr<vulkan::Pass> download_cells, upload_weights, upload_walls, upload_wrap, upload_images;
+    std::unique_ptr<vulkan::Pass> download_cells, upload_weights, image_reach, upload_walls, upload_wrap, upload_images;
 };
 
 }  // namespace votess::gpu

@@ -91,12 +91,12 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
     set_walls({});
     // Without weights passes bind the run state in place of these arrays, and do not use it.
-    const auto weights_of = [&](std::uint32_t binding, VkDeviceSize each, const char* name) {
-        bindings_.set(binding, weights ? workspace.take(each * coordinate_bytes, name) : run_state());
+    const auto weights_of = [&](std::uint32_t binding, VkDeviceSize bytes, const char* name) {
+        bindings_.set(binding, weights ? workspace.take(bytes, name) : run_state());
     };
-    weights_of(BINDING_POINTS_W, n, "points, weights");
-    weights_of(BINDING_SEEDS_W, n, "seeds, weights");
-    weights_of(BINDING_NODE_WEIGHTS, nodes, "nodes, weights");
+    weights_of(BINDING_POINTS_W, n * coordinate_bytes, "points, weights");
+    weights_of(BINDING_SEEDS_W, n * coordinate_bytes, "seeds, weights");
+    weights_of(BINDING_NODE_WEIGHTS, nodes * sizeof(NodeWeights), "nodes, weights");
 }
 
 void DeviceSeeds::set_walls(std::vector<WallPlane> walls) {
@@ -197,6 +197,14 @@ void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
         recorder.barrier();
         recorder.fill(run_state(), offsetof(RunState, weight_exponent), 4,
                       static_cast<std::uint32_t>(weights_->exponent));
+    }
+    if (weights_ && heaviest_unknown_) {
+        bool rounded = false;
+        const Units units{weights_->shift};
+        const uvec2 heaviest = words(units.of(weights_->largest, rounded) - units.of(weights_->least, rounded) + 1);
+        recorder.barrier();
+        recorder.fill(run_state(), offsetof(RunState, heaviest), 4, heaviest.x);
+        recorder.fill(run_state(), offsetof(RunState, heaviest) + 4, 4, heaviest.y);
     }
     recorder.write(run_state(), sizeof(RunState), std::as_bytes(std::span(walls_)));
     if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), 0, std::as_bytes(std::span(&lattice_, 1)));
@@ -302,7 +310,7 @@ void DeviceSeeds::record_gather(Recorder& recorder, const Passes& passes) const 
     recorder.barrier();
 }
 
-void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes) const {
+void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const {
     for (std::uint32_t level = 0; level < level_count_; ++level) {
         const std::uint32_t below = level == 0 ? 0 : level - 1;
         const BoxesPush push{
@@ -310,6 +318,26 @@ void DeviceSeeds::record_hierarchy(Recorder& recorder, const Passes& passes) con
         recorder.dispatch(passes.knn_boxes, bindings_.list(), push_bytes(push), push.count);
         recorder.barrier();
     }
+    const bool periodic = std::ranges::any_of(known.period, [](std::uint64_t period) { return period != 0; });
+    if (weights_ && periodic && level_count_ > 1) record_image_reach(recorder, passes, known);
+}
+
+void DeviceSeeds::record_image_reach(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const {
+    ReachPush push{};
+    for (int k = 0; k < 3; ++k) {
+        push.lower[k] = words(known.lower[k]);
+        push.upper[k] = words(known.upper[k]);
+        push.side[k] = words(known.period[k]);
+        push.periodic |= known.period[k] != 0 ? 1u << k : 0;
+    }
+    push.bounded = known.bounded;
+    push.seed_count = count_;
+    push.own_count = known.own_count;
+    push.level_count = level_count_;
+    push.node_count = level_size_[1];
+    push.max_visits = 2 * passes.settings.max_visits;
+    recorder.dispatch(*passes.image_reach, bindings_.list(), push_bytes(push), push.node_count);
+    recorder.barrier();
 }
 
 }  // namespace votess::gpu

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gpu/domain/cell_images.hpp"
+#include "gpu/domain/parts.hpp"
 #include "gpu/domain/units.hpp"
 #include "gpu/passes/passes.hpp"
 #include "gpu/vulkan/recorder.hpp"
@@ -70,6 +71,8 @@ public:
     void set_cell(const CellImages& cell);
     // Sets the units of weights; none: the seeds have no weights.
     void set_weights(const std::optional<WeightUnits>& weights) { weights_ = weights; }
+    // Sets that seeds with the largest weight may exist that are not uploaded.
+    void set_heaviest_unknown(bool unknown) { heaviest_unknown_ = unknown; }
 
     // Records the reset of the run state; a barrier must follow. lossy: points are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
@@ -98,11 +101,16 @@ public:
     void record_crowded(Recorder& recorder, const Passes& passes) const;
     // Records the move of the points into that order.
     void record_gather(Recorder& recorder, const Passes& passes) const;
-    void record_hierarchy(Recorder& recorder, const Passes& passes) const;
+    // Records the hierarchy. In a power diagram `known` bounds the reach of images that are not among the seeds.
+    void record_hierarchy(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const;
 
     [[nodiscard]] std::uint32_t count() const { return count_; }
     [[nodiscard]] const Units& units() const { return units_; }
     [[nodiscard]] const std::uint64_t* extent() const { return extent_; }
+    // Returns the side along which a periodic box repeats, in units.
+    [[nodiscard]] std::uint64_t period(std::size_t axis) const {
+        return images_.side[axis].x | std::uint64_t{images_.side[axis].y} << 32;
+    }
     // Returns the box's lower corner in units, modulo 2^64.
     [[nodiscard]] const std::uint64_t* origin() const { return origin_; }
     [[nodiscard]] std::span<const std::uint32_t> level_first() const {
@@ -117,11 +125,13 @@ public:
     [[nodiscard]] Slice crowded() const { return counts_; }
 
 private:
+    void record_image_reach(Recorder& recorder, const Passes& passes, const KnownSeeds& known) const;
     void record_radix_pass(Recorder& recorder, const Passes& passes, std::uint32_t pass) const;
 
     std::uint32_t count_ = 0;
     Units units_;
     std::optional<WeightUnits> weights_;
+    bool heaviest_unknown_ = false;
     Box box_;
     bool box_lossy_ = false;
     std::uint64_t extent_[3]{}, origin_[3]{};

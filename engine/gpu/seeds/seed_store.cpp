@@ -61,6 +61,7 @@ void SeedStore::upload(const RawPoints& points, std::span<const std::int32_t> me
     seeds_.set_box(box);
     seeds_.set_walls(walls_);
     seeds_.set_weights(weight_units(domain, seeds_.units(), job.scale));
+    seeds_.set_heaviest_unknown(true);
     seconds_ = {};
 
     commands_.begin();
@@ -196,11 +197,11 @@ void SeedStore::sort(const Passes& passes, std::uint32_t key_bits) {
     state_ = state_host_.as<RunState>()[0];
 }
 
-void SeedStore::build_hierarchy(const Passes& passes) {
+void SeedStore::build_hierarchy(const Passes& passes, const KnownSeeds& known) {
     commands_.begin();
     std::optional<Commands::Label> label(std::in_place, commands_, "knn");
     const auto begin = commands_.timestamp();
-    seeds_.record_hierarchy(commands_, passes);
+    seeds_.record_hierarchy(commands_, passes, known);
     const auto end = commands_.timestamp();
     label.reset();
     commands_.end();

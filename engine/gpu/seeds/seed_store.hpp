@@ -31,7 +31,7 @@ public:
     void upload_names(std::uint32_t count, const std::function<uvec2(std::uint32_t)>& name, ThreadPool& pool);
     // key_bits: the most per axis.
     void sort(const Passes& passes, std::uint32_t key_bits);
-    void build_hierarchy(const Passes& passes);
+    void build_hierarchy(const Passes& passes, const KnownSeeds& known);
 
     [[nodiscard]] const DeviceSeeds& on_device() const { return seeds_; }
     [[nodiscard]] std::uint32_t count() const { return seeds_.count(); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -100,6 +101,26 @@ Moving balls(Random& random, std::size_t n, double largest_radius) {
 }  // namespace
 
 TEST_SUITE("cases") {
+    TEST_CASE("gpu frame: weights that vary smoothly, in a periodic box and in a shifted one") {
+        const std::size_t n = test::by_size(2000, 300);
+        const double shift = 1 / std::cbrt(static_cast<double>(n));  // about the spacing
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            PlanOptions options = plan_options(n, test::unit_box());
+            options.periodic = {periodic, periodic, periodic};
+            options.weights = WeightOptions{-3 * shift, 3 * shift};
+            const Outcome outcome = in_flight(options, false, [&](Random& random) {
+                Moving moving = balls(random, n, 0);
+                for (std::size_t i = 0; i < 3 * n; ++i) {
+                    const double x = moving.set.points[i], turn = 2 * std::numbers::pi;
+                    moving.weights[i / 3] += periodic ? 0.8 * shift / turn * std::sin(turn * x) : shift * x;
+                }
+                return moving;
+            });
+            CHECK(outcome.left < (periodic ? 0.15 : 0.03));
+        }
+    }
+
     TEST_CASE("gpu frame: weights, two frames in flight with moving seeds and weights") {
         struct Kind {
             double radius;

@@ -235,4 +235,19 @@ TEST_SUITE("cases") {
             if (faces) CHECK(votess::verify(result, seeds.points).failure == "");
         }
     }
+
+    TEST_CASE("gpu weights: a heavy seed that is not among the seeds of most parts") {
+        test::Gpu gpu;
+        Seeds seeds = balls(test::by_size(2000, 400), 0.05, 15);
+        std::fill_n(seeds.points.begin(), 3, 0.95);
+        seeds.weights[0] = 0.5;
+        Options options = power_options();
+        options.weights = seeds.weights;
+        const auto cpu = votess::tessellate(seeds.points, options);
+        test::PointSet set;
+        set.points = seeds.points;
+        set.box = test::unit_box();
+        test::GpuRunner runner(gpu, {.max_seeds = static_cast<std::uint32_t>(cpu.size() / 4)});
+        CHECK(test::check_same(runner.run(set, options), cpu, seeds.points, test::tolerance(options)) == "");
+    }
 }

@@ -20,7 +20,7 @@ namespace {
 using Wide = __int128;
 using Offset = std::array<Wide, 3>;  // from the cell's seed, in sixteenths of a unit
 
-constexpr std::size_t words_each = 21;  // of a case, see the shader
+constexpr std::size_t words_each = 23;  // of a case, see the shader
 constexpr int fractions_each = 16;
 constexpr Wide fractions = fractions_each;
 struct CountPush {
@@ -38,6 +38,7 @@ struct Case {
     // In a power diagram: by how much the seeds are heavier, in sixteenths of a unit, 2^weight_exponent squared units.
     std::array<Wide, 4> heavier{};
     int weight_exponent = 0;
+    std::array<std::int32_t, 3> tilt{};  // in 2^TILT_BITS units
 };
 
 using Vector = std::array<double, 3>;
@@ -74,8 +75,22 @@ struct Family {
     // Half of the vertices have three planes nearly through one line. This is about one over their condition.
     double narrowest = 1e-3, widest = 1;
     int max_exponent = 57;
-    bool weights = false;
+    bool weights = false, tilts = false;
 };
+
+// Sets a tilt, and adds its share to the weights. So the vertex is where it was, relative to the center.
+void add_tilt(Case& c, test::Random& random, double radius) {
+    const Vector direction = unit(random_vector(random));
+    const double length = std::min(radius * log_uniform(random, 0.1, 8), std::ldexp(0.9, MAX_TILT_BITS));
+    for (std::size_t k = 0; k < 3; ++k)
+        c.tilt[k] = static_cast<std::int32_t>(std::ldexp(length * direction[k], -TILT_BITS));
+    for (std::size_t i = 0; i < 4; ++i) {
+        Wide along = 0;
+        for (std::size_t k = 0; k < 3; ++k) along += (Wide{c.tilt[k]} << (TILT_BITS + 1)) * c.seed[i][k];
+        along >>= c.weight_exponent;
+        c.heavier[i] += c.lossy ? along : along / fractions * fractions;
+    }
+}
 
 Case random_case(test::Random& random, const Family& family) {
     Case c;
@@ -146,7 +161,11 @@ Case random_case(test::Random& random, const Family& family) {
         x = (Wide{1} << (COORDINATE_BITS + 3)) + static_cast<Wide>(random.below(std::uint64_t{1} << 40)) * fractions;
         if (c.lossy) x += static_cast<Wide>(random.below(16));
     }
-    if (orientation(c) < 0) std::swap(c.seed[0], c.seed[1]);
+    if (family.tilts) add_tilt(c, random, radius);
+    if (orientation(c) < 0) {
+        std::swap(c.seed[0], c.seed[1]);
+        std::swap(c.heavier[0], c.heavier[1]);
+    }
     return c;
 }
 
@@ -164,6 +183,9 @@ std::array<std::uint64_t, words_each> words(const Case& c) {
     all[16] = static_cast<std::uint64_t>(own_weight / fractions);
     for (std::size_t i = 0; i < 4; ++i)
         all[17 + i] = static_cast<std::uint64_t>((own_weight - (c.lossy ? 0 : 7) + c.heavier[i]) / fractions);
+    const auto word = [&](std::size_t k) { return std::uint64_t{static_cast<std::uint32_t>(c.tilt[k])}; };
+    all[21] = word(0) | word(1) << 32;
+    all[22] = word(2);
     return all;
 }
 
@@ -268,12 +290,13 @@ TEST_SUITE("stages") {
         test::Gpu gpu;
         for (const bool float64 : {false, true}) {
             if (float64 && !gpu.device->has_float64()) continue;
-            for (const unsigned bits : {0u, 1u, 2u, 3u}) {
-                const bool lossy = (bits & 1) != 0, weights = (bits & 2) != 0;
+            for (const unsigned bits : {0u, 1u, 2u, 3u, 6u, 7u}) {
+                const bool lossy = (bits & 1) != 0, weights = (bits & 2) != 0, tilts = (bits & 4) != 0;
                 CAPTURE(float64);
                 CAPTURE(lossy);
                 CAPTURE(weights);
-                const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4, 1, 57, weights}, 11);
+                CAPTURE(tilts);
+                const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4, 1, 57, weights, tilts}, 11);
                 CHECK_MESSAGE(counts.wrong == 0, counts.first);
                 // Both decided and undecided cases occur.
                 CHECK(counts.vertices > test::by_size(200000, 2000));

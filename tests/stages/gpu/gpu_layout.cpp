@@ -114,6 +114,10 @@ TEST_SUITE("stages") {
         const auto boxes = filled<BoxesPush>();
         check("BoxesPush", shaders::test_layout_boxes, boxes,
               words_of(boxes.seed_count, boxes.level, boxes.first, boxes.count, boxes.below_first, boxes.below_count));
+        const auto reach = filled<ReachPush>();
+        check("ReachPush", shaders::test_layout_reach, reach,
+              words_of(reach.lower, reach.upper, reach.side, reach.bounded, reach.periodic, reach.seed_count,
+                       reach.own_count, reach.level_count, reach.node_count, reach.max_visits));
         const auto knn = filled<KnnPush>();
         check("KnnPush", shaders::test_layout_knn, knn,
               words_of(knn.lower, knn.upper, knn.bounded, knn.first_cell, knn.cell_count, knn.seed_count, knn.own_count,
@@ -162,8 +166,8 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu layout: states") {
         Reader reader;
         const auto run = filled<RunState>();
-        const Words run_words =
-            words_of(run.lossy, run.suspects, run.duplicates, run.incomplete, run.weight_exponent, run.lossy_weights);
+        const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.incomplete, run.weight_exponent,
+                                         run.lossy_weights, run.heaviest);
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();
@@ -175,6 +179,11 @@ TEST_SUITE("stages") {
         const Words list_words = words_of(list.lengths, list.reach, list.bound);
         CHECK(sizeof list == 4 * list_words.size());
         CHECK(reader.buffer(shaders::test_layout_list, push_bytes(list)) == list_words);
+        const auto weights = filled<NodeWeights>();
+        const Words weights_words =
+            words_of(weights.largest, weights.tilt, weights.drop, weights.image_reach, weights.stretch);
+        CHECK(sizeof weights == 4 * weights_words.size());
+        CHECK(reader.buffer(shaders::test_layout_weights, push_bytes(weights)) == weights_words);
         const auto wall = filled<WallPlane>();
         const Words wall_words = words_of(wall.normal, wall.offset, wall.rough);
         CHECK(sizeof wall == 4 * wall_words.size());

@@ -75,6 +75,17 @@ void main() {
     put(push.count);
     put(push.below_first);
     put(push.below_count);
+#elif defined(REACH)
+    put(push.lower);
+    put(push.upper);
+    put(push.side);
+    put(push.bounded);
+    put(push.periodic);
+    put(push.seed_count);
+    put(push.own_count);
+    put(push.level_count);
+    put(push.node_count);
+    put(push.max_visits);
 #elif defined(KNN)
     put(push.lower);
     put(push.upper);
@@ -155,6 +166,7 @@ void main() {
     put(state.incomplete);
     put(state.weight_exponent);
     put(state.lossy_weights);
+    put(state.heaviest);
 #elif defined(CHUNK)
     put(state.todo_count);
     put(state.groups_x);
@@ -181,6 +193,12 @@ void main() {
     put(state.lengths);
     put(state.reach);
     put(state.bound);
+#elif defined(WEIGHTS)
+    put(state.largest);
+    for (int i = 0; i < 3; ++i) put(state.tilt[i]);
+    put(state.drop);
+    put(state.image_reach);
+    put(state.stretch);
 #elif defined(WALL)
     for (int k = 0; k < 3; ++k) put(state.normal[k]);
     for (int k = 0; k < 2; ++k) put(state.offset[k]);

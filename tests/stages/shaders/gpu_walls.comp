@@ -15,6 +15,7 @@ void main() {
     px = places[4u * number];
     py = places[4u * number + 1u];
     pz = places[4u * number + 2u];
+    set_center(vec3(0.0));
     scale = uintBitsToFloat((127u - places[4u * number + 3u].x) << 23);
     const uint wall_count = has_walls != 0u ? uint(walls.length()) : 0u;
     for (uint i = 0u; i < wall_count; ++i) {

@@ -55,7 +55,7 @@ struct GpuStages {
     votess::Job upload_and_sort(const PointSet& set, std::uint32_t key_bits = KEY_BITS_PER_AXIS) {
         votess::Job job = upload(set);
         seeds.sort(*passes, key_bits);
-        seeds.build_hierarchy(*passes);
+        seeds.build_hierarchy(*passes, {});
         return job;
     }
 
