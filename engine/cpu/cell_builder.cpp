@@ -57,6 +57,19 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
     for (std::size_t node = begin; node < end; ++node) visit(level, node, hierarchy.box(level, node));
 }
 
+// Returns the least power |x - q|^2 - w that the bound of a box's weights allows, rounded.
+double least_power(const Hierarchy& hierarchy, int level, std::size_t node, const Box& box, const exact::Point& x) {
+    const WeightBlock& bounds = hierarchy.weight_bounds(level, node / Hierarchy::fan);
+    const std::size_t i = node % Hierarchy::fan;
+    double power = -bounds.top[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double slope = bounds.slope[k][i], center = 0.5 * (box.lower[k] + box.upper[k]);
+        const double q = std::clamp(x[k] + 0.5 * slope, box.lower[k], box.upper[k]);
+        power += (q - x[k]) * (q - x[k]) - slope * (q - center);
+    }
+    return power;
+}
+
 }  // namespace
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
@@ -129,13 +142,8 @@ void CellBuilder::clip_by_heaviest() {
     clip_by_image(heaviest_, only_shift(*domain_, nearest));
 }
 
-double CellBuilder::weight_of(std::int32_t id) const {
-    return seeds_.weights[static_cast<std::size_t>(seeds_.images == nullptr ? id : seeds_.images->home(id))];
-}
-
 std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     const exact::Point at{at_[0] + x[0], at_[1] + x[1], at_[2] + x[2]};
-    const Box here{at, at};
     std::int32_t owner = -1;
     double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
     owner_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
@@ -147,7 +155,7 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
         ++tests_;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
-                const double power = box_distance(box, here) - hierarchy_.largest_weight(level, node);
+                const double power = least_power(hierarchy_, level, node, box, at);
                 if (!(power < least)) return;
                 owner_queue_.push_back({power, level, static_cast<std::uint32_t>(node)});
                 std::push_heap(owner_queue_.begin(), owner_queue_.end(), farther);
@@ -158,7 +166,7 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
         for (std::size_t i = begin; i < end; ++i) {
             const double d[3] = {seeds_.x[i] - at[0], seeds_.y[i] - at[1], seeds_.z[i] - at[2]};
             const auto id = static_cast<std::int32_t>(i);
-            const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - weight_of(id);
+            const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - seeds_.weights[i];
             if (!(power < least) || id == own_ || id == coincident_) continue;
             least = power;
             owner = id;

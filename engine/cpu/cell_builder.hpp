@@ -99,7 +99,6 @@ private:
     void clip_far(double from);
     Cell& rebuild_by_planes(const CellFaces& faces);
     void clip_by_heaviest();
-    [[nodiscard]] double weight_of(std::int32_t id) const;
     // Returns a seed or image of less power |x - q|^2 - w than the cell's own seed, mostly the least, or -1. x: from
     // the seed.
     [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);

@@ -16,6 +16,8 @@ constexpr Kind kinds[] = {
     {"skewed", "few seeds in thin triclinic cells, skewed by up to five decades", skewed_cells},
     {"clusters", "spacings down to 1e-13 of the coordinates, beside periodic faces and far from 0", tight_clusters},
     {"weights", "weights from 1e-30 to 1e6 of the squared spacing, and near-ties in power distance", any_weights},
+    {"smooth", "weights that vary smoothly, so that cells lie up to some spacings beside their seeds", smooth_weights},
+    {"sheets", "seeds on one or two planes or lines, in flat and tall boxes", sheets},
     {"walls", "walls through seeds and through vertices", walls_through},
     {"wedges", "thin polyhedra without a box", wedges},
     {"lattices", "lattices with ties, and one unit in the last place off", lattices},

@@ -41,6 +41,8 @@ std::vector<Job> thin_cells(Random& random);
 std::vector<Job> skewed_cells(Random& random);
 std::vector<Job> tight_clusters(Random& random);
 std::vector<Job> any_weights(Random& random);
+std::vector<Job> smooth_weights(Random& random);
+std::vector<Job> sheets(Random& random);
 std::vector<Job> walls_through(Random& random);
 std::vector<Job> wedges(Random& random);
 std::vector<Job> lattices(Random& random);
