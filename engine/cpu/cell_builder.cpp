@@ -20,6 +20,7 @@ constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is test
 constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
 constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
 constexpr double first_band = 0.8;               // of the squared reach expected
+constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
 constexpr double band_growth = 1.6;              // of the squared distance from band to band
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
@@ -374,7 +375,8 @@ Cell* CellBuilder::search(std::size_t max_tests) {
 double CellBuilder::clip_window() {
     measured_ = 0;
     double from = 0;
-    double to = first_band * reach_;
+    // The cell before may have been far smaller.
+    double to = first_band * (covered_ < infinity ? std::max(reach_, smallest_band * covered_) : reach_);
     for (;;) {
         if (to > covered_) {
             extend_window(to, 0);

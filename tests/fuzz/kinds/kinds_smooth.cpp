@@ -33,14 +33,15 @@ std::vector<Job> smooth_weights(Random& random) {
     for (std::size_t i = 0; i < n; ++i) {
         Vector f, x{far, far, far};
         for (double& value : f) value = grid ? static_cast<double>(random.below(6)) / 6 : random.uniform();
-        for (std::size_t k = 0; k < 3; ++k) x[k] += job.cell ? f[0] * job.cell->a[k] + f[1] * job.cell->b[k] + f[2] * job.cell->c[k]
-                                                             : f[k] * size;
+        for (std::size_t k = 0; k < 3; ++k)
+            x[k] += job.cell ? f[0] * job.cell->a[k] + f[1] * job.cell->b[k] + f[2] * job.cell->c[k] : f[k] * size;
         add_seed(job, x);
     }
     // Waves and a slope whose cells lie up to some spacings beside their seeds.
     const double spacing = size / std::cbrt(static_cast<double>(n)), displaced = spacing * decades(random, -2, 0.8);
     const auto waves = random.below(4);
-    const double slope = waves == 0 || random.chance(0.3) ? 1 : 0, noise = random.chance(0.3) ? decades(random, -12, 0) : 0;
+    const double slope = waves == 0 || random.chance(0.3) ? 1 : 0,
+                 noise = random.chance(0.3) ? decades(random, -12, 0) : 0;
     std::vector<Vector> wave;
     std::vector<double> phase;
     for (std::size_t w = 0; w < waves; ++w) {
@@ -78,7 +79,8 @@ std::vector<Job> sheets(Random& random) {
         Vector x;
         for (std::size_t k = 0; k < 3; ++k) {
             x[k] = sides[k] * (grid ? static_cast<double>(random.below(8)) / 8 : random.uniform());
-            if (k >= 3 - flat) x[k] = 0.5 * sides[k] + 0.2 * static_cast<double>(random.below(planes)) + rough * random.uniform(-1, 1);
+            if (k >= 3 - flat)
+                x[k] = 0.5 * sides[k] + 0.2 * static_cast<double>(random.below(planes)) + rough * random.uniform(-1, 1);
             x[k] = std::clamp(x[k], 0.0, sides[k]);
         }
         add_seed(job, x);
