@@ -16,6 +16,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
 
 constexpr double slope_gain = 0.6;     // a slope must lower the span of the weights to this part
+constexpr double max_moved = 256;      // twice how far a slope may move cells, in mean distances from the center
 constexpr double bound_slack = 4e-15;  // of the terms of a bound
 
 using Slope = std::array<double, 3>;
@@ -41,7 +42,7 @@ Slope fit_slope(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 4; ++j) m[i][j] += d[i] * d[j];
     }
-    const double more = ridge * (m[0][0] + m[1][1] + m[2][2]);
+    const double spread = m[0][0] + m[1][1] + m[2][2], more = ridge * spread;
     for (int i = 0; i < 3; ++i) m[i][i] += more;
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
@@ -58,7 +59,9 @@ Slope fit_slope(const SortedSeeds& seeds, std::size_t begin, std::size_t end) {
         least = std::min(least, rest), most = std::max(most, rest);
     }
     const double span = most - least;  // less than 0 if the slope is NaN
-    return span >= 0 && span < slope_gain * (high - low) ? slope : Slope{};
+    const double steepness = slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2];
+    const bool far = !(steepness * count < max_moved * max_moved * spread);
+    return span >= 0 && span < slope_gain * (high - low) && !far ? slope : Slope{};
 }
 
 Slope center_of(const BoxBlock& boxes, std::size_t i) {

@@ -22,6 +22,13 @@ exact::Point point_of(const Points& points, std::size_t i, double scale) {
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
 }
 
+void extend(Box& box, const exact::Point& x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(box.lower[k], x[k]);
+        box.upper[k] = std::max(box.upper[k], x[k]);
+    }
+}
+
 // Returns the mean distance of seeds that fill a box with the given sides, some of which may be 0.
 double mean_spacing(const std::array<double, 3>& sides, double count) {
     std::array<double, 3> sorted = sides;
@@ -240,17 +247,21 @@ void SeedImages::restore_false_duplicates(SortedSeeds& out) const {
 }
 
 // Seeds may fill a part of the domain only: a sheet, a wire, a slab. Across its empty rest, images are as far apart.
-void SeedImages::choose_margin(const SortedSeeds& seeds) {
+void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     const auto count = static_cast<double>(std::max<std::size_t>(seeds.size(), 1));
     const double most = max_images_per_seed * count + max_images_of_few;
-    std::array<double, 3> lower{1, 1, 1}, upper{}, filled{}, empty{};  // fractions, then lengths
-    for (std::size_t s = 0; s < seeds.size(); ++s) {
-        const auto f = fraction({seeds.x[s], seeds.y[s], seeds.z[s]});
-        for (std::size_t j = 0; j < 3; ++j) lower[j] = std::min(lower[j], f[j]), upper[j] = std::max(upper[j], f[j]);
-    }
+    constexpr Box nowhere{{1, 1, 1}, {0, 0, 0}};
+    std::vector<Box> parts(ceil_div(seeds.size(), task_points), nowhere);  // bounds of fractions
+    pool.run(parts.size(), [&](std::size_t task, unsigned) {
+        for (std::size_t s = task * task_points; s < std::min(seeds.size(), (task + 1) * task_points); ++s)
+            extend(parts[task], fraction({seeds.x[s], seeds.y[s], seeds.z[s]}));
+    });
+    Box all = nowhere;
+    for (const Box& part : parts) extend(all, part.lower), extend(all, part.upper);
+    std::array<double, 3> filled{}, empty{};
     for (std::size_t j = 0; j < 3; ++j) {
-        filled[j] = std::clamp(upper[j] - lower[j], 0.0, 1.0) * basis_->width[j];
-        empty[j] = std::clamp(std::max(lower[j], 1 - upper[j]), 0.0, 1.0) * basis_->width[j];
+        filled[j] = std::clamp(all.upper[j] - all.lower[j], 0.0, 1.0) * basis_->width[j];
+        empty[j] = std::clamp(std::max(all.lower[j], 1 - all.upper[j]), 0.0, 1.0) * basis_->width[j];
     }
     const double spacing = mean_spacing(filled, count);
     const bool sheet = std::ranges::any_of(filled, [&](double side) { return side < spacing; });
@@ -328,7 +339,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
         for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
         moves_ = std::move(moves);
     }
-    choose_margin(out);
+    choose_margin(out, pool);
     append(sorter, pool, out);
     out.images = this;
 }

@@ -80,7 +80,7 @@ private:
     void wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool);
     [[nodiscard]] exact::Differences position(std::size_t input, const exact::Shift& shift) const;
     void restore_false_duplicates(SortedSeeds& out) const;
-    void choose_margin(const SortedSeeds& seeds);
+    void choose_margin(const SortedSeeds& seeds, ThreadPool& pool);
     template <class Visit>
     void for_images(const exact::Point& x, Visit visit) const;
     void append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);

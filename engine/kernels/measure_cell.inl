@@ -225,7 +225,7 @@ class CellMeter {
             Lanes distance2;
             dot(seen, seen, distance2);
             const Bits is_corner = Bits{i, i + 1, i + 2, i + 3} < shape.corners;  // fillers meet in the center
-            totals.from_seed = is_corner & (distance2 > totals.from_seed) ? distance2 : totals.from_seed;
+            totals.from_seed = (is_corner & (distance2 > totals.from_seed)) ? distance2 : totals.from_seed;
             Lanes length;
             square_roots(x2, length);
             length += center.further;

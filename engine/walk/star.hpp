@@ -10,8 +10,13 @@
 // A neighbor that is done has handed over every vertex of the common face (Neighborhood). So an open edge, and the
 // vertex at its end, lie on no plane of a done seed, and done seeds are not tested again.
 //
-// In a power diagram a seed may lie outside of its cell. A seed of weight w cuts off a vertex at the distance R only if
-// it is nearer than R + sqrt(R^2 + w - w_p), which replaces 2 R. star_bounds.hpp bounds the rounding.
+// In a power diagram cells may lie beside their seeds. Where weights have a slope, the walk sees cells moved by half of
+// it, so that they lie around their seeds again (star_bounds.hpp). A vertex at the distance R is cut off only by seeds
+// whose planes are nearer than R to the moved seed. Boxes far away are skipped by bounds of their weights, which have a
+// slope too (Hierarchy).
+//
+// A vertex may be far from the seed, in sheets of seeds or among heavy ones. Then seeds in its ball are looked for in
+// the hierarchy, and images that are not among the sorted seeds, once for each shift (any_missing_image()).
 #pragma once
 
 #include <array>

@@ -139,7 +139,8 @@ private:
     // Returns the square of `length` in star_bounds.hpp, for a vertex of squared length x2.
     [[nodiscard]] double error_length2(const Line& line, const Third& third, double x2) const {
         if (plain_ || !weighted_) return x2;
-        const double length = std::sqrt(x2) + 0.25 * (std::sqrt(std::max(line.longest2, third.square)) + tilt_length_);
+        const double length =
+            std::sqrt(x2) + 0.25 * (std::sqrt(std::max(line.longest2, third.square)) + tilt_length_ * scale_);
         return length * length;
     }
     // Returns an upper bound of |X|^2 of a vertex, up to a factor of 1 + 4 margin.

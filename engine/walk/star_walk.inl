@@ -762,7 +762,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     for (int pick = 0; pick < max_picks; ++pick) {
         if (lane < 0) lane = first_hit(ray);
         if (lane < 0) {
-            if (!add_along(line, edge)) return false;
+            if (!have_walls_ || !add_along(line, edge)) return false;
             continue;
         }
         const std::int32_t id = candidates_.id[lane];
@@ -1448,7 +1448,6 @@ bool StarWalk<Isa>::add_near_walls(double reach) {
 
 template <class Isa>
 bool StarWalk<Isa>::add_walls() {
-    have_walls_ = true;
     bool oblique = false;
     const std::int32_t *near = candidates_.id, *near_end = near + near_walls_end_;
     for (const Wall& wall : walls_) {
@@ -1456,7 +1455,8 @@ bool StarWalk<Isa>::add_walls() {
         if (!add_candidate(wall.id)) return false;
         oblique = oblique || wall.plane.is_oblique();
     }
-    return !oblique || !two_walls_coincide();
+    have_walls_ = !oblique || !two_walls_coincide();
+    return have_walls_;
 }
 
 // Whether two walls may be one plane. The first then has the face, which the clipper decides by taking walls in order.

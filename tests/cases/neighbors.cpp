@@ -192,6 +192,18 @@ TEST_SUITE("cases") {
             }
     }
 
+    // The walk cannot see the walls in its units.
+    TEST_CASE("neighbors: clusters in a corner of a far larger box") {
+        for (const double size : {1e-2, 1e-3, 1e-6}) {
+            CAPTURE(size);
+            const auto set = test::scaled(test::clustered(test::by_size(2000, 500), 3), size);
+            votess::Options options;
+            options.box = test::unit_box();
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(votess::verify(t, set.points).failure == "");
+        }
+    }
+
     TEST_CASE("neighbors: seeds on a line have the one before and the one after") {
         for (const test::PointSet& set :
              {test::on_axis_line(test::by_size(2000, 200), 5), test::on_oblique_line(test::by_size(2000, 200), 6)}) {
