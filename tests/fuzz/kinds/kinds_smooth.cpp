@@ -18,7 +18,7 @@ std::vector<Job> smooth_weights(Random& random) {
     Job job;
     const double size = random.chance(0.7) ? 1 : decades(random, -3, 3);
     const double far = random.chance(0.7) ? 0 : size * decades(random, 0, 5);
-    const std::size_t n = random.chance(0.5) ? 2 + random.below(40) : 40 + random.below(300);
+    const std::size_t n = 2 + random.below(random.chance(0.3) ? 10 : random.chance(0.5) ? 40 : 300);
     if (random.chance(0.2)) {
         votess::TriclinicBox cell{{far, far, far}, {size, 0, 0}, {0, size, 0}, {0, 0, size}};
         cell.b[0] = size * random.uniform(-0.6, 0.6), cell.c[0] = size * random.uniform(-0.6, 0.6);
