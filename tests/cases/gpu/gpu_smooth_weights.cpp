@@ -79,7 +79,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu smooth weights: linear ones give the Voronoi diagram of a shifted box") {
         votess::Tessellator on_device;
-        const std::size_t n = test::by_size(4000, 500);
+        const std::size_t n = test::by_size(1500, 500);
         const Coordinates points = test::random_points(n, 2, 0.35, 0.65);
         for (const double length : {0.01, 0.1, 0.35}) {
             CAPTURE(length);
