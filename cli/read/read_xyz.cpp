@@ -178,7 +178,7 @@ private:
         if (!lines_.next_filled(line)) return false;
         split_words(line, words_);
         if (!wanted_) wanted_ = wanted_of_row();
-        if (input.points.empty()) input.columns = wanted_->columns(most_rows());
+        if (input.points.empty()) input.columns = wanted_->columns(max_rows());
         const std::size_t first = first_.value_or(1);
         const bool more = wanted_->end() > 0;
         const bool fits = has_properties() ? words_.size() == names_.size()
@@ -197,7 +197,7 @@ private:
         return true;
     }
     // Returns how many rows may follow.
-    [[nodiscard]] std::size_t most_rows() const {
+    [[nodiscard]] std::size_t max_rows() const {
         constexpr std::size_t shortest = 8;  // bytes of "H 0 0 0" and its line end
         return std::min(static_cast<std::size_t>(count_), lines_.rest().size() / shortest + 2);
     }
@@ -210,7 +210,7 @@ private:
         if (properties) read_properties(*properties);
         const auto count = static_cast<std::size_t>(count_);
         if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
-        input.points.reserve(3 * most_rows());
+        input.points.reserve(3 * max_rows());
         for (std::size_t i = 0; i < count; i = input.size()) {
             if (!append_row(input)) throw short_frame(i);
             if (i == 0) append_by_threads(*this, input, count, request_.threads);

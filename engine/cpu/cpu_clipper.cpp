@@ -115,7 +115,7 @@ void CpuClipper::gather_weights() {
     }
     for (const std::int32_t i : seeds_.input) seeds_.weights.push_back(weights[static_cast<std::size_t>(i)]);
     if (seeds_.weights.empty()) return;
-    seeds_.weights.resize(seeds_.places(), seeds_.weights.back());  // padding is no heavier than a seed
+    seeds_.weights.resize(seeds_.places(), seeds_.weights.back());  // padding weighs what the last seed weighs
     if (seeds_.images == nullptr) return;
     for (std::size_t image = round_up(seeds_.size(), group_size); image < seeds_.images_end; ++image)
         seeds_.weights[image] =

@@ -50,9 +50,9 @@ public:
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }
 
-    // Of a block's boxes, in a power diagram.
+    // Returns the bounds of a block's boxes, in a power diagram.
     [[nodiscard]] const WeightBlock& weight_bounds(int level, std::size_t index) const { return bounds_[level][index]; }
-    // Consecutive groups, whose bounds have the same slope.
+    // Number of consecutive groups whose bounds have the same slope.
     static constexpr std::size_t slope_groups = 2;
 
 private:

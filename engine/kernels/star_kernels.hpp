@@ -33,7 +33,7 @@ struct WeightTilt {
     double base, least;
 };
 
-struct HeavierTest {
+struct HeavierTest {  // see near_heavier()
     double length, square, nearest;
 };
 

@@ -263,7 +263,7 @@ private:
         double h;
     };
     void collect_near_walls(const Box& home, double reach);
-    bool add_near_walls(double reach);
+    bool add_near_walls();
     [[gnu::noinline]] bool add_walls();
     [[nodiscard]] bool two_walls_coincide() const;
     [[nodiscard]] double distance_to(const Wall& wall) const;

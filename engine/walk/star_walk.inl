@@ -156,7 +156,7 @@ bool StarWalk<Isa>::gather_candidates() {
         const double reach = std::sqrt(reach2) * scale;
         set_longest(reach * (1 + 0x1p-20) + quantum);
         candidates_.count = 0;
-        if (!add_near_walls(longest_)) return false;
+        if (!add_near_walls()) return false;
         const double square = reach2 * scale * scale, near_square = near_share * square;
         SelectLimits limits{static_cast<float>(near_square), static_cast<float>(square), 0};
         if (weighted_)
@@ -1434,7 +1434,8 @@ void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
 }
 
 template <class Isa>
-bool StarWalk<Isa>::add_near_walls(double reach) {
+bool StarWalk<Isa>::add_near_walls() {
+    const double reach = longest_;  // before the walls lengthen it
     bool oblique = false;
     for (const std::size_t w : near_walls_) {
         const Wall& wall = walls_[w];

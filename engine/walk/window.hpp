@@ -19,7 +19,7 @@ public:
     Window(const SortedSeeds& seeds, const Hierarchy& hierarchy, const StarKernels& kernels)
         : seeds_(seeds), hierarchy_(hierarchy), kernels_(kernels) {}
 
-    static constexpr std::size_t home_groups = 2;
+    static constexpr std::size_t home_groups = Hierarchy::slope_groups;
     static constexpr std::size_t home_seeds = home_groups * group_size;
 
     static constexpr std::size_t no_home = ~std::size_t{0} - 1;
@@ -68,7 +68,7 @@ public:
     }
 
 private:
-    static constexpr float no_weight = -std::numeric_limits<float>::infinity();  // of a seed that is no candidate
+    static constexpr float no_weight = -std::numeric_limits<float>::infinity();  // of a seed that is not a candidate
 
     [[nodiscard]] std::size_t place(std::size_t seed) const {
         return home_places_[seed / group_size % home_groups] + seed % group_size;

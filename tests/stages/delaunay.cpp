@@ -12,6 +12,7 @@
 #include "cpu/cell_builder.hpp"
 #include "exact/insphere.hpp"
 #include "polytope/cell.hpp"
+#include "support/cell_faces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -155,16 +156,6 @@ void check_triangulation(const std::vector<Point>& points, std::span<const Tetra
     CHECK(*met.begin() == Triangulation::infinite);
 }
 
-// Canonical faces of a cell as ids.
-std::vector<std::int32_t> faces_of(Cell& cell) {
-    CellFaces faces;
-    cell.canonical_faces(faces);
-    std::vector<std::int32_t> ids;
-    for (const std::int32_t p : faces.planes) ids.push_back(cell.planes()[p].id);
-    std::ranges::sort(ids);
-    return ids;
-}
-
 // Cells clipped by their Delaunay neighbors only against cells searched until proven.
 void check_cells(const test::PointSet& set) {
     CAPTURE(set.name);
@@ -194,7 +185,7 @@ void check_cells(const test::PointSet& set) {
             delaunay.neighbors(static_cast<std::size_t>(n), back, marks);
             REQUIRE(std::ranges::find(back, static_cast<std::int32_t>(i)) != back.end());
         }
-        REQUIRE(faces_of(clip.build_from(i, neighbors)) == faces_of(search.build(i)));
+        REQUIRE(test::faces_of(clip.build_from(i, neighbors)) == test::faces_of(search.build(i)));
     }
 }
 
@@ -314,7 +305,7 @@ TEST_SUITE("stages") {
             const votess::Domain domain = votess::box_domain(t.box(), {});
             search.begin_job(domain);
             for (std::size_t i = 0; i<seeds.size(); i += n> 1000 ? 5 : 1) {
-                std::vector<std::int32_t> ids = faces_of(search.build(i));
+                std::vector<std::int32_t> ids = test::faces_of(search.build(i));
                 for (auto& id : ids) id = id < 0 ? id : seeds.input[id];
                 std::ranges::sort(ids);
                 REQUIRE(test::row_of(t, seeds.input[i]) == ids);

@@ -7,24 +7,15 @@
 
 #include "exact/vertex.hpp"
 #include "polytope/cell.hpp"
+#include "support/cell_faces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
 namespace {
 
 using votess::cpu::Cell;
-using votess::cpu::CellFaces;
 using votess::exact::Plane;
 using votess::exact::Point;
-
-std::vector<std::int32_t> faces_of(Cell& cell) {
-    CellFaces faces;
-    cell.canonical_faces(faces);
-    std::vector<std::int32_t> ids;
-    for (const std::int32_t p : faces.planes) ids.push_back(cell.planes()[p].id);
-    std::ranges::sort(ids);
-    return ids;
-}
 
 // Clips the cell of 0 by the bisectors with these seeds.
 void clip_by(Cell& cell, const std::vector<Point>& seeds, const std::vector<std::int32_t>& order) {
@@ -49,7 +40,7 @@ TEST_SUITE("stages") {
         for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<std::int32_t>(i);
         Cell cell;
         clip_by(cell, seeds, order);
-        const std::vector<std::int32_t> faces = faces_of(cell);
+        const std::vector<std::int32_t> faces = test::faces_of(cell);
         REQUIRE(faces.size() > (test::reduced() ? 100 : 600));
         CHECK(faces.size() < seeds.size());
         for (int slot = 0; slot < cell.slots(); ++slot) {
@@ -68,7 +59,7 @@ TEST_SUITE("stages") {
                     return x * x + y * y + z * z;
                 });
             clip_by(cell, seeds, order);
-            CHECK(faces_of(cell) == faces);
+            CHECK(test::faces_of(cell) == faces);
         }
     }
 
@@ -82,6 +73,6 @@ TEST_SUITE("stages") {
         }
         Cell cell;
         clip_by(cell, seeds, order);
-        CHECK(faces_of(cell).size() == count);
+        CHECK(test::faces_of(cell).size() == count);
     }
 }

@@ -277,7 +277,7 @@ TEST_SUITE("stages") {
                 if (mpq_class(n[0]) * x[0] + mpq_class(n[1]) * x[1] + mpq_class(n[2]) * x[2] < h) continue;
 
                 const double x2 = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
-                // Its square is no float, or a seed at this distance is skipped.
+                // Floats cannot hold its square, or the search skips a seed at distance 0.
                 if (h > 1e18 || (weighted && at[0][0] == 0 && at[1][0] == 0 && at[2][0] == 0)) continue;
                 const double tilt = weighted && random.chance(0.5) ? longest * decades(random, -2, 2) : 0;
                 const double off = 0.19 * bounds::float_unit * (std::sqrt(x2) + (weighted ? (longest + tilt) / 4 : 0));

@@ -176,7 +176,7 @@ private:
             wanted_->add_others(names_, taken, words_);
             others_ = false;
         }
-        if (input.points.empty()) input.columns = wanted_->columns(most_rows());
+        if (input.points.empty()) input.columns = wanted_->columns(max_rows());
         input.points.insert(input.points.end(), position.begin(), position.end());
         if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
         wanted_->append(input.columns,
@@ -184,7 +184,7 @@ private:
         return true;
     }
     // Returns how many rows may follow.
-    [[nodiscard]] std::size_t most_rows() const {
+    [[nodiscard]] std::size_t max_rows() const {
         return std::min(static_cast<std::size_t>(*count_), lines_.rest().size() / (2 * names_.size()) + 2);
     }
 
@@ -224,7 +224,7 @@ private:
     bool has_box_ = false;
     std::string_view units_;  // metal, lj, ...
     LammpsBox box_;
-    // Of the atoms.
+    // Names and places of the atoms.
     Words names_;
     Place place_;
     std::optional<std::size_t> id_;
