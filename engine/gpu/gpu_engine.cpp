@@ -130,7 +130,7 @@ void GpuEngine::find_parts() {
 bool GpuEngine::find_seeds(const DeviceDomain& domain) {
     periodic_.reset();
     if (domain.images) {
-        periodic_ = periodic_part(job_, *domain.images, max_seeds());
+        periodic_ = periodic_part(job_, *domain.images, max_seeds(), clipper_.pool());
         if (!periodic_) return false;
     }
     box_ = domain.box;

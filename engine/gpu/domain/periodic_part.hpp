@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/thread_pool.hpp"
 #include "gpu/domain/device_domain.hpp"
 #include "gpu/domain/parts.hpp"
 
@@ -25,6 +26,7 @@ struct PeriodicPart {
 };
 
 // Returns nothing when the range holds more than `max_seeds`, or shifts are too large for rows.
-std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t max_seeds);
+std::optional<PeriodicPart> periodic_part(const Job& job, const ImageRange& range, std::uint32_t max_seeds,
+                                          ThreadPool& pool);
 
 }  // namespace votess::gpu

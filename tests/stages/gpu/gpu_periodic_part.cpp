@@ -34,7 +34,8 @@ mpq_class scaled(double x, int shift) {
 std::optional<PeriodicPart> part_of(const votess::Job& job) {
     const auto domain = votess::gpu::device_domain(job);
     if (!domain) return std::nullopt;
-    return votess::gpu::periodic_part(job, *domain->images, 1u << 20);
+    votess::ThreadPool pool(2);
+    return votess::gpu::periodic_part(job, *domain->images, 1u << 20, pool);
 }
 
 // Tries shifts up to `reach`. Returns the number of images; 0 when the device does not clip the job.
