@@ -8,7 +8,7 @@
 
 layout(constant_id = CONSTANT_GEOMETRY) const uint want_geometry = 1u;
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_INFO) writeonly buffer Info { uint info[]; };
+layout(std430, binding = BINDING_INFO) buffer Info { uint info[]; };
 layout(std430, binding = BINDING_ROW_LENGTH) writeonly buffer RowLength { uint row_length[]; };
 layout(std430, binding = BINDING_ROW_PLACE) writeonly buffer RowPlace { uint row_place[]; };
 layout(std430, binding = BINDING_ROWS) writeonly buffer Rows { int rows[]; };

@@ -9,6 +9,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
+#include "clip/finished.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "clip/unit_of_length.glsl"
 #include "clip/walls.glsl"
@@ -300,6 +301,7 @@ void main() {
     } else {
         if (slot >= chunk.todo_count) return;
         cell = todo[slot];
+        if (is_finished(info[cell])) return;  // by a subgroup
     }
     const uint self = push.first_cell + cell;
     px = seeds_x[self];

@@ -1,7 +1,7 @@
-// knn and clip in one, for the first tier: a subgroup makes a cell. Its lanes search the hierarchy, test planes and
+// knn and clip in one: a subgroup makes a cell. Its lanes search the hierarchy, test planes and
 // make new vertices side by side. They hold the cell's vertices in registers; planes and candidates are in shared
 // memory. There is no list: the search continues outwards until the security radius. The status of an unproven cell
-// says why, and the second tier takes it.
+// says why, and the second tier takes it. That tries cells in float64 by this shader first, then by clip_cells.comp.
 //
 // Subgroups do not wait for each other. Push constants, shared memory at one index and a subgroup's votes are the same
 // in all lanes. Branches on these are uniform; all other branches contain no subgroup operation.
@@ -30,7 +30,10 @@
 #include "search/subgroup_state.glsl"
 #include "shared/layout.h"
 
+layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
 layout(push_constant) uniform Push { CellsPush push; };
+layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
 #include "clip/subgroup_cell.glsl"
 #ifdef DECIDES_TIES
@@ -50,8 +53,8 @@ void leave(uint cell) {
 // Clips by the walls that are not farther than all vertices. Lanes find them side by side.
 void clip_by_walls() {
     const vec3 place = rough_place();
-    const uint count = uint(walls.length()), each = min(uint(lanes), 32u);
-    prepare_cuts();
+    const uint count = uint(walls.length()), each = tests_at_once;
+    prepare_bounds();
     for (uint first = 0u; first < count; first += each) {
         const uint w = wall_in_turn(min(first + lane, count - 1u));
         bool near = false;
@@ -74,8 +77,8 @@ void clip_by_walls() {
 
 // Clips by the candidates in the store, nearest first, up to the security radius.
 void clip_by_candidates(inout bool walls_wait) {
-    prepare_cuts();
-    for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
+    prepare_bounds();
+    for (uint first = 0u; first < candidate_count; first += tests_at_once) {
         if (has_walls != 0u) {                 // a condition of its own, so that passes without walls have no copy of the cut
             if (walls_wait && first >= 16u) {  // the box's far corners are gone
                 walls_wait = false;
@@ -83,11 +86,11 @@ void clip_by_candidates(inout bool walls_wait) {
                 if (status != STATUS_CERTIFIED) break;
             }
         }
-        const uint end = min(candidate_count - first, uint(lanes));
+        const uint end = min(candidate_count - first, tests_at_once);
         bool too_near = false;
         real key = real(uintBitsToFloat(0x7f800000u));  // infinite where a lane has no candidate
         if (lane < end) {
-            const uint q = candidate_at(first + lane);
+            const uint q = SORTED_SEED(first + lane);
             const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
             Plane p;
             if (weighted != 0u)
@@ -123,11 +126,11 @@ void clip_by_candidates(inout bool walls_wait) {
 }
 
 // Takes the cell's unit of length from its nearest neighbor. Returns false when the search was too coarse for it.
-bool find_unit(inout uint exponent) {
+bool find_unit(uint nearest_key, inout uint exponent) {
     float nearest = exp2(2.0 * float(COORDINATE_BITS - 1));
     if (candidate_count > 0u) {
-        nearest = (weighted != 0u ? smallest(nearest_square) : distance_at(0u)) * (high_unit * high_unit);
-        if (coarse && nearest < coarse_order_from) return false;
+        nearest = (weighted != 0u ? smallest(nearest_square) : distance_of_key(nearest_key)) * (high_unit * high_unit);
+        if (alike(coarse && nearest < coarse_order_from)) return false;
     }
     exponent = nearest >= 1.0 ? (floatBitsToUint(sqrt(nearest)) >> 23) - 127u : 0u;
     set_unit_of_length(exponent, weighted != 0u ? root_node() : 0u);
@@ -150,9 +153,10 @@ bool is_secure_from(float bound) {
 // the cell. Returns the exponent of the unit of length.
 uint make_cell() {
     uint exponent = 0u;
+    bool begun = false;  // the cell has its unit of length
     bool walls_wait = has_walls != 0u;
     float bound = UNBOUNDED;
-    if (push.bounded != 0u) bound = distance_to_bounds(px, py, pz) / (high_unit * high_unit);
+    if (push.bounded != 0u) bound = distance_to_bounds(px, py, pz) * (low_unit * low_unit);
     begin_search();
     for (uint searches = 0u;; ++searches) {
         if (searches == SUBGROUP_SEARCHES) {
@@ -162,47 +166,48 @@ uint make_cell() {
         const bool found = search();
         if (status != STATUS_CERTIFIED) break;
         if (!found) continue;  // too many; the next search is shorter
-        sort_candidates();
-        if (exponent == 0u && (candidate_count > 0u || done >= UNBOUNDED)) {
-            if (!find_unit(exponent)) {
+        const uint nearest_key = sort_candidates(0u);
+        if (!begun && alike(candidate_count > 0u || done >= UNBOUNDED)) {
+            if (!find_unit(nearest_key, exponent)) {
                 search_again_finely();
                 continue;
             }
-            if (exponent < SMALLEST_CELL_EXPONENT)
+            if (alike(exponent < SMALLEST_CELL_EXPONENT))
                 status = STATUS_NEEDS_EXACT;
             else
                 start_cell();
             if (status != STATUS_CERTIFIED) break;
+            begun = true;
         }
         if (candidate_count > 0u) clip_by_candidates(walls_wait);
         if (has_walls != 0u) {
-            if (walls_wait && exponent != 0u && status == STATUS_CERTIFIED) {
+            if (walls_wait && begun && status == STATUS_CERTIFIED) {
                 walls_wait = false;
                 clip_by_walls();
             }
         }
         if (status != STATUS_CERTIFIED) break;
         if (weighted != 0u) {
-            if (done >= UNBOUNDED || (exponent != 0u && is_secure(real(done * square_scale()), security))) {
-                if (!is_secure_from(bound)) status = STATUS_CANDIDATES_EXHAUSTED;
+            if (alike(done >= UNBOUNDED || (begun && is_secure(real(done * square_scale()), security)))) {
+                if (alike(!is_secure_from(bound))) status = STATUS_CANDIDATES_EXHAUSTED;
                 break;
             }
         } else {
             const float known = min(done >= UNBOUNDED ? UNBOUNDED : done * reach_slack, bound);
-            if (known >= UNBOUNDED || (exponent != 0u && is_secure(real(known * square_scale()), security))) break;
-            if (known >= bound) {
+            if (alike(known >= UNBOUNDED || (begun && is_secure(real(known * square_scale()), security)))) break;
+            if (alike(known >= bound)) {
                 status = STATUS_CANDIDATES_EXHAUSTED;
                 break;
             }
         }
         float needed = UNBOUNDED;
         forget_reach();
-        if (exponent != 0u) {
-            needed = min(float(security) / square_scale() * 1.001, UNBOUNDED);
+        if (begun) {
+            const float search_units = 1.0 / (scale * high_unit);  // a power of two
+            needed = min(float(security) * (search_units * search_units) * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
-            const float length_scale = scale * high_unit;
-            set_reach(down / length_scale, up / length_scale, weighted != 0u ? float(radius_of_all) / length_scale : 0.0);
+            set_reach(down * search_units, up * search_units, weighted != 0u ? float(radius_of_all) * search_units : 0.0);
         }
         search_on(needed);
     }
@@ -210,14 +215,14 @@ uint make_cell() {
 }
 
 // Writes the row and its areas, a lane for each face.
-uint write_row(uint cell, uint used) {
+uint write_row(uint slot, uint used) {
     uint length = 0u;
     for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
         const uint p = first + lane;
         const int id = p < SUBGROUP_PLANES ? id_of(p) : 0;
         const bool listed = p < SUBGROUP_PLANES && ((used >> p) & 1u) != 0u && (id >= 0 || push.walls != 0u);
         uint count;
-        const uint at = (length + rank_among(listed, count)) * push.row_stride + cell;
+        const uint at = (length + rank_among(listed, count)) * push.row_stride + slot;
         if (listed) {
             rows[at] = id < 0 ? listed_wall(id) : int(seed_input[id]);
             if (want_geometry == 2u) areas[at] = written(not_negative(area_of(p)));
@@ -227,7 +232,7 @@ uint write_row(uint cell, uint used) {
     return length;
 }
 
-void finish(uint cell, uint exponent) {
+void finish(uint slot, uint cell, uint exponent) {
     uint used = 0u, faces = 0u, vertices = 0u, length = 0u;
     share();
     if (status == STATUS_CERTIFIED) {
@@ -240,7 +245,7 @@ void finish(uint cell, uint exponent) {
         if (any_lane(fault)) status = STATUS_NEEDS_EXACT;
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
-    if (want_geometry != 0u && status == STATUS_CERTIFIED) {
+    if (want_geometry != 0u && alike(status == STATUS_CERTIFIED)) {
         measure_cell(used, vertices);
         if (any_lane(!is_measured(push.volume_tolerance))) status = STATUS_NEEDS_EXACT;
         if (lane == 0u) geometry[4u * cell] = written(volume);
@@ -249,9 +254,9 @@ void finish(uint cell, uint exponent) {
         if (lane == 3u) geometry[4u * cell + 3u] = written(mass_center.z);
     }
 #ifdef DECIDES_TIES
-    if (status == STATUS_CERTIFIED && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
+    if (alike(status == STATUS_CERTIFIED) && any_lane(met_tie)) keep_true_faces(used, faces, vertices);
 #endif
-    if (push.neighbors != 0u && status == STATUS_CERTIFIED) length = write_row(cell, used);
+    if (push.neighbors != 0u && alike(status == STATUS_CERTIFIED)) length = write_row(slot, used);
     if (any_lane(loops_were_cut_short(2u + (push.cell_count >> 31)))) status = STATUS_CANDIDATES_EXHAUSTED;
     if (lane != 0u) return;
     if (status != STATUS_CERTIFIED) {
@@ -261,7 +266,7 @@ void finish(uint cell, uint exponent) {
     info[cell] = status | (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) |
                  (exponent << INFO_EXPONENT_SHIFT);
     row_length[cell] = length;
-    row_place[cell] = cell;
+    row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
 }
 
 void main() {
@@ -270,15 +275,21 @@ void main() {
     if (!enter_subgroup()) {
         status = STATUS_CANDIDATES_EXHAUSTED;
         const uint cell = first + gl_LocalInvocationID.x;
-        if (gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count) leave(cell);
+        if (tier == 0u && gl_LocalInvocationID.x < uint(subgroups) && cell < push.cell_count) leave(cell);
         return;
     }
-    const uint cell = first + SUBGROUP;
-    if (cell >= push.cell_count) return;
-    self = push.first_cell + cell;
+    const uint slot = first + SUBGROUP;
+    if (alike(slot >= (tier == 0u ? push.cell_count : chunk.todo_count))) return;
     // Lanes address it by their own number. For an address that is the same in all lanes NVK splits the addresses of
     // the buffers, and joins them again in each round of seeds.
-    const uint own = push.first_cell + first + gl_LocalInvocationID.x / uint(lanes);
+    const uint slot_of_lane = first + gl_LocalInvocationID.x / uint(lanes);
+    const uint cell = tier == 0u ? slot : todo[slot],
+               own = push.first_cell + (tier == 0u ? slot_of_lane : todo[slot_of_lane]);
+    // Other numbers help only where signs were uncertain.
+    if (tier != 0u) {
+        if (alike((info[cell] & 0xffu) != STATUS_NEEDS_EXACT)) return;
+    }
+    self = push.first_cell + cell;
     px = from_first_lane(seeds_x[own]);
     py = from_first_lane(seeds_y[own]);
     pz = from_first_lane(seeds_z[own]);
@@ -289,11 +300,11 @@ void main() {
     }
     set_center(of_group);
     uint exponent = 0u;
-    if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count)
-        status = (seed_input[self] & DUPLICATE_BIT) != 0u ? STATUS_DUPLICATE : STATUS_OUTSIDE;
-    else if (state.incomplete != 0u)
+    if (alike(px.y == NO_COORDINATE || seed_input[self] >= push.own_count))
+        status = alike((seed_input[self] & DUPLICATE_BIT) != 0u) ? STATUS_DUPLICATE : STATUS_OUTSIDE;
+    else if (alike(state.incomplete != 0u))
         status = STATUS_CANDIDATES_EXHAUSTED;
     else
         exponent = make_cell();
-    finish(cell, exponent);
+    finish(slot, cell, exponent);
 }

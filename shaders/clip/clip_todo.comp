@@ -4,6 +4,7 @@
 // Which ones does not depend on the chunk or on the order of execution.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "clip/finished.glsl"
 #include "invocations/index.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
@@ -17,10 +18,7 @@ layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; }
 shared uint sums[TILE_GROUP];
 
 bool is_left(uint cell) {
-    if (cell >= push.cell_count) return false;
-    const uint status = info[cell] & 0xffu;
-    return status != STATUS_CERTIFIED && status != STATUS_DUPLICATE && status != STATUS_EMPTY &&
-           status != STATUS_OUTSIDE;
+    return cell < push.cell_count && !is_finished(info[cell]);
 }
 
 void main() {
@@ -53,9 +51,12 @@ void main() {
     if (me != 0u) return;
     if (all > 0u) atomicAdd(chunk.left_count, all);
     if (tile + 1u < tiles) return;
-    const uint groups = (begin + taken + push.group - 1u) / push.group;
-    chunk.todo_count = begin + taken;
+    const uint count = begin + taken, groups = (count + push.group - 1u) / push.group;
+    chunk.todo_count = count;
     chunk.groups_x = min(groups, 65535u);  // the most that every device supports
     chunk.groups_y = (groups + 65534u) / 65535u;
     chunk.groups_z = 1u;
+    chunk.subgroups_x = min(count, 65535u);
+    chunk.subgroups_y = (count + 65534u) / 65535u;
+    chunk.subgroups_z = 1u;
 }

@@ -1,6 +1,6 @@
 // One Voronoi cell, made by a subgroup. Each lane holds some of the vertices; the planes are in shared memory.
-// A cut marks the killed vertices. Each of them sets bits in words of its three planes.
-// From its own words each plane finds its edge on the horizon, the ring around the killed vertices.
+// A cut lists the killed vertices. Each lane takes a plane, and finds its edge on the horizon, the ring around the killed
+// vertices, from those of them that lie on the plane.
 // The new plane and each edge of the horizon make a new vertex, in a free slot.
 // Euler's formula and the security radius certify the cell; otherwise the status says why not.
 // A free slot is a vertex at the seed itself, which a plane cuts off only in a power diagram. The .comp declares
@@ -21,6 +21,7 @@
 layout(constant_id = CONSTANT_MAX_VERTICES) const int max_vertices = 64;
 
 const int slots = (max_vertices + lanes - 1) / lanes;  // vertices of a lane
+const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
 const uint all_planes = 0xffffffffu >> (32 - SUBGROUP_PLANES);
 
 real vertex_x[slots], vertex_y[slots], vertex_z[slots];
@@ -28,7 +29,7 @@ real vertex_norm[slots], vertex_error[slots];
 uint vertex_planes[slots];     // 0 where there is no vertex
 bool killed[slots];
 uint free_planes;              // planes not in use
-real largest_error, security;  // over all vertices; security: squared radius, in a power diagram a key
+real security;                 // squared radius; in a power diagram a key
 real radius_of_all;            // in a power diagram, a bound of the distance of all vertices
 #ifdef DECIDES_TIES
 bool met_tie;  // a vertex of this lane lies on a fourth plane
@@ -37,9 +38,6 @@ bool met_tie;  // a vertex of this lane lies on a fourth plane
 shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
 shared real2 plane_size[SUBGROUP_PLANES * subgroups];      // norm, distance
 shared int plane_id[SUBGROUP_PLANES * subgroups];          // sorted seed, or wall id
-shared real4 test_equation[lanes * subgroups];             // n, h
-shared real2 test_size[lanes * subgroups];                 // norm, distance
-shared int test_id[lanes * subgroups];                     // sorted seed, or wall id
 
 int id_of(uint plane) {
     return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
@@ -60,29 +58,49 @@ void set_plane(uint plane, Plane p, int id) {
     plane_id[at] = id;
 }
 
-// Sets this lane's plane to test next.
+// Planes to test, one a lane, in the words of the sorted store of candidates.
+#ifdef CLIP_FLOAT64
+const uint words_of_real = 2u;
+void put_test(uint i, real number) {
+    const uvec2 words = unpackDouble2x32(number);
+    STORE_WORD(2u * i) = words.x;
+    STORE_WORD(2u * i + 1u) = words.y;
+}
+real get_test(uint i) {
+    return packDouble2x32(uvec2(STORE_WORD(2u * i), STORE_WORD(2u * i + 1u)));
+}
+#else
+const uint words_of_real = 1u;
+void put_test(uint i, real number) {
+    STORE_WORD(i) = floatBitsToUint(number);
+}
+real get_test(uint i) {
+    return uintBitsToFloat(STORE_WORD(i));
+}
+#endif
+const uint tests_at_once = uint(lanes) * words_of_real < 32u ? uint(lanes) : 32u / words_of_real;
+#define TEST_ID(i) STORE_WORD(5u * tests_at_once * words_of_real + (i))
+
+// Sets this lane's plane to test next, of a sorted seed or a wall id.
 void prepare_test(Plane p, int id) {
-    const uint at = uint(lanes) * SUBGROUP + lane;
-    test_equation[at] = real4(p.x, p.y, p.z, p.h);
-    test_size[at] = real2(p.norm, p.distance);
-    test_id[at] = id;
+    put_test(4u * lane, p.x);
+    put_test(4u * lane + 1u, p.y);
+    put_test(4u * lane + 2u, p.z);
+    put_test(4u * lane + 3u, p.h);
+    put_test(4u * tests_at_once + lane, p.norm);
+    TEST_ID(lane) = uint(id);
 }
 
-void measure_radius_and_error() {
-    float norm = float(vertex_norm[0]), error = float(vertex_error[0]);
-    [[unroll]] for (int s = 1; s < slots; ++s) {
-        norm = max(norm, float(vertex_norm[s]));
-        error = max(error, float(vertex_error[s]));
-    }
+void measure_radius() {
+    float reach = float(vertex_norm[0] + vertex_error[0]);
+    [[unroll]] for (int s = 1; s < slots; ++s) reach = max(reach, float(vertex_norm[s] + vertex_error[s]));
 #ifdef CLIP_FLOAT64
-    const real farthest = real(largest(norm)) * 1.000001LF;
-    largest_error = real(largest(error)) * 1.000001LF + 1.0e-37LF;
+    const real farthest = real(largest(reach)) * 1.000001LF;
 #else
-    const real farthest = largest(norm);
-    largest_error = largest(error);
+    const real farthest = largest(reach);
 #endif
-    security = security_radius_squared(farthest, largest_error);
-    if (weighted != 0u) radius_of_all = (farthest + largest_error) * real(1.00001);
+    security = security_radius_squared(farthest, real(0));
+    if (weighted != 0u) radius_of_all = farthest * real(1.00001);
 }
 
 // Measures how far the vertex balls reach along the axes, down and up: upper bounds.
@@ -135,8 +153,8 @@ void start_cell() {
                              vertex_error_bound(real(1), a.distance + b.distance + c.distance, length)),
                    odd ? positive : negative);
     }
-    if (!is_positive_below(real(1), max_condition)) status = STATUS_NEEDS_EXACT;
-    measure_radius_and_error();
+    if (alike(!is_positive_below(real(1), max_condition))) status = STATUS_NEEDS_EXACT;
+    measure_radius();
 }
 
 #ifdef DECIDES_TIES
@@ -158,19 +176,18 @@ bool decide_exactly(uint undecided, int id) {
 }
 #endif
 
+// The distance of the plane is not set.
 Plane plane_to_test(uint i) {
-    const uint at = uint(lanes) * SUBGROUP + i;
-    const real4 e = test_equation[at];
-    const real2 size = test_size[at];
-    return Plane(e.x, e.y, e.z, e.w, size.x, size.y);
+    return Plane(get_test(4u * i), get_test(4u * i + 1u), get_test(4u * i + 2u), get_test(4u * i + 3u),
+                 get_test(4u * tests_at_once + i), real(0));
 }
 
 // Returns whether a plane may cut a vertex off.
 bool reaches(Plane p) {
-    real farthest = side_of(p, vertex_x[0], vertex_y[0], vertex_z[0]);
+    real farthest = fma(p.norm, vertex_error[0], side_of(p, vertex_x[0], vertex_y[0], vertex_z[0]));
     [[unroll]] for (int s = 1; s < slots; ++s)
-        farthest = max(farthest, side_of(p, vertex_x[s], vertex_y[s], vertex_z[s]));
-    return any_lane(!(farthest < -side_bound(p, largest_error)));
+        farthest = max(farthest, fma(p.norm, vertex_error[s], side_of(p, vertex_x[s], vertex_y[s], vertex_z[s])));
+    return any_lane(!(farthest < -side_bound(p, real(0))));
 }
 
 // Marks the vertices outside of a plane. Returns false when that is uncertain, which sets the status, or when there is
@@ -232,59 +249,73 @@ uint list_vertices() {
     return listed;
 }
 
-// Clears the words of a plane. find_horizon() clears them too; searches use the same memory.
-void clear_edges(uint a) {
-    EDGES_FROM(a) = 0u;
-    EDGES_TO(a) = 0u;
-}
-
-void prepare_cuts() {
-    prepare_bounds();
-    for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes))
-        if (lanes <= SUBGROUP_PLANES || lane < SUBGROUP_PLANES) clear_edges(first + lane);
-}
-
-// Adds the edges of a killed vertex to its planes.
-void add_edges(uint planes) {
-    const uint a = plane_of(planes, 0), b = plane_of(planes, 1), c = plane_of(planes, 2);
-    const uint a_bit = 1u << a, b_bit = 1u << b, c_bit = 1u << c;
-    atomicOr(EDGES_FROM(a), b_bit);
-    atomicOr(EDGES_TO(a), c_bit);
-    atomicOr(EDGES_FROM(b), c_bit);
-    atomicOr(EDGES_TO(b), a_bit);
-    atomicOr(EDGES_FROM(c), a_bit);
-    atomicOr(EDGES_TO(c), b_bit);
-}
-
-// Writes the edges of the horizon to HORIZON and removes the killed vertices. Returns the number of edges. Edge (a, b)
-// of a killed vertex is on the horizon if and only if no killed vertex has (b, a). The horizon is a ring, so each plane
-// has at most one edge of it.
-uint find_horizon() {
+// Removes the killed vertices and writes their planes to KILLED, filled up to a multiple of four with vertices on no
+// plane. Returns a quarter of the length of that list.
+uint remove_killed() {
+    uint length = 0u;
     [[unroll]] for (int s = 0; s < slots; ++s)
         if (s == 0 || any_lane(killed[s])) {  // rare except in the first slot
-            if (killed[s]) add_edges(vertex_planes[s]);
-            vertex_x[s] = killed[s] ? real(0) : vertex_x[s];
-            vertex_y[s] = killed[s] ? real(0) : vertex_y[s];
-            vertex_z[s] = killed[s] ? real(0) : vertex_z[s];
-            vertex_norm[s] = killed[s] ? real(0) : vertex_norm[s];
+            uint more;
+            const uint at = length + rank_among(killed[s], more);
+            length += more;
+            if (killed[s]) KILLED(at) = vertex_planes[s];
+            const real kept = killed[s] ? real(0) : real(1);
+            vertex_x[s] *= kept;
+            vertex_y[s] *= kept;
+            vertex_z[s] *= kept;
+            vertex_norm[s] *= kept;
             vertex_planes[s] = killed[s] ? 0u : vertex_planes[s];
         }
+    const uint fours = (length + 3u) / 4u;
+    if (length + lane < 4u * fours) KILLED(length + lane) = 0xffffffu;
     share();
-    uint count = 0u;
-    for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
-        const uint a = first + lane;
-        uint successor = 0u;
-        if (lanes <= SUBGROUP_PLANES || a < SUBGROUP_PLANES) {
-            successor = EDGES_FROM(a) & ~EDGES_TO(a);
-            clear_edges(a);
+    return fours;
+}
+
+// Removes the killed vertices and writes the edges of the horizon to HORIZON. Returns their number. Edge (a, b) of a
+// killed vertex is on the horizon if and only if no killed vertex has (b, a). The horizon is a ring, so each plane has at
+// most one edge of it.
+uint find_horizon() {
+    const uint fours = remove_killed();
+    uint next[planes_of_lane], previous[planes_of_lane];  // planes b of edges (a, b) and (b, a) of killed vertices
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) next[i] = previous[i] = 0u;
+    for (uint first = 0u; first < fours; ++first)
+        [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+            const uint planes = KILLED(4u * first + k);
+            const uint a = plane_of(planes, 0), b = plane_of(planes, 1), c = plane_of(planes, 2);
+            const uint a_bit = 1u << (a & 31u), b_bit = 1u << (b & 31u), c_bit = 1u << (c & 31u);
+            [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+                const uint mine = uint(i * lanes) + lane;
+                const bool is_a = mine == a, is_b = mine == b, is_c = mine == c;
+                next[i] |= (is_a ? b_bit : 0u) | (is_b ? c_bit : 0u) | (is_c ? a_bit : 0u);
+                previous[i] |= (is_a ? c_bit : 0u) | (is_b ? a_bit : 0u) | (is_c ? b_bit : 0u);
+            }
         }
+    uint count = 0u;
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint successor = next[i] & ~previous[i];
         uint more;
         const uint rank = rank_among(successor != 0u, more);
-        if (successor != 0u) HORIZON(count + rank) = a | (uint(findMSB(successor)) << 8);
+        if (successor != 0u) HORIZON(count + rank) = (uint(i * lanes) + lane) | (uint(findMSB(successor)) << 8);
         count += more;
     }
     share();
     return count;
+}
+
+// Makes vertices of a plane with edges of the horizon, from `made` on, in the free slots s. The i-th free slot takes the
+// i-th edge; its own lane makes the vertex.
+void make_vertices(int s, Plane p, uint third, uint horizon_count, inout uint made, inout bool certain) {
+    const bool is_free = vertex_planes[s] == 0u;
+    uint count;
+    const uint edge = made + rank_among(is_free, count);
+    if (is_free && edge < horizon_count) {
+        const uint planes = HORIZON(edge);
+        Vertex vertex;
+        certain = find_vertex(plane_at(plane_of(planes, 0)), plane_at(plane_of(planes, 1)), p, vertex) && certain;
+        set_vertex(s, vertex, planes | third);
+    }
+    made += count;
 }
 
 // Replaces the killed vertices by the vertices of the new plane with the horizon.
@@ -293,7 +324,7 @@ void cut(Plane p, int id) {
         bool any_left = false;
         [[unroll]] for (int s = 0; s < slots; ++s) any_left = any_left || (vertex_planes[s] != 0u && !killed[s]);
         if (!any_lane(any_left)) {  // the cell is empty, if the seed is unique
-            status = state.suspects == 0u ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
+            status = alike(state.suspects == 0u) ? STATUS_EMPTY : STATUS_NEEDS_EXACT;
             return;
         }
     }
@@ -308,34 +339,23 @@ void cut(Plane p, int id) {
     const uint plane = uint(findLSB(free_planes));
     free_planes &= free_planes - 1u;
     const uint third = plane << 16;
+    p.distance = distance_of(p.h, p.norm);
     // The lane of the plane's number writes it: addresses by lane cost less.
     if (lane == plane % uint(lanes)) set_plane(lanes >= SUBGROUP_PLANES ? lane : plane, p, id);
 
-    // The i-th free slot takes the i-th edge; its own lane makes the vertex.
     uint made = 0u;
-    bool certain = true, enough = true;
-    [[unroll]] for (int s = 0; s < slots; ++s) {
-        if (s == 0 || made < horizon_count) {
-            const bool is_free = vertex_planes[s] == 0u;
-            uint count;
-            const uint edge = made + rank_among(is_free, count);
-            if (is_free && edge < horizon_count) {
-                const uint planes = HORIZON(edge);
-                Vertex vertex;
-                certain = find_vertex(plane_at(plane_of(planes, 0)), plane_at(plane_of(planes, 1)), p, vertex) && certain;
-                set_vertex(s, vertex, planes | third);
-            }
-            made += count;
-            if (s + 1 == slots) enough = made >= horizon_count;
-        }
-    }
-    status = !enough ? STATUS_VERTEX_OVERFLOW : (any_lane(!certain) ? STATUS_NEEDS_EXACT : STATUS_CERTIFIED);
-    measure_radius_and_error();
+    bool certain = true;
+    make_vertices(0, p, third, horizon_count, made, certain);
+    if (made < horizon_count)  // rare
+        [[unroll]] for (int s = 1; s < slots; ++s) make_vertices(s, p, third, horizon_count, made, certain);
+    status = made < horizon_count ? STATUS_VERTEX_OVERFLOW
+                                  : (any_lane(!certain) ? STATUS_NEEDS_EXACT : STATUS_CERTIFIED);
+    measure_radius();
 }
 
 // Clips by the tested plane i, which reaches the cell.
 void clip_by(Plane p, uint i) {
-    const int id = test_id[uint(lanes) * SUBGROUP + i];
+    const int id = int(TEST_ID(i));
     if (mark_killed(p, id)) cut(p, id);
 }
 

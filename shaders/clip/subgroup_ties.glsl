@@ -10,12 +10,13 @@
 // Scratch words behind the list of vertices.
 #define EDGE_COUNT(plane) SCRATCH(2u * SUBGROUP_PLANES + (plane))
 
-// Returns two planes of a vertex, from the k-th on, in this order or the reverse.
+// Returns two planes of a vertex, from the k-th on, in this order or the reverse. They are 16 bits apart, because
+// NVIDIA's compiler (580.159) takes other bits where two bytes side by side change places.
 uint edge_of(uint planes, int k) {
-    return plane_of(planes, k) | (plane_of(planes, k == 2 ? 0 : k + 1) << 8);
+    return plane_of(planes, k) | (plane_of(planes, k == 2 ? 0 : k + 1) << 16);
 }
 uint reversed_edge_of(uint planes, int k) {
-    return plane_of(planes, k == 2 ? 0 : k + 1) | (plane_of(planes, k) << 8);
+    return plane_of(planes, k == 2 ? 0 : k + 1) | (plane_of(planes, k) << 16);
 }
 
 // Keeps in `used` the planes of faces that have at least three edges of positive length. Counts these faces and the

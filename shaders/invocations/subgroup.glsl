@@ -50,6 +50,10 @@ bool any_lane(bool yes) {
     return all != 0u;
 }
 
+bool alike(bool condition) {
+    return condition;
+}
+
 uint rank_among(bool yes, out uint count) {
     put(yes ? 1u : 0u);
     uint rank = 0u;
@@ -150,6 +154,12 @@ uvec2 from_first_lane(uvec2 value) {
 
 bool any_lane(bool yes) {
     return subgroupAny(yes);
+}
+
+// Returns a condition that is the same in all lanes. The vote proves it to the compiler: behind a branch on values from
+// memory, NVIDIA's finds the set of its lanes before each operation of the subgroup.
+bool alike(bool condition) {
+    return subgroupAny(condition);
 }
 
 // Returns how many lanes before this one have a true condition; `count` is that of all lanes.

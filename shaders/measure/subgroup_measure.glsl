@@ -8,18 +8,16 @@
 #include "measure/tetrahedra.glsl"
 #include "search/subgroup_state.glsl"
 
-// A number has two words, SUBGROUP_PLANES apart, in an array of the store.
-#define FIRST_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i)]
-#define SECOND_WORD(array, i) array[SUBGROUP_STORE * SUBGROUP + (i) + SUBGROUP_PLANES]
-#define GET_NUMBER(array, i) of_words(uvec2(FIRST_WORD(array, i), SECOND_WORD(array, i)))
-#define PUT_NUMBER(array, i, number)           \
-    {                                          \
-        const uvec2 words = words_of(number);  \
-        FIRST_WORD(array, i) = words.x;        \
-        SECOND_WORD(array, i) = words.y;       \
-    }
-const uint second_number = 2u * SUBGROUP_PLANES;  // each array of the store holds two numbers of a plane
-const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
+// The first words of the numbers, and the second ones.
+#define NUMBER_WORDS (4u * SUBGROUP_PLANES)
+Number get_number(uint i) {
+    return of_words(uvec2(STORE_WORD(i), STORE_WORD(i + NUMBER_WORDS)));
+}
+void put_number(uint i, Number number) {
+    const uvec2 words = words_of(number);
+    STORE_WORD(i) = words.x;
+    STORE_WORD(i + NUMBER_WORDS) = words.y;
+}
 
 void share_exact_planes(uint used) {
     share();
@@ -31,22 +29,22 @@ void share_exact_planes(uint used) {
             plane = exact_wall(uint(-1 - id));
         else
             plane = exact_bisector(uint(id));
-        PUT_NUMBER(candidate_key, p, plane.n.x)
-        PUT_NUMBER(candidate_key, p + second_number, plane.n.y)
-        PUT_NUMBER(candidate_seed, p, plane.n.z)
-        PUT_NUMBER(candidate_seed, p + second_number, plane.foot)
+        put_number(p, plane.n.x);
+        put_number(p + SUBGROUP_PLANES, plane.n.y);
+        put_number(p + 2u * SUBGROUP_PLANES, plane.n.z);
+        put_number(p + 3u * SUBGROUP_PLANES, plane.foot);
     }
     share();
 }
 
 ExactPlane exact_plane_at(uint p) {
-    return ExactPlane(Vector(GET_NUMBER(candidate_key, p), GET_NUMBER(candidate_key, p + second_number),
-                             GET_NUMBER(candidate_seed, p)),
-                      GET_NUMBER(candidate_seed, p + second_number));
+    return ExactPlane(
+        Vector(get_number(p), get_number(p + SUBGROUP_PLANES), get_number(p + 2u * SUBGROUP_PLANES)),
+        get_number(p + 3u * SUBGROUP_PLANES));
 }
 
 Number area_of(uint plane) {
-    return GET_NUMBER(candidate_key, plane);
+    return get_number(plane);
 }
 
 // The areas replace the planes afterwards.
@@ -83,7 +81,7 @@ void measure_cell(uint used, uint vertices) {
     share();
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
         const uint p = uint(i * lanes) + lane;
-        if (p < SUBGROUP_PLANES) PUT_NUMBER(candidate_key, p, areas_of_lane[i])
+        if (p < SUBGROUP_PLANES) put_number(p, areas_of_lane[i]);
     }
     share();
 }

@@ -34,11 +34,13 @@ float coarse_gap(uint p, uint lower, uint upper) {
 // Returns the squared radius of a ball with about `count` seeds, from the density of the 64 seeds around it in memory.
 // Their box is about twice as large as their share of space.
 float expected_reach_in(Node box, int count) {
-    float volume = 1.0;
+    // Another order of the products would underflow.
+    precise float volume = 1.0;
     for (int axis = 0; axis < 3; ++axis) {
         const uvec2 from = box.lower[axis], to = box.upper[axis];
         const float side = float(int(to.y - from.y)) * 4294967296.0 + (float(to.x) - float(from.x));  // roughly
-        volume *= side * exp2(-COORDINATE_BITS);
+        precise const float share_of_box = side * exp2(-COORDINATE_BITS);
+        volume *= share_of_box;
     }
     const float radius = pow(volume * float(count) * EXPECTED_REACH, 1.0 / 3.0);
     return max(radius * radius * exp2(2.0 * COORDINATE_BITS), 1.0);

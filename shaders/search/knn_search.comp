@@ -9,6 +9,7 @@
 // that alone exceeds the list, its higher half is dropped.
 #version 450
 #extension GL_GOOGLE_include_directive : require
+#include "clip/finished.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
@@ -22,6 +23,7 @@ layout(push_constant) uniform Push { KnnPush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
+layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
 layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
@@ -207,6 +209,7 @@ void main() {
     } else {
         if (column >= chunk.todo_count) return;
         cell = todo[column];
+        if (is_finished(info[cell])) return;  // by a subgroup
     }
     self = push.first_cell + cell;
     px = seeds_x[self];

@@ -29,6 +29,7 @@ layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
 layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three words a Node: fewer loads
 
 const float high_unit = 4294967296.0;  // in units of coordinates
+const float low_unit = 1.0 / high_unit;
 
 float done, next;
 bool coarse;  // high words suffice
@@ -56,14 +57,10 @@ Node node_at(uint n) {
     return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
 }
 
-// Returns candidate i of the sorted store, and its approximate squared distance.
-uint candidate_at(uint i) {
-    return candidate_seed[SUBGROUP_STORE * SUBGROUP + SORTED(i)];
-}
-
-float distance_at(uint i) {
-    const uint key = candidate_key[SUBGROUP_STORE * SUBGROUP + SORTED(i)] & ~key_place_mask;
-    return weighted != 0u ? of_ordered(key) : uintBitsToFloat(key);
+// Returns the approximate squared distance in a key of the store.
+float distance_of_key(uint key) {
+    const uint bits = key & ~key_place_mask;
+    return weighted != 0u ? of_ordered(bits) : uintBitsToFloat(bits);
 }
 
 uint root_node() {
@@ -83,14 +80,14 @@ void begin_search() {
     forget_reach();
     next = UNBOUNDED;
     if (push.level_count >= 3u)
-        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count) / (high_unit * high_unit);
-    coarse = weighted == 0u && next >= coarse_search_from;
+        next = expected_reach_in(node_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)), first_count) * (low_unit * low_unit);
+    coarse = weighted == 0u && alike(next >= coarse_search_from);
     if (weighted == 0u) return;
     begin_power(high_unit, state, self / GROUP_SEEDS);
     set_power_slacks(false);
     next *= node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)].stretch;
     nearest_square = UNBOUNDED;
-    reach_radius = exp2(float(COORDINATE_BITS + 1)) / high_unit;  // beyond the box
+    reach_radius = exp2(float(COORDINATE_BITS + 1)) * low_unit;  // beyond the box
     done = smallest_key;
     first_reach = next;
 }
@@ -123,7 +120,7 @@ vec3 coarse_offset_of(uvec2 x, uvec2 y, uvec2 z) {
 }
 
 vec3 fine_offset_of(uvec2 x, uvec2 y, uvec2 z) {
-    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz)) / high_unit;
+    return vec3(rough_difference(x, px), rough_difference(y, py), rough_difference(z, pz)) * low_unit;
 }
 
 // Returns whether a seed may cut the cell. The seed lies between these bounds, with this key or a larger one, and is
@@ -222,8 +219,8 @@ bool look_into_groups() {
     if (candidate_count + count > SUBGROUP_STORE) return false;
     if (candidate) {
         const uint key = weighted != 0u ? ordered(d) : floatBitsToUint(d);
-        candidate_key[SUBGROUP_STORE * SUBGROUP + place] = (key & ~key_place_mask) | place;
-        candidate_seed[SUBGROUP_STORE * SUBGROUP + place] = seed;
+        CANDIDATE_KEY(place) = (key & ~key_place_mask) | place;
+        CANDIDATE_SEED(place) = seed;
     }
     candidate_count += count;
     return true;
@@ -266,21 +263,24 @@ bool collect() {
     }
 }
 
-// Sorts by distance: the place of a key is the number of smaller keys.
-void sort_candidates() {
-    const uint base = SUBGROUP_STORE * SUBGROUP;
+// Sorts the seeds by distance: the place of a key is the number of smaller keys. Returns the key at a rank, which must
+// be less than the number of candidates, if that is not 0.
+uint sort_candidates(uint rank) {
     // Pads keys to a multiple of eight, because eight are read together.
     const uint eights = (candidate_count + 7u) / 8u;
-    if (candidate_count + lane < 8u * eights) candidate_key[base + candidate_count + lane] = 0xffffffffu;
+    if (candidate_count + lane < 8u * eights) CANDIDATE_KEY(candidate_count + lane) = 0xffffffffu;
     share();
+    uint key_at_rank = 0xffffffffu;
     [[dont_unroll]] for (uint first = 0u; first < candidate_count; first += uint(lanes)) {
-        const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = candidate_key[base + own];
+        const uint own = min(first + lane, SUBGROUP_STORE - 1u), key = CANDIDATE_KEY(own);
         uint place = 0u;
         [[dont_unroll]] for (uint i = 0u; i < eights; ++i)
-            [[unroll]] for (uint k = 0u; k < 8u; ++k) place += uint(candidate_key[base + 8u * i + k] < key);
-        if (first + lane < candidate_count) SORTED(place) = own;
+            [[unroll]] for (uint k = 0u; k < 8u; ++k) place += uint(CANDIDATE_KEY(8u * i + k) < key);
+        if (first + lane < candidate_count) SORTED_SEED(place) = CANDIDATE_SEED(own);
+        if (first + lane < candidate_count && place == rank) key_at_rank = key;
     }
     share();
+    return smallest(key_at_rank);
 }
 
 // Returns false when the store does not hold them. Then `next` is shorter, or the status says why that cannot help.
@@ -300,16 +300,13 @@ bool search() {
         return true;
     }
     // The first found are near. After a full store the next search aims at four fifths of first_count.
-    sort_candidates();
-    const float shorter =
-        candidate_count == 0u
-            ? 0.5 * (max(done, 0.0) + next)
-            : distance_at(candidate_count * uint(first_count) / (5u * SUBGROUP_STORE / 4u));
-    if (shorter > done && shorter < next)
+    const uint key = sort_candidates(candidate_count * uint(first_count) / (5u * SUBGROUP_STORE / 4u));
+    const float shorter = candidate_count == 0u ? 0.5 * (max(done, 0.0) + next) : distance_of_key(key);
+    if (alike(shorter > done && shorter < next))
         next = shorter;
     else
         status = STATUS_CANDIDATES_EXHAUSTED;
-    if (done == 0.0) coarse = coarse && next >= coarse_search_from;
+    if (alike(done == 0.0)) coarse = coarse && alike(next >= coarse_search_from);
     return false;
 }
 

@@ -74,7 +74,7 @@
 #define SUBGROUP_NODES 96   // boxes to open
 #define SUBGROUP_GROUPS 80  // groups to look into, at least 64 + 64 / GROUP_SEEDS
 #define SUBGROUP_SCRATCH 240
-#define SUBGROUP_SEARCHES 24  // searches for a cell before it is left to the second tier
+#define SUBGROUP_SEARCHES 96  // searches for a cell before it is left to the second tier
 
 // clip: the place of a row. Rows of the second tier have this bit set.
 #define SECOND_TIER_BIT 0x80000000u

@@ -126,7 +126,7 @@ struct CellsPush {
 struct TodoPush {
     uint cell_count;
     uint max_of_tile;  // cells of TILE_ITEMS that the second tier takes
-    uint group;        // local size of the second tier
+    uint group;        // invocations of a work-group of the second tier, one a cell
     uint places;       // 0: counts tiles; 1: writes the list
 };
 
@@ -218,10 +218,12 @@ struct ListInfo {
     float bound;   // squared distance beyond which seeds are unknown
 };
 
-// Cells that the first tier left, and the arguments of the indirect dispatch for them.
+// Cells that the first tier left, and the arguments of the indirect dispatches for them: of subgroups, which try first,
+// and of invocations.
 struct ChunkState {
     uint todo_count;
     uint groups_x, groups_y, groups_z;
+    uint subgroups_x, subgroups_y, subgroups_z;
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
 };

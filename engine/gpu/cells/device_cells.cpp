@@ -27,6 +27,7 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
 
 // Where subgroups make cells of the first tier, only cells of the second need lists.
 std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
+    if (!settings.has_lists()) return 0;
     return settings.subgroup_size != 0 ? second_tier_cells(cells, settings) : cells;
 }
 
@@ -166,7 +167,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_.seed_count = clip_.seed_count;
     both_.own_count = clip_.own_count;
     both_.level_count = clip_.level_count;
-    both_.max_visits = knn_.max_visits;
+    both_.max_visits = settings.max_subgroup_visits;
     both_.row_stride = clip_.row_stride;
     both_.walls = clip_.walls;
     both_.neighbors = clip_.neighbors;
@@ -181,19 +182,19 @@ void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
     recorder.fill(slice(BINDING_CHUNK_STATE), 0, offsetof(ChunkState, row_base), 0);
     recorder.barrier();
     if (passes.settings.subgroup_size != 0) return;
-    recorder.dispatch(passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
+    recorder.dispatch(*passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
     recorder.barrier();
 }
 
 void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties) const {
-    const auto clip_cells = [&](std::size_t tier) -> const vulkan::Pass& {
-        return ties ? *passes.clip_with_ties[tier] : passes.clip_cells[tier];
-    };
+    const vulkan::Pass& clip_first = ties ? *passes.with_ties.clip_first : passes.clip_first;
+    const auto& clip_again = ties ? passes.with_ties.clip_again : passes.clip_again;
+    const auto& clip_second = ties ? passes.with_ties.clip_second : passes.clip_second;
     const std::uint32_t lanes = passes.settings.subgroup_size;
     if (lanes == 0)
-        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(clip_), clip_.cell_count);
+        recorder.dispatch(clip_first, bindings_.list(), push_bytes(clip_), clip_.cell_count);
     else
-        recorder.dispatch(clip_cells(0), bindings_.list(), push_bytes(both_), std::uint64_t{clip_.cell_count} * lanes);
+        recorder.dispatch(clip_first, bindings_.list(), push_bytes(both_), std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
     if (!second_tier) return;
     const std::uint32_t tiles = blocks_of(todo_.cell_count, TILE_ITEMS);
@@ -206,14 +207,22 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     todo.places = 1;
     recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
     recorder.barrier();
+    if (clip_again) {
+        CellsPush second = both_;
+        second.row_stride = todo_capacity_;
+        recorder.dispatch_indirect(*clip_again, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
+                                   offsetof(ChunkState, subgroups_x));
+        recorder.barrier();
+    }
+    if (!clip_second) return;
     if (lanes != 0) {
-        recorder.dispatch_indirect(passes.knn_search, bindings_.list(), push_bytes(knn_), slice(BINDING_CHUNK_STATE),
+        recorder.dispatch_indirect(*passes.knn_search, bindings_.list(), push_bytes(knn_), slice(BINDING_CHUNK_STATE),
                                    offsetof(ChunkState, groups_x));
         recorder.barrier();
     }
     ClipPush second = clip_;
     second.row_stride = todo_capacity_;
-    recorder.dispatch_indirect(clip_cells(1), second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
+    recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
                                offsetof(ChunkState, groups_x));
     recorder.barrier();
 }

@@ -11,7 +11,6 @@ using detail::max_of_all;
 using detail::refuse;
 
 constexpr VkDeviceSize geometry_bytes = 16;      // of a cell: vec4
-constexpr std::uint32_t max_walk_visits = 2000;  // a frame waits for its slowest cell; resolve() makes the others
 
 void check(const HostInstance& host) {
     if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
@@ -93,7 +92,6 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     settings.weights = options.weights.has_value();
     settings.walls = !options.walls.empty();
     settings.tiers[1].ties = !settings.weights && !settings.walls;  // with these no pass decides ties
-    settings.max_walk_visits = std::min(settings.max_walk_visits, max_walk_visits);
     settings.images = detail::is_periodic(options);
     settings.triclinic = options.cell.has_value();
     gpu::DeviceSeeds seeds;

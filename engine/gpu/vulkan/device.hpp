@@ -60,6 +60,8 @@ public:
     // Returns whether float64 is enabled and rounds to nearest, on which the error bounds rely.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
+    // What shaders must demand.
+    [[nodiscard]] const Rounding& demands() const { return demands_; }
     // The pipelines on disk. A host's device has none.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
     [[nodiscard]] PassCache& pass_cache() { return *passes_; }
@@ -78,6 +80,7 @@ public:
 private:
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options);
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host);
+    void find_rounding();
     void set_name(std::uint64_t object, VkObjectType type, const char* text);
 
     std::shared_ptr<Instance> instance_;
@@ -87,7 +90,7 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     std::mutex queue_mutex_;
     bool float64_ = false;  // enabled
-    Rounding rounding_;
+    Rounding rounding_, demands_;
     std::optional<PipelineCache> cache_;
     std::unique_ptr<PassCache> passes_;
     VkPipelineCache host_cache_ = VK_NULL_HANDLE;

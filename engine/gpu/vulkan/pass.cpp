@@ -111,7 +111,7 @@ void Pass::Made::make_pipeline(const PassInfo& info) {
     const VolkDeviceTable& table = device.table();
     const Adapter& adapter = device.adapter();
     const std::vector<std::uint32_t> spirv =
-        rounding_to_nearest(info.spirv, adapter.can_ask_for_nearest32, adapter.can_ask_for_nearest64);
+        rounding_to_nearest(info.spirv, device.demands().nearest32, device.demands().nearest64);
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     code.codeSize = std::span(spirv).size_bytes();

@@ -112,7 +112,7 @@ TEST_SUITE("stages") {
         // Without the validation layer, which does not know objects that were not made.
         const auto instance = test::vk::Instance::create({.validation = false});
         const auto device = test::vk::Device::create(instance, Gpu::first(*instance));
-        calls.asks_for_nearest = device->adapter().can_ask_for_nearest32;
+        calls.asks_for_nearest = device->demands().nearest32;
         VolkDeviceTable& table = device->table();
         table.vkCreateDescriptorSetLayout = note_set_layout;
         table.vkCreatePipelineLayout = note_layout;

@@ -171,8 +171,9 @@ TEST_SUITE("stages") {
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();
-        const Words chunk_words = words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z,
-                                           chunk.left_count, chunk.row_base);
+        const Words chunk_words =
+            words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.subgroups_x,
+                     chunk.subgroups_y, chunk.subgroups_z, chunk.left_count, chunk.row_base);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
         const auto list = filled<ListInfo>();
@@ -193,6 +194,8 @@ TEST_SUITE("stages") {
         // The words that an indirect dispatch reads.
         static_assert(offsetof(ChunkState, groups_y) == offsetof(ChunkState, groups_x) + 4);
         static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);
+        static_assert(offsetof(ChunkState, subgroups_y) == offsetof(ChunkState, subgroups_x) + 4);
+        static_assert(offsetof(ChunkState, subgroups_z) == offsetof(ChunkState, subgroups_x) + 8);
     }
 
     TEST_CASE("gpu layout: nodes of the hierarchy are 48 bytes, one after the other") {

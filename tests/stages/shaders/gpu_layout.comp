@@ -172,6 +172,9 @@ void main() {
     put(state.groups_x);
     put(state.groups_y);
     put(state.groups_z);
+    put(state.subgroups_x);
+    put(state.subgroups_y);
+    put(state.subgroups_z);
     put(state.left_count);
     put(state.row_base);
 #elif defined(HEADER)
