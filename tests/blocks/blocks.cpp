@@ -36,14 +36,14 @@ void check(const PointSet& set, const votess::Options& options) {
 }  // namespace
 
 TEST_CASE("blocks: the families have the lists of all seeds at once") {
-    for (const PointSet& set : test::families(test::by_size(600, 200), 5)) check(set, options_of(set));
+    for (const PointSet& set : test::families(test::by_size(600, 80), 5)) check(set, options_of(set));
     check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
           options_of({"", {}, test::unit_box()}));
     check({"none", {}, test::unit_box()}, options_of({"", {}, test::unit_box()}));
 }
 
 TEST_CASE("blocks: periodic along each subset of the axes") {
-    const std::size_t many = test::by_size(1000, 300);
+    const std::size_t many = test::by_size(1000, 150);
     for (unsigned axes = 1; axes < 8; ++axes)
         for (const PointSet& set :
              {test::uniform(many, axes), test::clustered(many, axes), test::cubic(many > 1000 ? 10 : 5)}) {
@@ -55,7 +55,7 @@ TEST_CASE("blocks: periodic along each subset of the axes") {
 
 TEST_CASE("blocks: triclinic boxes, weights and walls") {
     test::Random random(3);
-    const std::size_t many = test::by_size(1000, 400);
+    const std::size_t many = test::by_size(1000, 200);
     for (const PointSet& set : {test::uniform(many, 1), test::clustered(many, 2)}) {
         votess::Options options = options_of(set);
         options.box.reset();
@@ -86,7 +86,7 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
     std::uint64_t sets = 0;
     for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
         const std::uint64_t usual = kind.name == "many" ? 1 : 40;
-        const std::uint64_t count = test::by_size(usual, usual / 10 + 1);
+        const std::uint64_t count = test::by_size(usual, usual / 20 + 1);
         for (std::uint64_t number = 1; number <= count; ++number) {
             CAPTURE(kind.name);
             CAPTURE(number);

@@ -69,12 +69,13 @@ std::string message(const auto& work) {
 }  // namespace
 
 TEST_CASE("stream: the families have the lists of all seeds at once") {
+    std::size_t number = 0;
     for (const PointSet& set :
          {test::uniform(3000, 1), test::clustered(3000, 2), test::nested_clusters(3000, 3), test::cubic(15),
           test::bcc(11), test::fcc(9), test::far_from_origin(3000, 4), test::on_walls(3000, 5),
           test::with_duplicates(2500, 500, 6), test::on_axis_plane(3000, 7), test::on_oblique_line(3000, 8),
           test::near_duplicates(3000, 9), test::reordered(test::clustered(3000, 2), test::Order::reversed)})
-        check(set, options_of(set));
+        if (number++ % test::by_size(1, 3) == 0) check(set, options_of(set));
     check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
           options_of({"", {}, test::unit_box()}));
     votess::Options options = options_of({"", {}, test::unit_box()});
@@ -102,6 +103,7 @@ TEST_CASE("stream: everything that can be wanted, and nothing") {
 TEST_CASE("stream: periodic along subsets of the axes") {
     for (const unsigned axes : {1u, 3u, 7u})
         for (const PointSet& set : {test::uniform(3000, axes), test::clustered(3000, axes), test::cubic(14)}) {
+            if (test::reduced() && axes != 3 && set.name == "cubic") continue;
             votess::Options options = options_of(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
             check(set, options);
@@ -111,6 +113,7 @@ TEST_CASE("stream: periodic along subsets of the axes") {
 TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") {
     test::Random random(3);
     for (const PointSet& set : {test::uniform(3000, 1), test::clustered(3000, 2)}) {
+        if (test::reduced() && set.name == "uniform") continue;
         votess::Options options = options_of(set);
         options.box.reset();
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
@@ -274,7 +277,7 @@ TEST_CASE("stream: log, progress, and stops") {
     CHECK(fractions.back() == 1);
     CHECK(found.result.stats.volume_sum == doctest::Approx(1).epsilon(1e-12));
     // After a stop at any call of progress the run ends with an error.
-    for (std::size_t calls = 0; calls < fractions.size(); calls += 2) {
+    for (std::size_t calls = 0; calls < fractions.size(); calls += test::by_size(2, 9)) {
         std::size_t left = calls;
         options.progress = [&](double) { return left-- > 0; };
         CHECK(message([&] { test::streamed(set.points, options, little); }) == "cancelled by the progress callback");

@@ -156,7 +156,7 @@ TEST_SUITE("cases") {
         for (const double tilt : {-0.45, 0.45}) {
             const Options options =
                 cell_options({{0.1, 0.2, 0.3}, {20, 0, 0}, {20 * tilt, 1, 0}, {20 * tilt, tilt, 1}});
-            for (const std::size_t n : {1, 2, 8, 300}) {
+            for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{8}, test::by_size(300, 60)}) {
                 Coordinates points(3 * n);
                 for (double& x : points) x = random.uniform(0, 20);
                 CAPTURE(tilt);

@@ -110,7 +110,7 @@ std::vector<test::PointSet> some_families(std::size_t n) {
 
 TEST_SUITE("stages") {
     TEST_CASE("exact clipper: random parts give the arrays of a full run, with 1, 2 and 5 threads") {
-        for (const test::PointSet& set : some_families(test::by_size(3000, 400))) {
+        for (const test::PointSet& set : some_families(test::by_size(3000, 150))) {
             CAPTURE(set.name);
             for (const unsigned threads : {1u, 2u, 5u}) {
                 auto options = test::all_options();

@@ -72,7 +72,7 @@ void check_on_device(const std::vector<Case>& cases, const std::vector<unsigned>
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu lattices: the device makes all cells") {
-        const auto large = static_cast<int>(test::by_size(16, 8));
+        const auto large = static_cast<int>(test::by_size(12, 8));
         check_on_device({{test::cubic(static_cast<std::size_t>(large))},
                          {test::cubic(6, 0x1p-40)},
                          {test::cubic(6, 3 * 0x1p40)},
@@ -84,7 +84,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu lattices: periodic ones too") {
-        const auto large = static_cast<int>(test::by_size(16, 8));
+        const auto large = static_cast<int>(test::by_size(12, 8));
         check_on_device({{test::cubic(static_cast<std::size_t>(large)), true},
                          {one_period(test::bcc(large)), true},
                          {one_period(test::fcc(large)), true},
@@ -123,7 +123,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu near ties: clusters of few seeds in a large box equal the CPU") {
         std::vector<Case> cases;
-        for (std::uint64_t seed = 1; seed <= test::by_size(60, 6); ++seed) {
+        for (std::uint64_t seed = 1; seed <= test::by_size(24, 6); ++seed) {
             cases.push_back({test::uniform(30 + seed % 34, seed), false, 1});
             const double room = std::ldexp(1.0, 18 + static_cast<int>(seed % 6));
             cases.back().set.box = test::cube(-room, room);

@@ -27,6 +27,7 @@ TEST_SUITE("cases") {
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
             for (const PointSet& set :
                  test::families(kernel == Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
+                if (test::reduced() && kernel != Kernel::invocation) continue;
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
                 const test::UseKernel chosen(kernel);

@@ -63,7 +63,7 @@ double share_left(votess::Tessellator& on_device, const Coordinates& points, con
 TEST_SUITE("cases") {
     TEST_CASE("gpu smooth weights: waves in a periodic box and between walls") {
         votess::Tessellator on_device;
-        const std::size_t n = test::by_size(4000, 500);
+        const std::size_t n = test::by_size(2000, 500);
         const Coordinates points = test::random_points(n, 1);
         for (const bool periodic : {true, false})
             for (const double spacings : {0.5, 1.0}) {

@@ -31,7 +31,7 @@ Options octahedron() {
 TEST_SUITE("cases") {
     TEST_CASE("gpu walls: only the cells of an octahedron's corners are left to the CPU") {
         votess::Tessellator on_device;
-        const auto counts = compare_domain(on_device, random_points(test::by_size(6000, 1200), 1), octahedron());
+        const auto counts = compare_domain(on_device, random_points(test::by_size(3000, 1200), 1), octahedron());
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= 8);
         CHECK(compare_domain(on_device, random_points(100, 2), octahedron()).failure == "");
@@ -39,7 +39,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu walls: one wall, a wedge, walls that cut nothing, both precisions") {
         votess::Tessellator on_device;
-        const std::size_t many = test::by_size(1500, 300);
+        const std::size_t many = test::by_size(600, 300);
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = {{{1, 0.3, 0.2}, 0.9}, {{1, 0, 0}, 1}, {{1, 1, 1}, 3}};
@@ -61,7 +61,7 @@ TEST_SUITE("cases") {
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 0.4, 300);
-        const std::size_t many = test::by_size(3000, 600);
+        const std::size_t many = test::by_size(1500, 600);
         auto counts = compare_domain(on_device, random_points(many, 5), options);
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= many / 50);

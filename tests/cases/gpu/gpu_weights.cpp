@@ -67,7 +67,7 @@ Outcome compare(votess::Tessellator& on_device, const Seeds& seeds, Options opti
 TEST_SUITE("cases") {
     TEST_CASE("gpu weights: radii below the spacing and far above are clipped on the device") {
         votess::Tessellator on_device;
-        const std::size_t many = test::by_size(3000, 400);
+        const std::size_t many = test::by_size(1500, 400);
         for (const double largest : {0.05, 1.0})
             for (const bool periodic : {false, true}) {
                 Options options = power_options();
@@ -112,7 +112,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu weights: one heavy seed, clusters, half of the seeds buried") {
         votess::Tessellator on_device;
-        const std::size_t many = test::by_size(2000, 300);
+        const std::size_t many = test::by_size(1000, 300);
         const Options options = power_options();
         Seeds seeds = balls(many, 0.02, 5);
         seeds.weights[many / 2] = 0.2;

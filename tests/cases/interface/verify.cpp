@@ -143,6 +143,7 @@ TEST_SUITE("cases") {
         for (int domain = 0; domain < 3; ++domain)
             for (const std::size_t n : {1, 2, 5, 12})
                 for (const bool weighted : {false, true}) {
+                    if (test::reduced() && n > 5) continue;
                     CAPTURE(domain);
                     CAPTURE(n);
                     CAPTURE(weighted);

@@ -254,7 +254,7 @@ struct Counts {
 
 // No decision of the device may contradict the exact signs.
 Counts judge(test::Gpu& gpu, const Family& family, std::uint64_t seed) {
-    const std::size_t all = test::by_size(400000, 4000), batch = 20000;
+    const std::size_t all = test::by_size(100000, 4000), batch = 20000;
     test::Random random(seed);
     Counts counts;
     for (std::size_t done = 0; done < all; done += batch) {
@@ -299,7 +299,7 @@ TEST_SUITE("stages") {
                 const Counts counts = judge(gpu, {float64, lossy, float64 ? 1e-12 : 1e-4, 1, 57, weights, tilts}, 11);
                 CHECK_MESSAGE(counts.wrong == 0, counts.first);
                 // Both decided and undecided cases occur.
-                CHECK(counts.vertices > test::by_size(200000, 2000));
+                CHECK(counts.vertices > test::by_size(50000, 2000));
                 CHECK(counts.decided > counts.vertices / 15);
                 CHECK(counts.decided < counts.vertices / 10 * 9);
                 CHECK(counts.pruned > counts.vertices / 50);
