@@ -10,7 +10,7 @@ namespace {
 using detail::max_of_all;
 using detail::refuse;
 
-constexpr VkDeviceSize geometry_bytes = 16;      // of a cell: vec4
+constexpr VkDeviceSize geometry_bytes = 16;  // of a cell: vec4
 
 void check(const HostInstance& host) {
     if (host.instance == VK_NULL_HANDLE) refuse("the Vulkan instance is null");
