@@ -1,7 +1,7 @@
-// knn and clip in one: a subgroup makes a cell. Its lanes search the hierarchy, test planes and
-// make new vertices side by side. They hold the cell's vertices in registers; planes and candidates are in shared
-// memory. There is no list: the search continues outwards until the security radius. The status of an unproven cell
-// says why, and the second tier takes it. That tries cells in float64 by this shader first, then by clip_cells.comp.
+// knn and clip in one: a subgroup makes a cell. Its lanes search the hierarchy, test planes and make new vertices side by
+// side. They hold the cell's vertices in registers; planes and candidates are in shared memory. There is no list: the
+// search continues outwards until the security radius. The status of an unproven cell says why. In the second tier the
+// shader, in float64, tries undecided cells again.
 //
 // Subgroups do not wait for each other. Push constants, shared memory at one index and a subgroup's votes are the same
 // in all lanes. Branches on these are uniform; all other branches contain no subgroup operation.
@@ -203,11 +203,11 @@ uint make_cell() {
         float needed = UNBOUNDED;
         forget_reach();
         if (begun) {
-            const float search_units = 1.0 / (scale * high_unit);  // a power of two
-            needed = min(float(security) * (search_units * search_units) * 1.001, UNBOUNDED);
+            const float to_search = 1.0 / (scale * high_unit);  // factor from units of the cell, a power of two
+            needed = min(float(security) * (to_search * to_search) * 1.001, UNBOUNDED);
             vec3 down, up;
             measure_reach(down, up);
-            set_reach(down * search_units, up * search_units, weighted != 0u ? float(radius_of_all) * search_units : 0.0);
+            set_reach(down * to_search, up * to_search, weighted != 0u ? float(radius_of_all) * to_search : 0.0);
         }
         search_on(needed);
     }

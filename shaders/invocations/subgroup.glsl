@@ -156,8 +156,8 @@ bool any_lane(bool yes) {
     return subgroupAny(yes);
 }
 
-// Returns a condition that is the same in all lanes. The vote proves it to the compiler: behind a branch on values from
-// memory, NVIDIA's finds the set of its lanes before each operation of the subgroup.
+// Returns a condition that is the same in all lanes. The vote proves that to compilers. Behind a branch on values from
+// memory NVIDIA's compiler computes the set of active lanes before each operation of the subgroup.
 bool alike(bool condition) {
     return subgroupAny(condition);
 }

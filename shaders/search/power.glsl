@@ -25,7 +25,7 @@
 
 const float smallest_key = -UNBOUNDED, largest_key = 2.9e38;  // seeds with larger keys cut nothing within a box
 
-float per_unit;     // a unit of coordinates in units of length of searches, a power of two
+float from_units;   // factor from units of coordinates to lengths of searches, a power of two
 float weight_unit;  // of weights, in squared units of length
 float weight_slack;
 vec3 twice_tilt;
@@ -34,17 +34,17 @@ bool has_tilt;
 
 // Sets units of length, weight and tilt. node: the group of the cell's seed, or a node above with the same tilt.
 void begin_power(float unit_of_length, RunState run, uint node) {
-    per_unit = 1.0 / unit_of_length;
-    weight_unit = uintBitsToFloat(uint(127 + run.weight_exponent) << 23) * (per_unit * per_unit);
+    from_units = 1.0 / unit_of_length;
+    weight_unit = uintBitsToFloat(uint(127 + run.weight_exponent) << 23) * (from_units * from_units);
     weight_slack = run.lossy_weights != 0u ? weight_unit : 0.0;
-    twice_tilt = tilt_of(node) * (2.0 * per_unit);
+    twice_tilt = tilt_of(node) * (2.0 * from_units);
     has_tilt = any(notEqual(twice_tilt, vec3(0.0)));
 }
 
 // Sets the slacks for offsets from all words, or from high words alone.
 void set_power_slacks(bool high_words) {
-    near_square = exp2(high_words ? 100.0 : 48.0) * (per_unit * per_unit);
-    offset_slack = high_words ? 4294967296.0 * per_unit : 0.0;
+    near_square = exp2(high_words ? 100.0 : 48.0) * (from_units * from_units);
+    offset_slack = high_words ? 4294967296.0 * from_units : 0.0;
     key_slack = high_words ? 2.5e-5 : 4.0e-6;
 }
 
@@ -88,9 +88,9 @@ void bound_node(uint node, vec3 lower, vec3 upper, out vec3 v, out float c) {
     v = vec3(0.0);
     c = by_weight - slack * abs(by_weight) - weight_slack;
     if (!has_tilt) return;
-    const vec3 a = 0.5 * twice_tilt, g = tilt_of(node) * per_unit;
+    const vec3 a = 0.5 * twice_tilt, g = tilt_of(node) * from_units;
     v = g - a;
-    const float drop = node_weights[node].drop * (per_unit * per_unit);
+    const float drop = node_weights[node].drop * (from_units * from_units);
     const vec3 reach = max(abs(lower), abs(upper)) + offset_slack / slack * 2.0;
     const float size = abs(by_weight) + abs(drop) + 2.0 * dot(abs(g) + abs(a) + abs(v), reach);
     c = by_weight + drop + dot(g, lower + upper) - slack * size - weight_slack;

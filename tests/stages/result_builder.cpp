@@ -111,7 +111,7 @@ TEST_SUITE("stages") {
         CHECK(refused(later, 3, 5, 3, {0, 0, 0, 0, 0, 0, 3, 0}));
     }
 
-    TEST_CASE("result builder: touching pages early keeps what is written, for any number of expected rows") {
+    TEST_CASE("result builder: pages touched early change no row, for any number of expected rows") {
         const std::size_t count = 200000, length = 4;
         const std::vector<float> points(3 * count);
         votess::Job job;
