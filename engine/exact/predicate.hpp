@@ -125,7 +125,10 @@ int farther(const Point& p, const Plane& a, const Plane& b);
 // has a relative error of a few units in the last place, whatever cancels.
 template <class Real>
 std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);
-// Returns q - p of a bisector, as accurately.
+// Returns the same vertex, wrong by at most 2^-52 of its length. Takes a tenth of the time if the planes are not very
+// nearly parallel.
+Point near_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c);
+// Returns q - p of a bisector, as accurately as vertex_position().
 template <class Real>
 std::array<Real, 3> difference(const Point& p, const Plane& bisector);
 // Returns h of N.X = h, that is S / 2, in the units of the coordinates and of N; not for walls of a box. N of a wall is

@@ -35,8 +35,9 @@ class CellMeter {
     static constexpr double unit = 0x1p-53;
     template <bool Weighted>
     static constexpr double corner_error = Weighted ? 240 * unit : 160 * unit;
-    static constexpr double unknown_sign2 = 1e26;    // beyond this the sign of the determinant is unknown
-    static constexpr double worst_condition2 = 4e6;  // of a corner that is not solved exactly
+    static constexpr double unknown_sign2 = 1e26;  // beyond this the sign of the determinant is unknown
+    // The squared conditions beyond which corners are solved exactly: at first, and if the errors are too large then.
+    static constexpr double worst_condition2 = 4e6, careful_condition2 = 1e4;
 
     using Lanes = typename Isa::Lanes;  // four doubles
     using Pair __attribute__((vector_size(16), may_alias)) = double;
@@ -139,13 +140,14 @@ class CellMeter {
         Lanes from_seed{};           // the same from the seed, with weights
     };
 
-    // Solves those of four corners exactly that are badly conditioned. Their condition2 becomes that of the worst of
-    // the three lines, which may still be good.
+    // Solves those of four corners exactly whose squared condition is above `worst`. Their condition2 becomes that of
+    // the worst of the three lines, which may still be good.
     [[gnu::noinline]] static void solve_doubtful(const ExactCorners& exact, const Center& center, const Planes& a,
                                                  const Planes& b, const Planes& c,
-                                                 const std::uint16_t* const (&ranks)[3], Vector& x, Lanes& condition2) {
+                                                 const std::uint16_t* const (&ranks)[3], double worst, Vector& x,
+                                                 Lanes& condition2) {
         for (int k = 0; k < 4; ++k) {
-            if (condition2[k] <= worst_condition2) continue;
+            if (condition2[k] <= worst) continue;
             if (!(condition2[k] <= unknown_sign2)) {
                 condition2[k] = std::numeric_limits<double>::infinity();
                 continue;
@@ -169,10 +171,11 @@ class CellMeter {
         return std::max({line(a.n, b.n), line(b.n, c.n), line(c.n, a.n)});
     }
 
-    // Adds four corners from the i-th on. Without Doubtful, returns false if some of them are badly conditioned.
+    // Adds four corners from the i-th on. Without Doubtful, returns false if the squared condition of one is above
+    // `worst`.
     template <bool Weighted, bool Doubtful>
     [[gnu::always_inline]] static bool add_corners(const CellShape& shape, const CornerOrder& order, int i,
-                                                   const Center& center, Sums& sums, Totals& totals) {
+                                                   const Center& center, double worst, Sums& sums, Totals& totals) {
         const std::uint16_t *rank_a = &order.rank[0][i], *rank_b = &order.rank[1][i], *rank_c = &order.rank[2][i];
         Planes a, b, c;
         load(shape, rank_a, a);
@@ -213,8 +216,8 @@ class CellMeter {
         }
         Lanes condition2 = products * (inverse * inverse);
         if constexpr (Doubtful)
-            solve_doubtful(*shape.exact, center, a, b, c, {rank_a, rank_b, rank_c}, x, condition2);
-        else if (Isa::any_above(condition2, worst_condition2))
+            solve_doubtful(*shape.exact, center, a, b, c, {rank_a, rank_b, rank_c}, worst, x, condition2);
+        else if (Isa::any_above(condition2, worst))
             return false;
         Lanes x2, error;
         dot(x, x, x2);
@@ -253,16 +256,17 @@ class CellMeter {
     }
     template <bool Weighted>
     [[gnu::noinline]] static void add_doubtful(const CellShape& shape, const CornerOrder& order, int i,
-                                               const Center& center, Sums& sums, Totals& totals) {
-        add_corners<Weighted, true>(shape, order, i, center, sums, totals);
+                                               const Center& center, double worst, Sums& sums, Totals& totals) {
+        add_corners<Weighted, true>(shape, order, i, center, worst, sums, totals);
     }
 
-    // Bounds the errors of volume and areas more sharply, for long or flat cells: of an orthoscheme by the longer of
-    // its two edges on the face, times |x|, instead of |x|^2. The errors above are of one edge, at most |x|, times the
-    // other.
+    // Bounds the errors of volume and areas more sharply, for long or flat cells, with D the distance of a face and t
+    // and s the distances from its foot to the line and from there to the corner. An orthoscheme has D t s / 6. The
+    // corner is wrong by e, s by e + 24 u c |x| where c is the condition of the line, t by 14 u c |x|, D by 8 u D; the
+    // sums are rounded as above.
     template <bool Weighted>
     [[gnu::noinline]] static bool is_exact_enough(const CellShape& shape, const CornerOrder& order,
-                                                  const Center& center, const CellMeasures& found) {
+                                                  const Center& center, double worst, const CellMeasures& found) {
         double volume_error = 0, area_error = 0;
         for (int i = 0; i < shape.corners; i += 4) {
             Planes a, b, c;
@@ -284,32 +288,37 @@ class CellMeter {
                 };
                 const double x = coordinate(bc.x, ca.x, ab.x), y = coordinate(bc.y, ca.y, ab.y),
                              z = coordinate(bc.z, ca.z, ab.z);
-                double condition2 = a2[k] * b2[k] * c2[k] / (determinant[k] * determinant[k]);
+                const double condition2 = a2[k] * b2[k] * c2[k] / (determinant[k] * determinant[k]);
                 if (!(condition2 <= unknown_sign2)) return false;
-                if (condition2 > worst_condition2) condition2 = worst_line(a, b, c, k);
                 const double longest = Weighted ? std::sqrt(std::max({a2[k], b2[k], c2[k]})) : 0;
-                const double length = std::sqrt(x * x + y * y + z * z) + 0.5 * longest;
-                const double error = std::sqrt(condition2) * (length + center.moved);
+                const double wrong = 62 * std::sqrt(condition2);  // this x, in units of its length
+                const double length =
+                    (std::sqrt(x * x + y * y + z * z) + 0.5 * longest + center.moved) * (1 + unit * wrong);
+                const double corner = (condition2 > worst ? 2 : wrong) * length;
                 // on: the plane of the face
-                const auto add = [&](const Planes& on, const Planes& other, const Vector& line, double square) {
+                const auto add = [&](const Planes& on, double square, const Planes& other, double other2,
+                                     const Vector& line) {
                     const double across = line.x[k] * line.x[k] + line.y[k] * line.y[k] + line.z[k] * line.z[k];
                     const double product =
                         on.n.x[k] * other.n.x[k] + on.n.y[k] * other.n.y[k] + on.n.z[k] * other.n.z[k];
                     const double norm = std::sqrt(square), edge = 1 / std::sqrt(across);
-                    const double along = std::abs(x * line.x[k] + y * line.y[k] + z * line.z[k]) * edge;
+                    const double along =
+                        std::abs(x * line.x[k] + y * line.y[k] + z * line.z[k]) * edge + unit * wrong * length;
                     const double to_line = std::abs(other.h[k] - on.h[k] / square * product) * norm * edge;
-                    const double most = error * std::max(along, to_line);
-                    volume_error += most * (std::abs(on.h[k]) / norm + (Weighted ? norm : 0)) / 6;
-                    area_error += most / 3;
+                    const double of_line = norm * std::sqrt(other2) * edge * length;
+                    const double error = to_line * (corner + 32 * of_line + 54 * along) + 14 * of_line * along;
+                    volume_error += error * (std::abs(on.h[k]) / norm + (Weighted ? norm : 0)) / 6;
+                    area_error += error / 2;
                 };
-                add(a, b, ab, a2[k]), add(b, a, ab, b2[k]);
-                add(b, c, bc, b2[k]), add(c, b, bc, c2[k]);
-                add(c, a, ca, c2[k]), add(a, c, ca, a2[k]);
+                add(a, a2[k], b, b2[k], ab), add(b, b2[k], a, a2[k], ab);
+                add(b, b2[k], c, c2[k], bc), add(c, c2[k], b, b2[k], bc);
+                add(c, c2[k], a, a2[k], ca), add(a, a2[k], c, c2[k], ca);
             }
         }
         const double surface = std::accumulate(found.areas.begin(), found.areas.begin() + shape.planes, 0.0);
-        return corner_error<Weighted> * volume_error <= accepted_error * found.volume &&
-               corner_error<Weighted> * area_error <= 2 * accepted_error * surface;
+        constexpr double rounded = Weighted ? 1.5 * unit : unit;
+        return rounded * volume_error <= accepted_error * found.volume &&
+               rounded * area_error <= 2 * accepted_error * surface;
     }
 
     // Solves the normal equations of power + n.move = 0, each divided by |n|^2.
@@ -340,14 +349,13 @@ class CellMeter {
         if (!(center.moved < std::numeric_limits<double>::infinity())) center = {};
     }
 
+    // Fills h and the feet of the planes, and h of the shape. Returns false if a plane is too near for products of six.
     template <bool Weighted>
-    static bool measure(CellShape& shape, CellMeasures& out) {
-        constexpr double smallest_volume = 1e-140, smallest_square = 1e-90;  // no product of six leaves the range
+    static bool read_planes(CellShape& shape, Center& center, Sums& sums) {
+        constexpr double smallest_square = 1e-90;
         // Planes are handled four at a time; the padding lanes are ignored.
         for (int p = shape.planes; p % 4 != 0; ++p) shape.plane[p] = shape.plane[0];
-        Center center;
         if constexpr (Weighted) find_center(shape, center);
-        Sums sums;
         Lanes least = Lanes{} + std::numeric_limits<double>::infinity(), longest{};
         for (int p = 0; p < shape.planes; p += 4) {
             CellShape::Plane* plane = &shape.plane[p];
@@ -366,23 +374,29 @@ class CellMeter {
             }
             for (int k = 0; k < 4; ++k) plane[k].power = h[k];
             lanes(&sums.h[p]) = h;
-            lanes(&sums.q[p]) = Lanes{};
             if constexpr (Weighted) lanes(&sums.foot[p]) = h / square;
         }
-        if (!(smallest(least) > smallest_square)) return false;
-        lanes(&sums.q[CellShape::max_planes]) = lanes(&sums.foot[CellShape::max_planes]) = Lanes{};
-
-        CornerOrder order;
-        Isa::order_corners(shape, order);
+        lanes(&sums.foot[CellShape::max_planes]) = Lanes{};
         center.further = Weighted ? 0.5 * std::sqrt(largest(longest)) : 0;
+        return smallest(least) > smallest_square;
+    }
+
+    // Solves corners exactly whose squared condition is above `worst`. Returns false if the errors may be too large.
+    template <bool Weighted>
+    static bool sum_corners(CellShape& shape, const CornerOrder& order, const Center& center, double worst, Sums& sums,
+                            CellMeasures& out) {
+        constexpr double smallest_volume = 1e-140;  // no product of six leaves the range
+        for (int p = 0; p < shape.planes; p += 4) lanes(&sums.q[p]) = Lanes{};
+        lanes(&sums.q[CellShape::max_planes]) = Lanes{};
         Totals sure;
         std::array<std::uint8_t, CellShape::max_corners / 4> doubtful;  // groups of four
         int doubts = 0;
         for (int i = 0; i < shape.corners; i += 4)
-            if (!add_corners<Weighted, false>(shape, order, i, center, sums, sure))
+            if (!add_corners<Weighted, false>(shape, order, i, center, worst, sums, sure))
                 doubtful[doubts++] = static_cast<std::uint8_t>(i / 4);
         Totals totals = sure;
-        for (int k = 0; k < doubts; ++k) add_doubtful<Weighted>(shape, order, 4 * doubtful[k], center, sums, totals);
+        for (int k = 0; k < doubts; ++k)
+            add_doubtful<Weighted>(shape, order, 4 * doubtful[k], center, worst, sums, totals);
 
         Lanes volumes{}, moment{};
         for (int p = 0; p < shape.planes; p += 4) {
@@ -409,12 +423,23 @@ class CellMeter {
         const double reach = std::sqrt(largest(totals.farthest)) + center.further;
         return out.volume > smallest_volume &&
                (corner_error<Weighted> * sum(totals.errors) * reach <= accepted_error * out.volume ||
-                is_exact_enough<Weighted>(shape, order, center, out));
+                is_exact_enough<Weighted>(shape, order, center, worst, out));
+    }
+
+    template <bool Weighted>
+    static bool measure_around(CellShape& shape, CellMeasures& out) {
+        Center center;
+        Sums sums;
+        if (!read_planes<Weighted>(shape, center, sums)) return false;
+        CornerOrder order;
+        Isa::order_corners(shape, order);
+        return sum_corners<Weighted>(shape, order, center, worst_condition2, sums, out) ||
+               sum_corners<Weighted>(shape, order, center, careful_condition2, sums, out);
     }
 
 public:
     static bool measure(CellShape& shape, CellMeasures& out) {
-        return shape.weighted ? measure<true>(shape, out) : measure<false>(shape, out);
+        return shape.weighted ? measure_around<true>(shape, out) : measure_around<false>(shape, out);
     }
 };
 

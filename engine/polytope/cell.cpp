@@ -403,7 +403,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         z = (pa.h * bcz + pb.h * caz + pc.h * abz) * inverse;
         factor = solved_factor * condition;
     } else {
-        const auto position = exact::vertex_position<double>(seed_, pa.source, pb.source, pc.source);
+        const auto position = exact::near_vertex(seed_, pa.source, pb.source, pc.source);
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
     }

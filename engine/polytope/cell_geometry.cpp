@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <type_traits>
 
 #include "polytope/cell.hpp"
 #include "polytope/cell_polygons.hpp"
@@ -178,7 +179,10 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
         Solved& vertex = known[slot];
         if (!vertex.position) {
             const auto& [a, b, c] = vertex.on;
-            vertex.position = exact::vertex_position<Real>(cell.seed(), *a, *b, *c);
+            if constexpr (std::is_same_v<Real, double>)
+                vertex.position = exact::near_vertex(cell.seed(), *a, *b, *c);
+            else
+                vertex.position = exact::vertex_position<Real>(cell.seed(), *a, *b, *c);
             vertex.error = 8 * roundoff<Real> * length_bound(*vertex.position);
         }
         return Corner{*vertex.position, vertex.error};

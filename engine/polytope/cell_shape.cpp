@@ -64,7 +64,7 @@ std::array<double, 3> ShapeReader::corner(const std::array<unsigned, 3>& ranks) 
     const auto source = [&](std::size_t k) -> const exact::Plane& {
         return cell_->planes()[static_cast<std::size_t>(plane_[ranks[k]])].source;
     };
-    return exact::vertex_position<double>(cell_->seed(), source(0), source(1), source(2));
+    return exact::near_vertex(cell_->seed(), source(0), source(1), source(2));
 }
 
 }  // namespace votess::cpu

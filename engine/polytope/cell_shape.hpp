@@ -15,7 +15,7 @@ struct CellFaces;
 
 class ExactCorners {
 public:
-    // Returns the corner of three planes, given by rank, rounded once.
+    // Returns the corner of three planes, given by rank, wrong by at most 2^-52 of its length.
     [[nodiscard]] virtual std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const = 0;
 
 protected:

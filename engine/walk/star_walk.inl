@@ -1003,10 +1003,10 @@ bool StarWalk<Isa>::any_missing_image(const Ball& ball, double length) {
         for_groups(around, tilt, {ball.off, square, near}, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
                 const double apart = distance_to_seed(around, s);
-                if (seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}))
-                    continue;
                 const double most = weighted_ ? std::max(0.0, largest_residual(tilt, s) - tilt.least) : 0;
-                any = any || apart * apart * (1 - 8 * unit) - 2 * ball.off * apart < square + most;
+                any = any ||
+                      (apart * apart * (1 - 8 * unit) - 2 * ball.off * apart < square + most &&
+                       !seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}));
             }
             return !any;
         });
@@ -1187,7 +1187,7 @@ std::array<double, 3> StarWalk<Isa>::corner(const std::array<unsigned, 3>& ranks
         while (shape_.rank[face_slot_[face]] != rank) ++face;
         return exact_plane(face_[face]);
     };
-    return exact::vertex_position<double>(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
+    return exact::near_vertex(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
 }
 
 template <class Isa>

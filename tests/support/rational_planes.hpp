@@ -22,6 +22,7 @@ inline RationalPlane rational(const Point& p, const Plane& plane) {
             r.n[k] = mpq_class(plane.seed[k]) - mpq_class(p[k]);
             r.h += r.n[k] * r.n[k] / 2;
         }
+        r.h += (mpq_class(plane.power.high) + mpq_class(plane.power.low)) / 2;
         if (plane.is_reversed()) {
             for (mpq_class& x : r.n) x = -x;
             r.h = -r.h;
