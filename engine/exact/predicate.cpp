@@ -101,7 +101,7 @@ Real scale_by_power(Real x, int exponent) {
         // In steps that neither overflow nor underflow.
         while (exponent > 500) x *= static_cast<Real>(0x1p500), exponent -= 500;
         while (exponent < -500) x *= static_cast<Real>(0x1p-500), exponent += 500;
-        return x * static_cast<Real>(std::ldexp(1.0, exponent));
+        return x * static_cast<Real>(power_of_two(exponent));
     }
 }
 
@@ -271,7 +271,7 @@ std::array<Real, 3> difference(const Point& p, const Plane& bisector) {
 }
 
 template <class Real>
-Real height(const Point& p, const Plane& plane) {
+Real height(const Point& p, const Plane& plane, int exponent) {
     BitRange range;
     range.add(p);
     range.add(plane);
@@ -280,7 +280,7 @@ Real height(const Point& p, const Plane& plane) {
     if (plane.is_oblique()) unit = normal_quantum(plane) * (plane.kind == Plane::Kind::cell_wall ? 2 : 1);
     const auto half = [&]<int W>() {
         const auto s = scaled<Real>(wide_row<W>(p, plane, q).s);
-        return scale_by_power<Real>(s.mantissa, s.exponent + unit + q - 1);
+        return scale_by_power<Real>(s.mantissa, s.exponent + unit + q - 1 + exponent);
     };
     if constexpr (std::is_same_v<Real, WideFloat>) {
         return half.template operator()<widest>();
@@ -290,9 +290,9 @@ Real height(const Point& p, const Plane& plane) {
     }
 }
 
-template double height(const Point&, const Plane&);
-template Quad height(const Point&, const Plane&);
-template WideFloat height(const Point&, const Plane&);
+template double height(const Point&, const Plane&, int);
+template Quad height(const Point&, const Plane&, int);
+template WideFloat height(const Point&, const Plane&, int);
 template std::array<double, 3> difference(const Point&, const Plane&);
 template std::array<Quad, 3> difference(const Point&, const Plane&);
 template std::array<WideFloat, 3> difference(const Point&, const Plane&);

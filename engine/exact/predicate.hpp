@@ -131,9 +131,9 @@ Point near_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c
 // Returns q - p of a bisector, as accurately as vertex_position().
 template <class Real>
 std::array<Real, 3> difference(const Point& p, const Plane& bisector);
-// Returns h of N.X = h, that is S / 2, in the units of the coordinates and of N; not for walls of a box. N of a wall is
-// its normal as given, N of a cell_wall the cross product of the vectors.
+// Returns 2^exponent times h of N.X = h, that is S / 2, in the units of the coordinates and of N; not for walls of a
+// box. N of a wall is its normal as given, N of a cell_wall the cross product of the vectors.
 template <class Real>
-Real height(const Point& p, const Plane& plane);
+Real height(const Point& p, const Plane& plane, int exponent);
 
 }  // namespace votess::exact

@@ -16,6 +16,8 @@ constexpr double unit = 0x1p-53;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these, underflow may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
+// Shorter normals are multiplied by CellPlane::unit, unless a part of them may be subnormal.
+constexpr double short_normal = 0x1p-100, shortest_normal = 0x1p-900;
 constexpr double smallest_height = 1e-300;  // differences of heights below it may come from underflow
 constexpr double worst_condition = 1e4;     // |na||nb||nc| / |det|
 constexpr int tests_before_refining = 8;    // a lattice meets fewer, all ties, which need the exact test
@@ -87,6 +89,27 @@ CellPlane box_wall(const exact::Point& seed, const Box& box, int wall) {
 // h is a sum that may cancel. At least half of all digits must remain.
 constexpr double worst_cancellation = 0x1p-40;
 
+// Returns CellPlane::unit for a normal.
+double unit_for(const std::array<double, 3>& n) {
+    const double largest = std::max({std::abs(n[0]), std::abs(n[1]), std::abs(n[2])});
+    return largest >= short_normal || largest < shortest_normal ? 1 : std::ldexp(1.0, -std::ilogb(largest));
+}
+
+// Returns the squared length of unit * n.
+double set_norm(CellPlane& plane) {
+    const double x = plane.unit * plane.n[0], y = plane.unit * plane.n[1], z = plane.unit * plane.n[2];
+    const double square = x * x + y * y + z * z;
+    plane.norm = std::sqrt(square) / plane.unit;
+    plane.reliable = square > smallest_square;
+    return square;
+}
+
+FilterPlane filter_of(const CellPlane& plane) {
+    return {plane.unit * plane.n[0], plane.unit * plane.n[1],
+            plane.unit * plane.n[2], plane.h,
+            plane.unit * plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+}
+
 }  // namespace
 
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source, const exact::Shift& shift) {
@@ -99,12 +122,15 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
     double size = 0;
     if (source.is_bisector()) {
         const exact::Differences d = exact::differences(p, source);
-        for (int k = 0; k < 3; ++k) {
-            plane.n[k] = d.x[k].high;
-            h = h + d.x[k] * d.x[k];
-        }
-        size = h.high + std::abs(source.power.high);
-        h = h + source.power;
+        for (int k = 0; k < 3; ++k) plane.n[k] = d.x[k].high;
+        plane.unit = unit_for(plane.n);
+        const auto in_units = [&plane](DoubleDouble x) {
+            return DoubleDouble{plane.unit * x.high, plane.unit * x.low};
+        };
+        for (const DoubleDouble& x : d.x) h = h + in_units(x) * in_units(x);
+        const DoubleDouble power = in_units(in_units(source.power));
+        size = h.high + std::abs(power.high);
+        h = h + power;
         h = {0.5 * h.high, 0.5 * h.low};
         if (source.is_reversed()) {
             for (double& n : plane.n) n = -n;
@@ -133,11 +159,9 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
             size += std::abs(product.high);
         }
     }
-    const auto& [x, y, z] = plane.n;
-    const double square = x * x + y * y + z * z;
-    plane.h = h.high;
-    plane.norm = std::sqrt(square);
-    plane.reliable = square > smallest_square && std::abs(plane.h) > worst_cancellation * size;
+    set_norm(plane);
+    plane.h = h.high / plane.unit;
+    plane.reliable = plane.reliable && std::abs(h.high) > worst_cancellation * size;
     return plane;
 }
 
@@ -313,13 +337,13 @@ void Cell::drop_if_flat() {
     while (!alive(first)) ++first;
     for (const std::int32_t p : std::array(corners_[first].plane)) {
         const CellPlane& plane = planes_[p];
+        const FilterPlane filter = filter_of(plane);
         bool flat = true;
         for_each_alive([&](int v) {
             const auto& [a, b, c] = corners_[v].plane;
             if (!flat || a == p || b == p || c == p) return;
-            const double excess = plane.n[0] * x_[v] + plane.n[1] * y_[v] + plane.n[2] * z_[v] - plane.h;
-            const double bound = plane.norm * tolerance_[v] + 12 * unit * std::abs(plane.h);
-            flat = !(plane.reliable && std::abs(excess) > bound) && side_exact(v, plane) == 0;
+            const double excess = filter.nx * x_[v] + filter.ny * y_[v] + filter.nz * z_[v] - filter.h;
+            flat = !(std::abs(excess) > filter.norm * tolerance_[v] + filter.h_error) && side_exact(v, plane) == 0;
         });
         if (!flat) continue;
         std::ranges::fill(alive_, 0);
@@ -331,7 +355,7 @@ void Cell::drop_if_flat() {
 int Cell::refined_side(int slot, const CellPlane& plane) {
     using exact::DoubleDouble;
     Refined& vertex = refined_[slot];
-    if (++vertex.tests < tests_before_refining || !plane.reliable || !plane.source.is_bisector() ||
+    if (++vertex.tests < tests_before_refining || !plane.reliable || plane.unit != 1 || !plane.source.is_bisector() ||
         plane.source.is_reversed())
         return 0;
     if (!vertex.solved) {
@@ -385,17 +409,19 @@ int Cell::allocate_slot() {
 
 void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c) {
     const CellPlane &pa = planes_[a], &pb = planes_[b], &pc = planes_[c];
-    const auto& [ax, ay, az] = pa.n;
-    const auto& [bx, by, bz] = pb.n;
-    const auto& [cx, cy, cz] = pc.n;
+    const double a_unit = pa.unit, b_unit = pb.unit, c_unit = pc.unit;
+    const double ax = a_unit * pa.n[0], ay = a_unit * pa.n[1], az = a_unit * pa.n[2];
+    const double bx = b_unit * pb.n[0], by = b_unit * pb.n[1], bz = b_unit * pb.n[2];
+    const double cx = c_unit * pc.n[0], cy = c_unit * pc.n[1], cz = c_unit * pc.n[2];
     const double bcx = by * cz - bz * cy, bcy = bz * cx - bx * cz, bcz = bx * cy - by * cx;
     const double cax = cy * az - cz * ay, cay = cz * ax - cx * az, caz = cx * ay - cy * ax;
     const double abx = ay * bz - az * by, aby = az * bx - ax * bz, abz = ax * by - ay * bx;
     const double determinant = ax * bcx + ay * bcy + az * bcz;
     const double inverse = 1 / determinant;
-    const double product = pa.norm * pb.norm * pc.norm;
+    const double product = (a_unit * pa.norm) * (b_unit * pb.norm) * (c_unit * pc.norm);
     const double condition = product * std::abs(inverse);
     double x, y, z, factor;
+    refined_[slot].tests = 0, refined_[slot].solved = refined_[slot].rounded = false;
     if (!sharp_ && condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable &&
         pc.reliable) {
         x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;
@@ -406,8 +432,8 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         const auto position = exact::near_vertex(seed_, pa.source, pb.source, pc.source);
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
+        refined_[slot].rounded = true;
     }
-    refined_[slot].tests = 0, refined_[slot].solved = false;
     x_[slot] = x, y_[slot] = y, z_[slot] = z;
     tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
     radius_[slot] = (x * x + y * y + z * z) * reach_of_error(factor);
@@ -416,11 +442,9 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
 bool Cell::clip(std::int32_t id, const exact::Point& q) {
     CellPlane plane;
     for (int k = 0; k < 3; ++k) plane.n[k] = q[k] - seed_[k];
-    const double square = plane.n[0] * plane.n[0] + plane.n[1] * plane.n[1] + plane.n[2] * plane.n[2];
-    plane.h = 0.5 * square;
-    plane.norm = std::sqrt(square);
+    plane.unit = unit_for(plane.n);
+    plane.h = 0.5 * set_norm(plane) / plane.unit;
     plane.id = id;
-    plane.reliable = square > smallest_square;
     plane.source = exact::Plane::bisector(q);
     return clip(plane);
 }
@@ -442,7 +466,10 @@ bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
                           face.source.is_reversed())
             continue;
         if (!exact::same_plane(seed_, face.source, plane.source)) continue;
-        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) {
+            face = plane;
+            for (Refined& vertex : refined_) vertex.rounded = false;
+        }
         return true;
     }
     return false;
@@ -528,8 +555,7 @@ void Cell::spread(const CellPlane& plane, const FilterPlane& filter) {
 }
 
 bool Cell::clip(const CellPlane& plane) {
-    const FilterPlane filter{plane.n[0], plane.n[1], plane.n[2],
-                             plane.h,    plane.norm, plane.reliable ? 12 * unit * std::abs(plane.h) : infinity};
+    const FilterPlane filter = filter_of(plane);
     killed_.clear();
     std::optional<bool> any;
     if (slots_ > few_slots && !empty_) any = climb(plane, filter);

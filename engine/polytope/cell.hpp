@@ -34,12 +34,13 @@ namespace votess::cpu {
 
 struct CellPlane {
     std::array<double, 3> n;  // q - p rounded, or the outward normal of a wall
-    double h;                 // n.x = h on the plane
+    double h;                 // unit * n.x = h on the plane
     double norm;              // |n|
     std::int32_t id;          // as given to clip(); walls are -1..-6, then -7, -8, ...
-    bool reliable;            // h has all its digits, and is so large that no product underflows
+    bool reliable;            // h has all its digits, and no product with unit * n underflows
     exact::Plane source;
     exact::Shift shift{};  // of the image q, between positions inside a periodic box
+    double unit = 1;       // power of two that brings a very short n to order one
 };
 
 // Returns the plane of a bisector or a wall as seen by a seed at p.
@@ -117,6 +118,8 @@ public:
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
     // Returns a bound on the error of each coordinate of position().
     [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
+    // Whether position() is what exact::near_vertex() returns for the corner's planes.
+    [[nodiscard]] bool rounded_from_exact(int slot) const { return refined_[slot].rounded; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may remain.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
@@ -135,6 +138,7 @@ private:
     struct Refined {  // gains precision with the number of uncertain tests
         int tests = 0;
         bool solved = false;
+        bool rounded = false;  // see rounded_from_exact()
         std::array<exact::DoubleDouble, 3> position{};
     };
     struct RefinedPlane {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <type_traits>
 
 #include "polytope/cell.hpp"
@@ -16,6 +17,8 @@ namespace {
 // The promise is 1e-10. The bound assumes the worst vertices; the rest is rounding of the sums.
 constexpr double accepted_error = 5e-11;
 constexpr double smallest_volume = 1e-140;  // below this volume times position might underflow
+constexpr int ordinary_exponent = 100;      // of a size that needs no scaling
+constexpr int largest_exponent = 900;       // beyond this, parts of a cell may be subnormal
 
 template <class Real>
 double square(const Vector<Real>& a) {
@@ -25,8 +28,22 @@ double square(const Vector<Real>& a) {
 // bisector h = |n|^2 / 2.
 template <class Real>
 struct Sums {
-    Real volume = 0;
-    Vector<Real> moment{};  // integral of x over the cell
+    // A sum whose rounding does not grow with the number of terms (Knuth).
+    struct Sum {
+        Real high = 0, rest = 0;
+
+        void operator+=(const Real& x) {
+            const Real sum = high + x;
+            if constexpr (roundoff < Real >> 0) {
+                const Real added = sum - high;
+                rest += (high - (sum - added)) + (x - added);
+            }
+            high = sum;
+        }
+        [[nodiscard]] Real total() const { return high + rest; }
+    };
+    Sum volume;
+    std::array<Sum, 3> moment;  // integral of x over the cell
 
     void add_pyramid(const Real& volume_of_it, const Vector<Real>& a, const Vector<Real>& b, const Vector<Real>& c) {
         volume += volume_of_it;
@@ -34,8 +51,9 @@ struct Sums {
     }
     [[nodiscard]] CellGeometry geometry() const {
         CellGeometry g;
-        g.volume = static_cast<double>(volume);
-        for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k] / volume);
+        const Real all = volume.total();
+        g.volume = static_cast<double>(all);
+        for (int k = 0; k < 3; ++k) g.centroid[k] = static_cast<double>(moment[k].total() / all);
         return g;
     }
 };
@@ -62,22 +80,26 @@ Vector<Real> wall_normal(const exact::Plane& wall) {
     return cross(u, v);
 }
 
+// A very small or large cell is measured in units of a power of two, so that no volume or square leaves the range of
+// double.
 template <class Real>
-Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed) {
+Pyramids<Real> pyramids(const CellPlane& plane, const exact::Point& seed, int exponent) {
     const exact::Plane& source = plane.source;
     Vector<Real> n;
+    const auto per_unit = static_cast<Real>(std::ldexp(1.0, -exponent));
     if (source.is_bisector()) {
-        n = exact::difference<Real>(seed, source);
+        n = per_unit * exact::difference<Real>(seed, source);
         if (!source.has_power()) return {n, static_cast<Real>(1) / 12};
+        return {n, exact::height<Real>(seed, source, -2 * exponent) / dot(n, n) / 6};
     } else if (source.is_oblique()) {
         n = wall_normal<Real>(source);
     } else {
         const int axis = source.axis;
         const Real offset = static_cast<Real>(source.wall) - static_cast<Real>(seed[axis]);
         return {{static_cast<Real>(plane.n[0]), static_cast<Real>(plane.n[1]), static_cast<Real>(plane.n[2])},
-                static_cast<Real>(offset * plane.n[axis] / 6)};
+                static_cast<Real>(per_unit * offset * plane.n[axis] / 6)};
     }
-    return {n, exact::height<Real>(seed, source) / dot(n, n) / 6};
+    return {n, exact::height<Real>(seed, source, -exponent) / dot(n, n) / 6};
 }
 
 // Turns doubled area vectors on a plane into areas.
@@ -101,59 +123,144 @@ struct AreaScale {
     }
 };
 
-// corner(slot) returns {position, bound on its error}. Returns nothing when the error bound is not met.
+// Returns the exponent of the units for a cell, 0 for most.
+int exponent_of(const Cell& cell, const CellFaces& faces) {
+    double largest = 0;
+    for (const std::int32_t slot : faces.corners)
+        for (const double x : cell.position(slot)) largest = std::max(largest, std::abs(x));
+    if (!(largest > 0 && std::isfinite(largest))) return 0;
+    const int exponent = std::ilogb(largest), size = std::abs(exponent);
+    return size <= ordinary_exponent || size > largest_exponent ? 0 : exponent;
+}
+
+// How the volume and the surface change when one corner moves. In a sum over the faces around it most of this cancels,
+// so a bound on all errors grows as the surface, not as the number of faces.
+struct Gradient {
+    Vector<double> volume{}, surface{};
+    double volume_terms = 0, surface_terms = 0;  // sizes of what was added, for its rounding
+    double error = 0;                            // of each coordinate of the corner
+
+    [[nodiscard]] double volume_error() const { return error * (length_bound(volume) + rounding * volume_terms); }
+    [[nodiscard]] double surface_error() const { return error * (length_bound(surface) + rounding * surface_terms); }
+
+private:
+    static constexpr double rounding = 0x1p-48;
+};
+
+template <class Real>
+Vector<double> rounded(const Vector<Real>& a) {
+    return {static_cast<double>(a[0]), static_cast<double>(a[1]), static_cast<double>(a[2])};
+}
+
+// The doubled area vector of a triangle, from its two shorter edges.
+template <class Real>
+struct Triangle {
+    Vector<Real> doubled;
+    double size;  // product of bounds on the lengths of the edges
+
+    Triangle(const Vector<Real>& a, const Vector<Real>& b, const Vector<Real>& c) {
+        const Vector<Real> ab = b - a, ac = c - a, bc = c - b;
+        const double lengths[3] = {length_bound(ab), length_bound(ac), length_bound(bc)};
+        const double longest = std::max({lengths[0], lengths[1], lengths[2]});
+        if (longest == lengths[2])
+            doubled = cross(ab, ac), size = lengths[0] * lengths[1];
+        else if (longest == lengths[1])
+            doubled = cross(ab, bc), size = lengths[0] * lengths[2];
+        else
+            doubled = cross(ac, bc), size = lengths[1] * lengths[2];
+    }
+};
+
+// corner_of(slot) returns {position, bound on its error}. Returns nothing when the error bound is not met.
+//
+// A polygon's doubled area vector is the sum of v_i x v_i+1. If corners move by d_i it changes by the sum of
+// d_i x (v_i+1 - v_i-1) + d_i x d_i+1.
 template <class Real, class Corners>
-std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner,
+std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& faces, Corners&& corner_of,
                                          std::vector<double>* areas) {
+    constexpr bool bounded = roundoff < Real >> 0;
+    const int exponent = exponent_of(cell, faces);
+    const double per_unit = std::ldexp(1.0, -exponent);
     Sums<Real> sums;
-    double error = 0, surface = 0, area_error = 0, farthest = 0;
+    std::vector<Gradient> gradients(bounded ? static_cast<std::size_t>(cell.slots()) : 0);
+    std::vector<Vector<Real>> polygon;
+    double error = 0, surface = 0, surface_error = 0, worst_area = 0, farthest = 0;
     if (areas != nullptr) areas->clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        const CellPlane& plane = cell.planes()[faces.planes[f]];
-        const auto [n, factor] = pyramids<Real>(plane, cell.seed());
-        const double reach = std::abs(static_cast<double>(factor)) * length_bound(n);
-        const auto* slots = &faces.corners[faces.offsets[f]];
-        const int count = faces.offsets[f + 1] - faces.offsets[f];
-        const auto [apex, apex_error] = corner(slots[0]);
-        auto [last, last_error] = corner(slots[1]);
-        farthest = std::max({farthest, square(apex), square(last)});
-        Vector<Real> previous = last - apex;
-        double spread = length_bound(previous);
-        double worst = std::max(apex_error, last_error);
-        double doubled_error = 0;
-        Vector<Real> doubled{};  // area vector of the face
-        for (int c = 2; c < count; ++c) {
-            const auto [position, position_error] = corner(slots[c]);
-            farthest = std::max(farthest, square(position));
-            const auto current = position - apex;
-            const double size = length_bound(current);
-            worst = std::max(worst, position_error);
-            // Moving a corner by t changes the doubled area by at most t times the opposite side.
-            doubled_error += 3 * worst * (spread + size) + 8 * roundoff<Real> * spread * size;
-            const Vector<Real> triangle = cross(previous, current);
-            for (int k = 0; k < 3; ++k) doubled[k] += triangle[k];
-            const Real volume = dot(triangle, n) * factor;
-            sums.add_pyramid(volume, apex, last, position);
-            previous = current;
-            last = position;
-            spread = size;
+        const auto [n, factor] = pyramids<Real>(cell.planes()[faces.planes[f]], cell.seed(), exponent);
+        const std::span slots =
+            std::span(faces.corners)
+                .subspan(static_cast<std::size_t>(faces.offsets[f]), faces.offsets[f + 1] - faces.offsets[f]);
+        const std::size_t count = slots.size();
+        polygon.clear();
+        double worst = 0;
+        for (const std::int32_t slot : slots) {
+            const auto [position, corner_error] = corner_of(slot);
+            polygon.push_back(exponent == 0 ? position : static_cast<Real>(per_unit) * position);
+            farthest = std::max(farthest, square(polygon.back()));
+            worst = std::max(worst, per_unit * corner_error);
+            if constexpr (bounded) gradients[slot].error = per_unit * corner_error;
         }
-        error += reach * doubled_error;
+        const Vector<Real>& apex = polygon[0];
+        double doubled_error = 2 * static_cast<double>(count) * worst * worst;
+        Vector<Real> doubled{};  // area vector of the face
+        for (std::size_t c = 2; c < count; ++c) {
+            const Triangle<Real> triangle(apex, polygon[c - 1], polygon[c]);
+            doubled_error += 8 * roundoff<Real> * triangle.size;
+            for (int k = 0; k < 3; ++k) doubled[k] += triangle.doubled[k];
+            const Real volume = dot(triangle.doubled, n) * factor;
+            sums.add_pyramid(volume, apex, polygon[c - 1], polygon[c]);
+        }
+        const AreaScale<Real> scale(n);
         if (areas != nullptr) {
-            const AreaScale<Real> scale(n);
             areas->push_back(scale.area(doubled));
             surface += areas->back();
-            area_error += scale.error_factor * doubled_error;
+        }
+        if constexpr (bounded) {
+            const double reach = std::abs(static_cast<double>(factor)) * length_bound(n);
+            const Vector<double> height = rounded(factor * n), unit = scale.factor * rounded(scale.n);
+            double area_error = scale.error_factor * doubled_error;
+            error += reach * doubled_error;
+            surface_error += area_error;
+            for (std::size_t c = 0; c < count; ++c) {
+                const Vector<double> across =
+                    rounded(polygon[c + 1 == count ? 0 : c + 1] - polygon[c == 0 ? count - 1 : c - 1]);
+                const Vector<double> volume = cross(across, height), area = cross(across, unit);
+                Gradient& gradient = gradients[slots[c]];
+                for (int k = 0; k < 3; ++k) gradient.volume[k] += volume[k], gradient.surface[k] += area[k];
+                gradient.volume_terms += reach * length_bound(across);
+                gradient.surface_terms += scale.error_factor * length_bound(across);
+                area_error += gradient.error * length_bound(area);
+            }
+            worst_area = std::max(worst_area, area_error);
         }
     }
-    if constexpr (roundoff < Real >> 0) {
-        const auto volume = static_cast<double>(sums.volume);
+    if constexpr (bounded) {
+        for (const Gradient& gradient : gradients) {
+            error += gradient.volume_error();
+            surface_error += gradient.surface_error();
+        }
+        const auto volume = static_cast<double>(sums.volume.total());
         if (!(volume > smallest_volume && error <= accepted_error * volume)) return std::nullopt;
-        if (!(area_error <= accepted_error * surface)) return std::nullopt;
+        if (areas != nullptr && !(std::max(worst_area, surface_error) <= accepted_error * surface)) return std::nullopt;
     }
     CellGeometry geometry = sums.geometry();
     geometry.farthest_squared = farthest;
+    if (exponent != 0) {
+        geometry.volume = std::ldexp(geometry.volume, 3 * exponent);
+        for (double& x : geometry.centroid) x = std::ldexp(x, exponent);
+        geometry.farthest_squared = std::ldexp(geometry.farthest_squared, 2 * exponent);
+        if (areas != nullptr)
+            for (double& area : *areas) area = std::ldexp(area, 2 * exponent);
+    }
     return geometry;
+}
+
+// Whether the cell has solved a corner exactly, from these planes.
+bool is_at_position(const Cell& cell, int slot, const std::array<const exact::Plane*, 3>& on) {
+    return cell.rounded_from_exact(slot) && std::ranges::all_of(cell.corner_planes(slot), [&](const CellPlane* plane) {
+               return std::ranges::find(on, &plane->source) != on.end();
+           });
 }
 
 // Solves each vertex exactly, from the planes of its first three faces, and rounds it to Real.
@@ -180,7 +287,8 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
         if (!vertex.position) {
             const auto& [a, b, c] = vertex.on;
             if constexpr (std::is_same_v<Real, double>)
-                vertex.position = exact::near_vertex(cell.seed(), *a, *b, *c);
+                vertex.position = is_at_position(cell, slot, vertex.on) ? cell.position(slot)
+                                                                        : exact::near_vertex(cell.seed(), *a, *b, *c);
             else
                 vertex.position = exact::vertex_position<Real>(cell.seed(), *a, *b, *c);
             vertex.error = 8 * roundoff<Real> * length_bound(*vertex.position);

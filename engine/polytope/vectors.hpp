@@ -25,6 +25,10 @@ template <class Real>
 Vector<Real> operator-(const Vector<Real>& a, const Vector<Real>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
+template <class Real>
+Vector<Real> operator*(const Real& times, const Vector<Real>& a) {
+    return {times * a[0], times * a[1], times * a[2]};
+}
 // Returns the sum of the components' sizes, a bound on the length.
 template <class Real>
 double length_bound(const Vector<Real>& a) {

@@ -5,9 +5,11 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <thread>
+#include <tuple>
 
 #include "core/progress.hpp"
 #include "core/thread_pool.hpp"
@@ -164,6 +166,63 @@ TEST_SUITE("stages") {
         cell.canonical_faces(faces);
         CHECK(faces.size() == last);
         CHECK(static_cast<int>(faces.vertex_count + faces.size()) - static_cast<int>(faces.edge_count) == 2);
+    }
+
+    TEST_CASE("clip: a very small cell has the faces and measures of a larger one, without exact arithmetic") {
+        // Powers of two change no digit. From 2^-340 on the volume itself is too small.
+        const auto measure = [](int exponent) {
+            const double unit = std::ldexp(1.0, exponent);
+            Random random(9);
+            Cell cell;
+            cell.start({}, test::cube(-unit, unit));
+            for (int i = 0; i < 60; ++i) {
+                std::array<double, 3> q{};
+                for (double& x : q) x = unit * random.uniform(-1, 1);
+                cell.clip(i, q);
+            }
+            CHECK_FALSE(cell.used_exact());
+            CellFaces faces;
+            cell.canonical_faces(faces);
+            std::vector<double> areas;
+            CellGeometry g = cell.measure(faces, &areas);
+            for (double& x : g.centroid) x /= unit;
+            return std::tuple(faces.planes, g.centroid, std::ldexp(g.volume, -3 * exponent),
+                              std::ldexp(areas.front(), -2 * exponent));
+        };
+        const auto [planes, centroid, volume, area] = measure(0);
+        CHECK(volume > 0);
+        for (const int exponent : {-90, -150, -300, -450, -800, -880}) {
+            CAPTURE(exponent);
+            const auto found = measure(exponent);
+            CHECK(std::get<0>(found) == planes);
+            CHECK(std::get<1>(found) == centroid);
+            if (exponent >= -300) CHECK(std::get<2>(found) == volume);
+            if (exponent >= -450) CHECK(std::get<3>(found) == area);
+        }
+    }
+
+    TEST_CASE("clip: a prism of very many walls is measured to its promise") {
+        const std::size_t count = test::by_size(200'000, 20'000);
+        const auto walls = votess::cylinder_walls({0, 0, 0}, {1, 2, 3}, 1, count);
+        votess::Domain domain;
+        domain.box = test::cube(-2, 2);
+        for (const auto& wall : walls) domain.walls.push_back(votess::domain_wall(wall, 1, {}));
+        votess::sort_walls(domain);
+        Cell cell;
+        cell.start({0.1, 0.05, -0.02}, domain);
+        // Two bisectors across the axis, at equal distances from 0.
+        cell.clip(0, votess::exact::Plane::any_wall({1, 2, 3}, 1));
+        cell.clip(1, votess::exact::Plane::any_wall({-1, -2, -3}, 1));
+        CellFaces faces;
+        cell.canonical_faces(faces);
+        REQUIRE(faces.size() == count + 2);
+        const double angle = std::numbers::pi / static_cast<double>(count), around = std::tan(angle) / angle;
+        const double across = std::numbers::pi * around, height = 2 / std::sqrt(14.0);
+        std::vector<double> areas;
+        const CellGeometry g = cell.measure(faces, &areas);
+        CHECK(g.volume == doctest::Approx(across * height).epsilon(1e-10));
+        CHECK(std::accumulate(areas.begin(), areas.end(), 0.0) ==
+              doctest::Approx(2 * across * (1 + height)).epsilon(1e-10));
     }
 
     TEST_CASE("thread pool: every task once, exceptions come back, cancelling stops, and it works again after") {

@@ -80,25 +80,34 @@ struct BitRange {
     [[nodiscard]] int quantum() const { return high > low ? low : 0; }
 };
 
+// A double as mantissa * 2^exponent; of at most 53 bits.
+struct Mantissa {
+    std::int64_t mantissa;
+    int exponent;
+};
+
+inline Mantissa mantissa_of(double x) {
+    const auto bits = std::bit_cast<std::uint64_t>(x);
+    const auto fraction = static_cast<std::int64_t>(bits & ((1ull << 52) - 1));
+    const int biased = static_cast<int>((bits >> 52) & 0x7ff);
+    const std::int64_t size = biased == 0 ? fraction : fraction | (std::int64_t{1} << 52);
+    return {(bits >> 63) != 0 ? -size : size, (biased == 0 ? 1 : biased) - 1075};
+}
+
 // Returns x / 2^quantum as an integer. Exact when the quantum divides x and W holds it.
 template <int W>
 WideInt<W> to_wide(double x, int quantum) {
-    int exponent = 0;
-    const double fraction = std::frexp(x, &exponent);
-    const auto mantissa = static_cast<std::int64_t>(std::ldexp(fraction, 53));
-    const int shift = exponent - 53 - quantum;
+    const auto [mantissa, exponent] = mantissa_of(x);
+    const int shift = exponent - quantum;
     if (shift >= 0) return shift_left(from_int128<W>(mantissa), shift);
     return from_int128<W>(shift <= -64 ? 0 : mantissa >> -shift);
 }
 
 inline Int128 to_int128(double x, int quantum) {
-    const auto bits = std::bit_cast<std::uint64_t>(x);
-    const auto fraction = bits & ((1ull << 52) - 1);
-    const int biased = static_cast<int>((bits >> 52) & 0x7ff);
-    const Int128 mantissa = biased == 0 ? fraction : fraction | (1ull << 52);
-    const int shift = (biased == 0 ? 1 : biased) - 1075 - quantum;
-    const Int128 value = shift >= 0 ? (shift < 127 ? mantissa << shift : 0) : (shift > -64 ? mantissa >> -shift : 0);
-    return (bits >> 63) != 0 ? -value : value;
+    const auto [mantissa, exponent] = mantissa_of(x);
+    const int shift = exponent - quantum;
+    if (shift >= 0) return shift < 127 ? static_cast<Int128>(mantissa) << shift : 0;
+    return shift > -64 ? mantissa >> -shift : 0;
 }
 
 // A plane in integer units: 2 N.X <= S.
