@@ -4,8 +4,8 @@
 //
 // Error, with u = 2^-53 and e = 62 u |Na||Nb||Nc| / |det|. Cramer's rule is wrong by e times the length of its solution
 // (cell.hpp). So each step multiplies the error by e and adds u |X| for the rounding of x. Residuals are wrong by at
-// most 60 u^2 |N||X|, which moves the vertex by less than 4 u e |X|. Steps end when the error is below u |X| / 4 beside
-// the last rounding.
+// most 600 u^2 |N||X|, which moves the vertex by less than 30 u e |X| < u |X| / 8. Steps end when the error is below
+// u |X| / 4 beside the last rounding.
 #include <cmath>
 #include <optional>
 
@@ -21,10 +21,23 @@ struct SharpPlane {
     DoubleDouble h;
 };
 
-// Returns nothing where N or h has no two doubles.
+// Returns nothing where two doubles do not hold N, or h to 500 u^2.
 std::optional<SharpPlane> sharp_plane(const Point& p, const Plane& plane) {
+    constexpr double worst_cancellation = 1.0 / 16;
     SharpPlane sharp;
-    if (plane.is_oblique()) return std::nullopt;
+    if (plane.kind == Plane::Kind::cell_wall) return std::nullopt;
+    if (plane.kind == Plane::Kind::wall) {
+        sharp.h.high = plane.wall;
+        double size = std::abs(plane.wall);
+        for (int k = 0; k < 3; ++k) {
+            const DoubleDouble product = two_product(plane.seed[k], -p[k]);
+            sharp.n[k].high = plane.seed[k];
+            sharp.h = sharp.h + product;
+            size += std::abs(product.high);
+        }
+        if (!(std::abs(sharp.h.high) > worst_cancellation * size)) return std::nullopt;
+        return sharp;
+    }
     if (!plane.is_bisector()) {
         const auto [sign, distance] = wall_difference(p, plane);
         sharp.n[plane.axis].high = sign;
@@ -36,6 +49,7 @@ std::optional<SharpPlane> sharp_plane(const Point& p, const Plane& plane) {
     sharp.n = difference.x;
     DoubleDouble square = plane.power;
     for (const DoubleDouble& x : sharp.n) square = square + x * x;
+    if (!(std::abs(square.high) > worst_cancellation * std::abs(plane.power.high))) return std::nullopt;
     sharp.h = {0.5 * square.high, 0.5 * square.low};
     return sharp;
 }

@@ -421,7 +421,7 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
     const double product = (a_unit * pa.norm) * (b_unit * pb.norm) * (c_unit * pc.norm);
     const double condition = product * std::abs(inverse);
     double x, y, z, factor;
-    refined_[slot].tests = 0, refined_[slot].solved = refined_[slot].rounded = false;
+    refined_[slot].tests = 0, refined_[slot].solved = false;
     if (!sharp_ && condition < worst_condition && product > smallest_product && pa.reliable && pb.reliable &&
         pc.reliable) {
         x = (pa.h * bcx + pb.h * cax + pc.h * abx) * inverse;
@@ -432,7 +432,6 @@ void Cell::place_vertex(int slot, std::int32_t a, std::int32_t b, std::int32_t c
         const auto position = exact::near_vertex(seed_, pa.source, pb.source, pc.source);
         x = position[0], y = position[1], z = position[2];
         factor = rounded_factor;
-        refined_[slot].rounded = true;
     }
     x_[slot] = x, y_[slot] = y, z_[slot] = z;
     tolerance_[slot] = factor * (std::abs(x) + std::abs(y) + std::abs(z));
@@ -466,10 +465,7 @@ bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
                           face.source.is_reversed())
             continue;
         if (!exact::same_plane(seed_, face.source, plane.source)) continue;
-        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) {
-            face = plane;
-            for (Refined& vertex : refined_) vertex.rounded = false;
-        }
+        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) face = plane;
         return true;
     }
     return false;

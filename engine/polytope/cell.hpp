@@ -118,8 +118,6 @@ public:
     [[nodiscard]] std::array<double, 3> position(int slot) const { return {x_[slot], y_[slot], z_[slot]}; }
     // Returns a bound on the error of each coordinate of position().
     [[nodiscard]] double tolerance(int slot) const { return tolerance_[slot]; }
-    // Whether position() is what exact::near_vertex() returns for the corner's planes.
-    [[nodiscard]] bool rounded_from_exact(int slot) const { return refined_[slot].rounded; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
     // Whether a plane touched a vertex, so that faces of no area may remain.
     [[nodiscard]] bool met_tie() const { return met_tie_; }
@@ -138,7 +136,6 @@ private:
     struct Refined {  // gains precision with the number of uncertain tests
         int tests = 0;
         bool solved = false;
-        bool rounded = false;  // see rounded_from_exact()
         std::array<exact::DoubleDouble, 3> position{};
     };
     struct RefinedPlane {

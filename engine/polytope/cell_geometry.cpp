@@ -256,13 +256,6 @@ std::optional<CellGeometry> sum_pyramids(const Cell& cell, const CellFaces& face
     return geometry;
 }
 
-// Whether the cell has solved a corner exactly, from these planes.
-bool is_at_position(const Cell& cell, int slot, const std::array<const exact::Plane*, 3>& on) {
-    return cell.rounded_from_exact(slot) && std::ranges::all_of(cell.corner_planes(slot), [&](const CellPlane* plane) {
-               return std::ranges::find(on, &plane->source) != on.end();
-           });
-}
-
 // Solves each vertex exactly, from the planes of its first three faces, and rounds it to Real.
 template <class Real>
 std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces, std::vector<double>* areas) {
@@ -287,8 +280,7 @@ std::optional<CellGeometry> sum_solved(const Cell& cell, const CellFaces& faces,
         if (!vertex.position) {
             const auto& [a, b, c] = vertex.on;
             if constexpr (std::is_same_v<Real, double>)
-                vertex.position = is_at_position(cell, slot, vertex.on) ? cell.position(slot)
-                                                                        : exact::near_vertex(cell.seed(), *a, *b, *c);
+                vertex.position = exact::near_vertex(cell.seed(), *a, *b, *c);
             else
                 vertex.position = exact::vertex_position<Real>(cell.seed(), *a, *b, *c);
             vertex.error = 8 * roundoff<Real> * length_bound(*vertex.position);
