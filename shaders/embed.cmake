@@ -33,7 +33,7 @@ file(WRITE ${BASE}.d "${dependencies}")
 file(READ ${BASE}.spv words HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${words}")
 string(REGEX REPLACE "(0x[^,]*,0x[^,]*,0x[^,]*,0x[^,]*,0x[^,]*,0x[^,]*,0x[^,]*,0x[^,]*,)" "    \\1\n" words "${words}")
-file(WRITE ${BASE}.cpp "// Made from ${SOURCE} by embed.cmake.
+file(WRITE ${BASE}.cpp "// The shader ${NAME}, made by embed.cmake.
 #include <cstdint>
 #include <span>
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
-#   ./tools/setup.sh [run|quick|test|bench|wheel]...     default: run test bench
+#   ./tools/setup.sh [run|quick|test|bench|wheel|ccache]...     default: run test bench
 # run: clvotess. quick: the tests of tools/test.sh. test: all tests. It needs no network when nothing is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -66,8 +66,11 @@ for part in "$@"; do
         wheel)
             python3 -c 'import ensurepip' 2>/dev/null || wanted+=(python3-venv)
             ;;
+        ccache)
+            need_command ccache ccache
+            ;;
         *)
-            echo "setup: unknown part '$part'; use run, quick, test, bench or wheel" >&2
+            echo "setup: unknown part '$part'; use run, quick, test, bench, wheel or ccache" >&2
             exit 2
             ;;
     esac

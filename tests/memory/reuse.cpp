@@ -142,11 +142,13 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
 }
 
 int main() {
-    for (const std::size_t count : {8000, 24000})
-        for (const unsigned threads : {1u, 2u}) {
-            check_later_calls({.volumes = false}, count, threads);
-            check_later_calls({true, true, true, true, true}, count, threads);
-        }
+    // Sanitizers have their own memory, and see the handles.
+    if (std::getenv("VOTESS_TEST_REDUCED") == nullptr)
+        for (const std::size_t count : {8000, 24000})
+            for (const unsigned threads : {1u, 2u}) {
+                check_later_calls({.volumes = false}, count, threads);
+                check_later_calls({true, true, true, true, true}, count, threads);
+            }
     check_handles();
     return failures == 0 ? 0 : 1;
 }
