@@ -9,7 +9,7 @@
 namespace votess::fit {
 namespace {
 
-constexpr double first_factor = 4, least_factor = 1.5, largest_factor = 1e12;
+constexpr double first_factor = 4, least_factor = 1.5, largest_factor = 1e6;
 constexpr double least_share = 1.0 / 1024;  // of a step
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
 constexpr double solver_share = 0.01, least_solver_tolerance = 1e-6;
@@ -92,8 +92,10 @@ bool Newton::run(Vector weights) {
         }
         const Vector goal = this->goal();
         const double share = advance(direction(goal), goal);
-        if (share == 1) factor_ = std::min(4 * factor_, largest_factor);
-        if (share < 1) factor_ = std::max(factor_ / 4, least_factor);
+        if (share == 1)
+            factor_ = std::min(4 * factor_, largest_factor);
+        else
+            factor_ = std::max(factor_ / (share > 0 ? 2 : 16), least_factor);
         if (share == 0 && (factor_ == least_factor || goal == problem_.targets)) {
             why_ = "no step comes nearer, raise tolerance";
             return false;

@@ -25,17 +25,17 @@ struct Weighted {
 
 // The steps. Each counts itself in `out`, and adds its seconds.
 //
-// The full system asks for too much where volumes and targets differ by factors: the derivative of a small cell is
-// small, so its step is long, and halving is slow. So a step aims at a goal, the targets bounded by a factor around the
-// volumes. The factor grows with each full step.
+// Where volumes and targets differ by factors, the derivative of a small cell is small, so its step is too long, and
+// halving is slow. So a step aims at a goal: the targets, bounded by a factor around the volumes. The factor grows with
+// each full step.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
 
-    // Returns the first weights within the tolerance. Starts from `weights`, or from 0 where they leave a cell empty.
-    // On failure `last` has the best weights so far, and the return value is false; `why` says what ended the steps.
+    // Steps until now() is within the tolerance. Starts from `weights`, or from 0 where they leave a cell empty.
+    // Returns false when steps end before; why() is the remedy.
     [[nodiscard]] bool run(Vector weights);
-    [[nodiscard]] const Weighted& now() const { return now_; }
+    [[nodiscard]] const Weighted& now() const { return now_; }  // the best so far
     [[nodiscard]] const std::string& why() const { return why_; }
 
 private:

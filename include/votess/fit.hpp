@@ -39,7 +39,7 @@ struct VolumeFit {
     FitSeconds seconds;
 };
 
-// The steps ended before the tolerance was reached.
+// Thrown when the steps end before the tolerance is reached. Its code is not_converged.
 class VOTESS_API FitError : public Error {
 public:
     FitError(const std::string& message, std::vector<double> weights, double residual, unsigned steps);
@@ -47,7 +47,7 @@ public:
     FitError(const FitError&) = default;
     FitError& operator=(const FitError&) = default;
 
-    // N: the best weights so far, with no empty cell. Start from them to go on.
+    // N: the best weights so far, with no empty cell. A fit that starts from them goes on.
     [[nodiscard]] const std::vector<double>& weights() const noexcept { return weights_; }
     [[nodiscard]] double residual() const noexcept { return residual_; }
     [[nodiscard]] unsigned steps() const noexcept { return steps_; }
@@ -59,11 +59,10 @@ private:
 };
 
 // Returns weights for which the cell of point i has the volume targets[i], and the tessellation with them. Options give
-// the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start; where they
-// leave a cell empty, and by default, the start is 0.
-// Throws invalid_argument for targets that are not positive, do not sum to the volume of the domain (to 1e-9) or do not
-// match the points, for equal seeds, and for Options::outside, min_face and min_area; FitError when the steps end; and
-// the errors of tessellate().
+// the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start. By default,
+// and where they leave a cell empty, the start is 0. The steps use double precision.
+// Throws invalid_argument for equal points, Outside::drop, and targets that are not positive, not one for each point or
+// do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of tessellate().
 [[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
                                                const Options& options = {}, const FitOptions& fit = {});
 
