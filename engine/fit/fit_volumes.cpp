@@ -1,4 +1,5 @@
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "core/progress.hpp"
@@ -37,8 +38,8 @@ void check(const Options& options, const FitOptions& fit) {
 // Returns the targets as volumes that sum to that of the domain.
 std::vector<double> checked_targets(std::span<const double> given, std::size_t count, double volume, bool normalize) {
     if (given.size() != count)
-        refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) + " points: give " +
-               "one for each");
+        refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
+               " points: give one for each");
     std::vector<double> targets(given.begin(), given.end());
     long double sum = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -86,7 +87,6 @@ Problem problem_of(const Job& job, std::span<const double> targets, std::span<co
     Problem problem;
     problem.edges = edges_of(job);
     problem.options = job.options;
-    if (!job.options.cell) problem.options.box = job.box;
     problem.options.radii = {};
     problem.options.list_walls = false;
     problem.options.min_face = problem.options.min_area = 0;
@@ -164,7 +164,12 @@ void fit_into(std::span<const double> points, std::span<const double> targets, c
 VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets, const Options& options,
                       const FitOptions& fit_options) {
     VolumeFit out;
-    fit::fit_into(points, targets, options, fit_options, out);
+    try {
+        fit::fit_into(points, targets, options, fit_options, out);
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while fitting the volumes of " + std::to_string(points.size() / 3) + " seeds");
+    }
     return out;
 }
 
