@@ -13,6 +13,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <votess/fit.hpp>
 #include <votess/votess.hpp>
 
 #include "arguments/arguments.hpp"
@@ -71,6 +72,15 @@ votess::Tessellation tessellate(const Input& input, votess::Options options, boo
     });
 }
 
+votess::VolumeFit fit_volumes(const Input& input, const Arguments& arguments, votess::Options options,
+                              Clock::time_point run_began) {
+    Progress progress(!arguments.quiet, run_began);
+    return run_stoppable(progress, [&](const votess::ProgressCallback& callback) {
+        options.progress = callback;
+        return votess::fit_volumes(input.points, targets_of(arguments, input), options, arguments.fit);
+    });
+}
+
 void print_summary(const Summary& summary, const Arguments& arguments) {
     if (arguments.json) {
         print(json_summary(summary));
@@ -113,8 +123,17 @@ int run(const Arguments& arguments) {
         for_picture.want.faces = true;
         arguments.coloring.add_needs(for_picture.want);
     }
+    votess::VolumeFit fit;
+    if (arguments.has_volumes) {
+        fit = fit_volumes(input, arguments, once ? for_picture : options, run_began);
+        for_picture.weights = fit.weights;
+        for_picture.radii = {};
+        summary.fit = {fit.steps, fit.residual};
+    }
     const votess::Tessellation tessellation =
-        tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
+        arguments.has_volumes ? fit.tessellation
+                              : tessellate(input, once ? for_picture : options, arguments.quiet, run_began);
+    fill_weights(arguments, fit.weights, carried);
     std::vector<double> masses = masses_of(arguments, input);
     merge_masses(tessellation.duplicate_of(), masses);
     fill_density(arguments, masses, tessellation.volumes(), carried);

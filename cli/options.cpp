@@ -92,6 +92,21 @@ number of a column from 1, or a name: of .csv with a line of names, LAMMPS,
 .ply, an array or dataset of N numbers; for atom style sphere
 also `radius`)",
          {.brief = "power diagram: a column of the input holds radii (--weights: their squares)"}},
+        {"--volumes COL",
+         R"(power diagram in which each cell has the volume that COL holds. The weights
+are found by damped Newton steps and written as the array `weights`.
+--weights or --radii are the start)",
+         {.needs = Needs::all_cells}},
+        {"--tolerance T",
+         R"(largest relative error of a volume; default 1e-9)",
+         {.needs = Needs::all_cells, .with = "--volumes"}},
+        {"--max-steps N",
+         R"(Newton steps at most; default 200. If they do not reach the tolerance, no
+file is written and the exit code is 1)",
+         {.needs = Needs::all_cells, .with = "--volumes"}},
+        {"--normalize",
+         R"(scale the volumes to that of the domain: they are shares of it)",
+         {.needs = Needs::all_cells, .with = "--volumes"}},
         {"--copy COLS",
          R"(columns of the input to copy into the output, with commas between them, or
 `all` that hold numbers. Text gets them at the end of the row, other files

@@ -104,6 +104,9 @@ std::string plain_summary(const Summary& summary) {
         line("volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " + rounded("%.10g", stats.box_volume) +
                                ", relative difference " + rounded("%.1e", error));
     }
+    if (summary.fit)
+        line("fit", std::to_string(summary.fit->steps) + " steps, largest error of a volume " +
+                        rounded("%.1e", summary.fit->residual) + " of its target");
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
     if (const auto tiny = tiny_faces(summary); tiny.value_or(0) > 0)
@@ -179,6 +182,12 @@ std::string json_summary(const Summary& summary) {
         member("rounds", std::to_string(ranks->rounds));
         member("ghosts_received", std::to_string(ranks->ghosts_received));
         member("ghosts_needed", std::to_string(ranks->ghosts_needed));
+    }
+    if (const auto& fit = summary.fit) {
+        text += ", \"fit\": {";
+        member("steps", std::to_string(fit->steps));
+        member("residual", json_number(fit->residual));
+        text += "}";
     }
     if (const auto& streamed = summary.streamed) {
         member("blocks", std::to_string(streamed->blocks));

@@ -23,6 +23,11 @@ struct Summary {
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the other stages are in stats
     std::optional<votess::VerifyReport> verified;                   // with --verify
     std::optional<RanksSummary> ranks;
+    struct Fit {
+        unsigned steps = 0;
+        double residual = 0;  // largest |volume - target| / target
+    };
+    std::optional<Fit> fit;  // with --volumes
     struct Streamed {
         std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
     };

@@ -26,6 +26,7 @@ need_command ninja-build ninja
 for part in "$@"; do
     case $part in
         run)
+            need libeigen3-dev
             need libcli11-dev
             need zlib1g-dev
             need libhdf5-dev

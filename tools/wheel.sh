@@ -47,7 +47,7 @@ holds = {"libpng16": ["libpng"], "libz": ["zlib"]}
 wheel = zipfile.ZipFile(sys.argv[1])
 names = wheel.namelist()
 info = next(name for name in names if name.endswith(".dist-info/METADATA"))[: -len("METADATA")]
-needed = ["volk", "GLM", "Vulkan-Headers", "CLI11"]  # compiled in
+needed = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11"]  # compiled in
 for name in names:
     copied = re.match(r"[^/]*\.libs/(lib[A-Za-z0-9]+)", name)
     if copied:

@@ -121,11 +121,18 @@ void read_source(const Typed& typed, Arguments& arguments) {
         throw bad_input("--dataset and --frame go with INPUT, not with --random");
     arguments.has_radii = typed.has("--radii");
     arguments.has_weights = typed.has("--weights") || arguments.has_radii;
+    arguments.has_volumes = typed.has("--volumes");
     arguments.has_density = typed.has("--density");
+    if (const std::string* text = typed.value("--tolerance"))
+        arguments.fit.tolerance = read_numbers<1>("--tolerance", *text)[0];
+    if (const std::string* text = typed.value("--max-steps"))
+        arguments.fit.max_steps =
+            static_cast<unsigned>(whole_number("--max-steps", *text, std::numeric_limits<unsigned>::max()));
+    arguments.fit.normalize = typed.has("--normalize");
     if (typed.has("--weights") && arguments.has_radii) throw bad_input("give either --weights or --radii, not both");
     const std::string* copy = typed.value("--copy");
     arguments.read.all_columns = copy && *copy == "all" && !random;  // else refused below
-    for (const std::string option : {"--weights", "--radii", "--density", "--values", "--copy"}) {
+    for (const std::string option : {"--weights", "--radii", "--volumes", "--density", "--values", "--copy"}) {
         const std::string* columns = typed.value(option);
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
         if (random) throw bad_input(option + " goes with INPUT, not with --random");

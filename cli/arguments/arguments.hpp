@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 #include <votess/diagram.hpp>
+#include <votess/fit.hpp>
 #include <votess/votess.hpp>
 
 #include "options.hpp"
@@ -20,8 +21,10 @@ namespace clvotess {
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
     ReadRequest read;
-    // Meaning of read.columns, in order: weights or radii, masses for --density, then carried columns or field values.
-    bool has_weights = false, has_radii = false, has_density = false;
+    // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field
+    // values.
+    bool has_weights = false, has_radii = false, has_volumes = false, has_density = false;
+    votess::FitOptions fit;  // with --volumes
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 

@@ -6,6 +6,13 @@
 #include "write/output.hpp"
 
 namespace clvotess {
+namespace {
+
+std::size_t first_mass(const Arguments& arguments) {
+    return (arguments.has_weights ? 1 : 0) + (arguments.has_volumes ? 1 : 0);
+}
+
+}  // namespace
 
 void complete_columns(const Arguments& arguments, Input& input) {
     for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
@@ -17,8 +24,12 @@ void take_weights(const Arguments& arguments, const Input& input, votess::Option
     (arguments.has_radii ? options.radii : options.weights) = one_each(input.columns.at(0));
 }
 
+std::span<const double> targets_of(const Arguments& arguments, const Input& input) {
+    return one_each(input.columns.at(arguments.has_weights ? 1 : 0));
+}
+
 std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
-    const std::size_t named = (arguments.has_weights ? 1 : 0) + (arguments.has_density ? 1 : 0);
+    const std::size_t named = first_mass(arguments) + (arguments.has_density ? 1 : 0);
     std::vector<InputColumn> carried;
     for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
         if (c < named) {
@@ -27,13 +38,14 @@ std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) 
             carried.push_back(std::move(input.columns[c]));
         }
     }
+    if (arguments.has_volumes) carried.push_back({"weights", 1, {}});
     if (arguments.has_density) carried.push_back({"density", 1, {}});
     return carried_columns(arguments.outputs, std::move(carried));
 }
 
 std::vector<double> masses_of(const Arguments& arguments, const Input& input) {
     if (!arguments.has_density) return {};
-    const std::span<const double> masses = one_each(input.columns.at(arguments.has_weights ? 1 : 0));
+    const std::span<const double> masses = one_each(input.columns.at(first_mass(arguments)));
     return {masses.begin(), masses.end()};
 }
 
@@ -42,6 +54,12 @@ std::vector<double> densities(std::span<const double> masses, std::span<const do
     for (std::size_t i = 0; i < masses.size(); ++i)
         if (volumes[i] > 0) result[i] = masses[i] / volumes[i];
     return result;
+}
+
+void fill_weights(const Arguments& arguments, std::span<const double> weights, std::vector<InputColumn>& carried) {
+    if (!arguments.has_volumes) return;
+    const auto column = arguments.has_density ? carried.rbegin() + 1 : carried.rbegin();
+    column->values.assign(weights.begin(), weights.end());
 }
 
 void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,

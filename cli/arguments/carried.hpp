@@ -1,4 +1,4 @@
-// Columns of the input that a run uses: weights or radii, masses, and columns carried into the output.
+// Columns of the input that a run uses: weights or radii, volumes, masses, and columns carried into the output.
 #pragma once
 
 #include <span>
@@ -16,7 +16,11 @@ void complete_columns(const Arguments& arguments, Input& input);
 // Sets the weights or radii of the options to views into the input.
 void take_weights(const Arguments& arguments, const Input& input, votess::Options& options);
 
-// Moves the carried columns out of the input. With --density an empty column of that name comes last.
+// Returns the target volumes of --volumes, a view into the input.
+[[nodiscard]] std::span<const double> targets_of(const Arguments& arguments, const Input& input);
+
+// Moves the carried columns out of the input. With --volumes an empty column `weights` follows, and with --density an
+// empty column of that name comes last.
 [[nodiscard]] std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input);
 
 // Returns a copy of the masses of --density; empty without that option.
@@ -32,6 +36,9 @@ void merge_masses(std::span<const Index> duplicate_of, std::vector<double>& mass
 
 // Returns masses over volumes; NaN for a seed without a cell, which includes duplicates.
 [[nodiscard]] std::vector<double> densities(std::span<const double> masses, std::span<const double> volumes);
+
+// Fills the column `weights` with --volumes.
+void fill_weights(const Arguments& arguments, std::span<const double> weights, std::vector<InputColumn>& carried);
 
 // Fills the last column with --density.
 void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,

@@ -17,6 +17,7 @@ static_assert(same(VOTESS_ERROR_DEVICE_LOST, ErrorCode::device_lost));
 static_assert(same(VOTESS_ERROR_INVALID_USE, ErrorCode::invalid_use));
 static_assert(same(VOTESS_ERROR_STORAGE, ErrorCode::storage));
 static_assert(same(VOTESS_ERROR_NO_THREADS, ErrorCode::no_threads));
+static_assert(same(VOTESS_ERROR_NOT_CONVERGED, ErrorCode::not_converged));
 
 constexpr std::uint64_t max_elements = 2147483647;
 constexpr std::uint64_t addressable = std::numeric_limits<std::uint64_t>::max() / (3 * sizeof(double));

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <votess/diagram.hpp>
+#include <votess/fit.hpp>
 #include <votess/votess.hpp>
 
 struct votess_tessellator {
@@ -33,6 +34,11 @@ struct votess_diagram {
 
 struct votess_natural {
     votess::NaturalCoordinates coordinates;
+};
+
+struct votess_fit {
+    votess::VolumeFit fit;
+    bool converged = false;  // else there is no tessellation
 };
 
 namespace votess::c {

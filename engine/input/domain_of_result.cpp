@@ -27,6 +27,20 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
                     function + ": cells of probes do not form a diagram: give a result of tessellate()");
 }
 
+void move_into_domain(const Job& job, std::span<double> places) {
+    const Domain& domain = *job.domain;
+    if (!domain.is_periodic()) return;
+    for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (i % seeds_per_stop_check == 0) check_stop();
+        if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
+        const exact::Point x{places[3 * i] * job.scale, places[3 * i + 1] * job.scale, places[3 * i + 2] * job.scale};
+        const auto shift = wrap(domain, x);
+        if (!shift || *shift == exact::Shift{}) continue;
+        const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;
+        for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = at[k].high / job.scale;
+    }
+}
+
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     require_whole_diagram(t, "wrapped_points");
     if (points.size() != 3 * t.size())
@@ -37,16 +51,7 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const std::vector<double> copy = wrapped;  // read once, see input/snapshot.hpp
     const Job job = validate({copy, {}}, domain_options(t));
-    const Domain& domain = *job.domain;
-    for (std::size_t i = 0; i < t.size(); ++i) {
-        if (i % seeds_per_stop_check == 0) check_stop();
-        if (t.status()[i] == CellStatus::outside) continue;
-        const exact::Point x{copy[3 * i] * job.scale, copy[3 * i + 1] * job.scale, copy[3 * i + 2] * job.scale};
-        const auto shift = wrap(domain, x);
-        if (!shift || *shift == exact::Shift{}) continue;
-        const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;
-        for (std::size_t k = 0; k < 3; ++k) wrapped[3 * i + k] = at[k].high / job.scale;
-    }
+    move_into_domain(job, wrapped);
     return wrapped;
 }
 

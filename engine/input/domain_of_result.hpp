@@ -1,14 +1,20 @@
 // The domain of a result, for functions that take one.
 #pragma once
 
+#include <span>
 #include <string>
 
+#include "input/job.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
 
 // Returns box or cell, periodic axes and walls, without weights. Seeds outside are dropped.
 Options domain_options(const Tessellation& tessellation);
+
+// Moves each of the job's points that is not `outside` into a periodic domain, by whole box vectors. Each coordinate is
+// rounded once. places: 3N, the points.
+void move_into_domain(const Job& job, std::span<double> places);
 
 // Throws invalid_argument for the cells of probes, which do not form a diagram. function: for the message.
 void require_whole_diagram(const Tessellation& tessellation, const std::string& function);

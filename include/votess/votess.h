@@ -29,9 +29,10 @@ typedef enum votess_status {
     VOTESS_ERROR_UNSUPPORTED = 4,
     VOTESS_ERROR_INTERNAL = 5,
     VOTESS_ERROR_DEVICE_LOST = 6,
-    VOTESS_ERROR_INVALID_USE = 7,  // the tessellator is busy in another call
-    VOTESS_ERROR_STORAGE = 8,      // temporary files of votess_tessellate_stream()
-    VOTESS_ERROR_NO_THREADS = 9    // the system gives fewer threads than votess_options.threads
+    VOTESS_ERROR_INVALID_USE = 7,    // the tessellator is busy in another call
+    VOTESS_ERROR_STORAGE = 8,        // temporary files of votess_tessellate_stream()
+    VOTESS_ERROR_NO_THREADS = 9,     // the system gives fewer threads than votess_options.threads
+    VOTESS_ERROR_NOT_CONVERGED = 10  // votess_fit_volumes did not reach the tolerance
 } votess_status;
 
 // Values of the status bytes of cells; see CellStatus in votess.hpp.
@@ -141,6 +142,7 @@ typedef struct votess_result votess_result;
 typedef struct votess_delaunay votess_delaunay;
 typedef struct votess_diagram votess_diagram;
 typedef struct votess_natural votess_natural;
+typedef struct votess_fit votess_fit;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -276,6 +278,39 @@ VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagra
 VOTESS_API votess_status votess_diagram_to_grid(const votess_diagram* diagram, const double* values, size_t columns,
                                                 const size_t shape[3], int32_t method, int32_t project, double* grid,
                                                 size_t* without_place);
+
+// The fields of FitOptions in fit.hpp.
+typedef struct votess_fit_options {
+    uint32_t struct_size;  // set by votess_fit_options_init
+    uint32_t max_steps;
+    double tolerance;
+    int32_t normalize;  // nonzero: true
+    int32_t reserved;   // 0
+} votess_fit_options;
+
+// The fields of VolumeFit in fit.hpp that are numbers.
+typedef struct votess_fit_stats {
+    uint32_t struct_size;  // set it to sizeof(votess_fit_stats) before votess_fit_get_stats
+    uint32_t steps;
+    uint32_t tessellations;
+    uint32_t reserved;
+    double residual;
+    double seconds_tessellate, seconds_assemble, seconds_solve, seconds_total;
+} votess_fit_stats;
+
+// Writes the defaults, struct_size too. options: not NULL. size: sizeof(votess_fit_options) as the caller compiled it.
+VOTESS_API votess_status votess_fit_options_init(votess_fit_options* options, size_t size);
+// Finds weights for given volumes, see fit_volumes() in fit.hpp. points: 3 * count coordinates. targets: count volumes.
+// options, fit_options: NULL = defaults; options->weights or radii are the start. On success *out is new, else NULL,
+// except after VOTESS_ERROR_NOT_CONVERGED: it then has the best weights so far and no result.
+VOTESS_API votess_status votess_fit_volumes(const double* points, size_t count, const double* targets,
+                                            const votess_options* options, const votess_fit_options* fit_options,
+                                            votess_fit** out);
+VOTESS_API void votess_fit_free(votess_fit* fit);
+VOTESS_API const double* votess_fit_weights(const votess_fit* fit, size_t* length);
+VOTESS_API votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats);
+// Sets *out to a new handle of the tessellation, which does not need the fit, or to NULL after a failure.
+VOTESS_API votess_status votess_fit_result(const votess_fit* fit, votess_result** out);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number

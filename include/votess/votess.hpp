@@ -36,13 +36,14 @@ namespace votess {
 enum class ErrorCode : std::int32_t {
     invalid_argument = 1,  // bad input: the message names the first offending index and value
     out_of_memory = 2,
-    cancelled = 3,    // the progress callback returned false
-    unsupported = 4,  // this build or this device cannot serve the request
-    internal = 5,     // a bug in votess: please report it
-    device_lost = 6,  // the device stopped answering or its driver failed
-    invalid_use = 7,  // the Tessellator is busy in another call, or was moved from
-    storage = 8,      // tessellate_stream() cannot write or read a temporary file, or its disk is full
-    no_threads = 9,   // the system gives fewer threads than Options::threads requests
+    cancelled = 3,       // the progress callback returned false
+    unsupported = 4,     // this build or this device cannot serve the request
+    internal = 5,        // a bug in votess: please report it
+    device_lost = 6,     // the device stopped answering or its driver failed
+    invalid_use = 7,     // the Tessellator is busy in another call, or was moved from
+    storage = 8,         // tessellate_stream() cannot write or read a temporary file, or its disk is full
+    no_threads = 9,      // the system gives fewer threads than Options::threads requests
+    not_converged = 10,  // fit_volumes() did not reach the tolerance
 };
 
 class VOTESS_API Error : public std::runtime_error {

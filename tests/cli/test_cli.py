@@ -10,12 +10,14 @@ import unittest
 
 from cli_test import CLI
 from file_cases import Files
+from fit_cases import Volumes
 from input_cases import Source
 from output_cases import ArrayOutput, TextOutput, VoroppCommand
 from query_cases import Interpolate, Locate, Probe, Stops, ToGrid
 from usage_cases import Usage
 
-__all__ = ["ArrayOutput", "Files", "Locate", "Probe", "Interpolate", "Source", "Stops", "TextOutput", "ToGrid", "Usage", "VoroppCommand"]
+__all__ = ["ArrayOutput", "Files", "Locate", "Probe", "Interpolate", "Source", "Stops", "TextOutput", "ToGrid", "Usage", "Volumes",
+           "VoroppCommand"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

@@ -14,6 +14,8 @@ from ._library import VERSION as __version__
 from .atoms import from_ase
 from .diagram import Diagram, Probes
 from .fields.lloyd import Relaxation, lloyd
+from .fields.moments import transport_cost
+from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
@@ -28,6 +30,8 @@ __all__ = [
     "Diagram",
     "ErrorCode",
     "Faces",
+    "FitError",
+    "FitSeconds",
     "Lists",
     "NaturalCoordinates",
     "Neighbors",
@@ -41,12 +45,15 @@ __all__ = [
     "Tessellation",
     "Tessellator",
     "VerifyReport",
+    "VolumeFit",
     "VotessError",
     "__version__",
     "devices",
+    "fit_volumes",
     "from_ase",
     "lloyd",
     "tessellate",
     "tessellate_stream",
+    "transport_cost",
     "walls",
 ]

@@ -36,6 +36,7 @@ class ErrorCode(IntEnum):
     INVALID_USE = 7  #: the Tessellator is in use by another call
     STORAGE = 8  #: temporary files of :func:`tessellate_stream` cannot be written, for example on a full disk
     NO_THREADS = 9  #: the system provides fewer threads than requested
+    NOT_CONVERGED = 10  #: :func:`fit_volumes` did not reach the tolerance
 
 
 class CellStatus(IntEnum):
@@ -167,6 +168,34 @@ class Stats(ctypes.Structure):
     ]
 
 
+class FitOptions(ctypes.Structure):
+    """``votess_fit_options``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("max_steps", c_uint32),
+        ("tolerance", c_double),
+        ("normalize", c_int32),
+        ("reserved", c_int32),
+    ]
+
+
+class FitStats(ctypes.Structure):
+    """``votess_fit_stats``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("steps", c_uint32),
+        ("tessellations", c_uint32),
+        ("reserved", c_uint32),
+        ("residual", c_double),
+        ("seconds_tessellate", c_double),
+        ("seconds_assemble", c_double),
+        ("seconds_solve", c_double),
+        ("seconds_total", c_double),
+    ]
+
+
 class Column(ctypes.Structure):
     """``votess_column``."""
 
@@ -287,6 +316,15 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         c_int,
         (_HANDLE, c_void_p, c_size_t, POINTER(c_size_t), c_int32, c_int32, c_void_p, POINTER(c_size_t)),
     ),
+    "votess_fit_options_init": (c_int, (POINTER(FitOptions), c_size_t)),
+    "votess_fit_volumes": (
+        c_int,
+        (c_void_p, c_size_t, c_void_p, POINTER(Options), POINTER(FitOptions), POINTER(_HANDLE)),
+    ),
+    "votess_fit_free": (None, (_HANDLE,)),
+    "votess_fit_weights": _ARRAY,  # float64
+    "votess_fit_get_stats": (c_int, (_HANDLE, POINTER(FitStats))),
+    "votess_fit_result": (c_int, (_HANDLE, POINTER(_HANDLE))),
     "votess_verify": (
         c_int,
         (

@@ -91,6 +91,8 @@ class Tessellation(SeedCells):
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
 
+        Derivatives of volumes by weights need only "areas".
+
         Rows: N with ``of="volumes"``; one for each entry of ``neighbors.indices`` with ``of="areas"``. Columns: 3 N with
         ``by="points"``, column 3 j + axis for a coordinate of seed j; N with ``by="weights"``. In a Voronoi diagram the
         weights are 0. Walls and the vectors of a periodic domain are fixed. The derivatives are in closed form. Where

@@ -70,6 +70,16 @@ class Derivatives(unittest.TestCase):
         self.assertLess(np.abs(by_weights.sum(axis=1)).max(), 1e-13)
 
     @have("scipy")
+    def test_areas_suffice_for_weights(self):
+        points, weights = uniform(SEEDS), 0.01 * np.random.default_rng(4).random(SEEDS)
+        for periodic in (False, True):
+            of_areas, of_faces = (
+                vt.tessellate(points, UNIT_BOX, periodic, weights=weights, want=want).derivatives(by="weights")
+                for want in ("areas", "faces")
+            )
+            self.assertLess(np.abs(of_areas - of_faces).max(), 1e-12)
+
+    @have("scipy")
     def test_duplicates_and_none(self):
         points = uniform(20)
         points[7] = points[3]

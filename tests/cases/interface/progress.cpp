@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 #include <votess/diagram.hpp>
+#include <votess/fit.hpp>
 
 #include "core/thread_pool.hpp"
 #include "support/check.hpp"
@@ -85,6 +86,12 @@ std::vector<Call> calls_of(const votess::Diagram& diagram, const test::PointSet&
                              (void)diagram.to_grid(set.points, grid, field);
                              return field;
                          }});
+    calls.push_back({"fit_volumes", [&set](const ProgressCallback& progress) {
+                         votess::Options options = test::all_options(set.box);
+                         options.progress = progress;
+                         const std::vector<double> shares(set.points.size() / 3, 1.0);
+                         return votess::fit_volumes(set.points, shares, options, {.normalize = true}).weights;
+                     }});
     return calls;
 }
 

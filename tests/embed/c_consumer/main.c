@@ -299,6 +299,45 @@ static void check_diagram(void) {
     votess_diagram_free(NULL);
 }
 
+static void check_fit(void) {
+    const votess_options options = options_with_box(2);
+    // The plane between the seeds is at x = 0.5, where |x - p|^2 - w are equal.
+    const double points[6] = {0.5, 1, 1, 1.5, 1, 1};
+    const double targets[2] = {2, 6}, shares[2] = {1, 3};
+    votess_fit_options fit_options;
+    CHECK(votess_fit_options_init(&fit_options, sizeof fit_options) == VOTESS_OK);
+    CHECK(fit_options.tolerance == 1e-9 && fit_options.max_steps == 200 && fit_options.normalize == 0);
+    votess_fit* fit = NULL;
+    CHECK_REFUSES(votess_fit_volumes(points, 2, shares, &options, NULL, &fit), "normalize");
+    CHECK(fit == NULL);
+    fit_options.normalize = 1;
+    CHECK(votess_fit_volumes(points, 2, shares, &options, &fit_options, &fit) == VOTESS_OK);
+    size_t length = 0;
+    const double* weights = votess_fit_weights(fit, &length);
+    CHECK(length == 2);
+    const double error = weights[1] - weights[0] - 1;
+    CHECK(error < 1e-8 && error > -1e-8);
+    votess_fit_stats stats;
+    stats.struct_size = 1;
+    CHECK_REFUSES(votess_fit_get_stats(fit, &stats), "stats.struct_size is 1");
+    stats.struct_size = sizeof stats;
+    CHECK(votess_fit_get_stats(fit, &stats) == VOTESS_OK);
+    CHECK(stats.steps > 0 && stats.tessellations > stats.steps && stats.residual <= 1e-9 && stats.seconds_total > 0);
+    votess_result* result = NULL;
+    CHECK(votess_fit_result(fit, &result) == VOTESS_OK);
+    votess_fit_free(fit);
+    CHECK(votess_result_size(result) == 2);
+    votess_result_free(result);
+    fit_options.max_steps = 0;
+    CHECK_FAILS(votess_fit_volumes(points, 2, targets, &options, &fit_options, &fit), VOTESS_ERROR_NOT_CONVERGED,
+                "raise max_steps");
+    CHECK(fit != NULL && votess_fit_weights(fit, &length)[1] == 0 && length == 2);
+    CHECK_REFUSES(votess_fit_result(fit, &result), "did not converge");
+    CHECK(result == NULL);
+    votess_fit_free(fit);
+    votess_fit_free(NULL);
+}
+
 #define SEEDS 3000
 
 struct stream {
@@ -381,6 +420,7 @@ int main(void) {
     check_callbacks();
     check_devices();
     check_diagram();
+    check_fit();
     check_stream();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);

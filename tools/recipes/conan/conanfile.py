@@ -47,6 +47,7 @@ class VotessRecipe(ConanFile):
 
     def system_requirements(self):
         # With apt, Conan names missing packages; it installs them only if its configuration allows that.
+        Apt(self).install(["libeigen3-dev"])
         if self.options.with_vulkan:
             Apt(self).install(["libvulkan-dev", "libvulkan-volk-dev", "libglm-dev", "glslang-tools"])
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from .._call import Progress, showing
 from .._input import as_count, as_points
+from ..fit import fit_volumes
 from ..pairs import edges_of
 from ..tessellator import Tessellator
 from .moments import Density, uniform_energy, weighted_centroids
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 # A seed nearer to a wall than this, in units of the box, moves to its centroid at most.
 _MARGIN = 1e-9
+_WANT = "faces,volumes,centroids"
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,8 @@ def lloyd(
     fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     over_relaxation: float = 1.0,
+    volumes: Optional[npt.ArrayLike] = None,
+    normalize: bool = False,
     device: str = "auto",
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
@@ -118,6 +122,10 @@ def lloyd(
         each seed. 0 stops only when nothing moves.
     over_relaxation : factor of the move towards the centroid, above 0 and below 2, for which the energy decreases. 1.8
         needs about six steps instead of ten. A seed that would leave the domain moves to its centroid.
+    volumes : (N,) target volumes of the cells, as for :func:`fit_volumes`. Each step then fits the weights of a power
+        diagram, from those of the step before. The cells have these volumes, and the energy is the transport cost.
+        Not with a density.
+    normalize : scale ``volumes`` to the volume of the domain.
     device, threads : as for :func:`tessellate`. Measures use double precision, which a named GPU must support.
     progress : as for :func:`tessellate`, as a fraction of all steps.
 
@@ -135,14 +143,24 @@ def lloyd(
         raise ValueError(f"over_relaxation is {over_relaxation}: it must be more than 0 and less than 2")
     if density is not None and not callable(density):
         raise TypeError(f"density must be a function of points, not {type(density).__name__}")
+    if density is not None and volumes is not None:
+        raise ValueError("volumes are those of a uniform density: leave out density or volumes")
 
     domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
+    weights: Optional[Float64Array] = None
     energies: List[float] = []
     moved: List[float] = []
     with Tessellator(device, threads, precision="double") as kept, showing(progress) as show:
         for step in range(steps + 1):
             part = None if show is None else _share(show, step, steps + 1)
-            t = kept.tessellate(array, want="faces,volumes,centroids", progress=part, **domain)
+            if volumes is None:
+                t = kept.tessellate(array, want=_WANT, progress=part, **domain)
+            else:
+                fit = fit_volumes(
+                    array, volumes, weights=weights, normalize=normalize, want=_WANT, device=device, threads=threads,
+                    precision="double", progress=part, **domain,
+                )  # fmt: skip
+                t, weights = fit.tessellation, fit.weights
             if cell is None:
                 domain["box"] = t.box
             places = t.wrapped_points

@@ -1,0 +1,144 @@
+"""fit_volumes(): weights that give each cell of a power diagram its volume."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterable, Optional, Union
+
+import numpy as np
+
+from . import _c_api
+from ._c_api import ErrorCode, PrecisionWord, WantName
+from ._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
+from ._input import Domain, as_count, as_one_each, as_points
+from ._library import lib
+from ._run import implied_words, new_options
+from .tessellation import Tessellation
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Float64Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FitSeconds:
+    """Seconds of wall clock of a fit."""
+
+    tessellate: float  #: all tessellations, with the one that is returned
+    assemble: float  #: derivatives of volumes
+    solve: float  #: linear systems
+    total: float
+
+
+@dataclass(frozen=True)
+class VolumeFit:
+    """The outcome of :func:`fit_volumes`."""
+
+    weights: Float64Array  #: (N,) float64; their mean is that of the weights at the start
+    tessellation: Tessellation  #: the cells with these weights
+    residual: float  #: largest abs(volume - target) / target
+    steps: int  #: Newton steps
+    tessellations: int  #: in all steps, and the one that is returned
+    seconds: FitSeconds
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.VolumeFit of {len(self.weights)} seeds: {self.steps} steps, residual {self.residual:.1e}>"
+
+
+class FitError(VotessError):
+    """A fit ended before it reached the tolerance. Start from its ``weights`` to continue."""
+
+    def __init__(self, message: str, weights: Float64Array, residual: float, steps: int) -> None:
+        super().__init__(message, ErrorCode.NOT_CONVERGED)
+        self.weights = weights  #: (N,) the best weights so far; no cell is empty
+        self.residual = residual
+        self.steps = steps
+
+    def __reduce__(self) -> Any:
+        return FitError, (str(self), self.weights, self.residual, self.steps)
+
+
+def fit_volumes(
+    points: npt.ArrayLike,
+    volumes: npt.ArrayLike,
+    box: Optional[npt.ArrayLike] = None,
+    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+    tolerance: float = 1e-9,
+    weights: Optional[npt.ArrayLike] = None,
+    max_steps: int = 200,
+    normalize: bool = False,
+    want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
+    cell: Optional[npt.ArrayLike] = None,
+    walls: npt.ArrayLike = (),
+    origin: Optional[npt.ArrayLike] = None,
+    list_walls: bool = False,
+    device: str = "auto",
+    threads: int = 0,
+    precision: PrecisionWord = "single",
+    progress: Union[None, bool, Progress] = None,
+) -> VolumeFit:
+    """Returns the power diagram in which the cell of point i has the volume ``volumes[i]``, and its weights.
+
+    The weights are those of optimal transport from the domain to the points: unique up to a constant. Damped Newton steps
+    find them (Kitagawa, Mérigot, Thibert 2019).
+
+    Parameters
+    ----------
+    points : (N, 3) array of real numbers, as for :func:`tessellate`; no two are equal, and none is outside the domain.
+    volumes : (N,) positive numbers that sum to the volume of the domain, to a relative 1e-9.
+    normalize : scale ``volumes`` to that sum: they are shares of the domain.
+    tolerance : largest abs(volume - target) / target of the result.
+    weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
+    max_steps : maximum number of Newton steps; each takes one tessellation or more.
+    box, periodic, cell, walls, origin, want, list_walls, device, threads, precision : as for :func:`tessellate`, for the
+        tessellation that is returned. The steps use double precision.
+    progress : as for :func:`tessellate`; the fraction is the share of the digits.
+
+    Ctrl-C in the main thread stops the fit and raises KeyboardInterrupt.
+
+    Raises
+    ------
+    ValueError : bad input; the message names the first offending index and value.
+    FitError : the steps ended before the tolerance; it has the best weights so far.
+    MemoryError, VotessError : as for :func:`tessellate`.
+    """
+    array = as_points(points).astype(np.float64, order="C", copy=False)
+    count = len(array)
+    targets = as_one_each(volumes, "volumes", count, "points")
+    domain = Domain(box, periodic, weights, None, cell, origin, walls)
+    options = new_options(want=want, list_walls=list_walls, device=device, threads=threads, precision=precision)
+    kept = domain.fill(options, count)
+    wanted = implied_words(options)
+    fit_options = _c_api.FitOptions()
+    raise_on_failure(lib.votess_fit_options_init(ctypes.byref(fit_options), ctypes.sizeof(fit_options)))
+    fit_options.tolerance = float(tolerance)
+    fit_options.max_steps = as_count(max_steps, "max_steps", 32)
+    fit_options.normalize = bool(normalize)
+
+    fit = Handle(lib.votess_fit_free)
+    with showing(progress) as show, Callbacks() as callbacks:
+        options.progress = callbacks.progress(show)
+        status = lib.votess_fit_volumes(
+            array.ctypes.data,
+            count,
+            targets.ctypes.data,
+            ctypes.byref(options),
+            ctypes.byref(fit_options),
+            ctypes.byref(fit.pointer),
+        )
+    del kept
+    if not fit.pointer:
+        raise_on_failure(status)
+    stats = _c_api.FitStats(struct_size=ctypes.sizeof(_c_api.FitStats))
+    message = lib.votess_last_error().decode("utf-8", "replace")
+    raise_on_failure(lib.votess_fit_get_stats(fit.pointer, ctypes.byref(stats)))
+    found = array_of(fit, "weights", np.float64, prefix="votess_fit_")
+    if status == ErrorCode.NOT_CONVERGED:
+        raise FitError(message, found.copy(), stats.residual, stats.steps)
+    result = Handle(lib.votess_result_free)
+    raise_on_failure(lib.votess_fit_result(fit.pointer, ctypes.byref(result.pointer)))
+    seconds = FitSeconds(stats.seconds_tessellate, stats.seconds_assemble, stats.seconds_solve, stats.seconds_total)
+    tessellation = Tessellation(result, array, wanted, domain.is_given)
+    return VolumeFit(found, tessellation, stats.residual, stats.steps, stats.tessellations, seconds)

@@ -1,0 +1,314 @@
+"""fit_volumes(), lloyd() with volumes and transport_cost(): exact cases, other tessellations, 50 digits, bad input."""
+
+import decimal
+import itertools
+import math
+import pickle
+import unittest
+
+import numpy as np
+from helpers import CELL, UNIT_BOX, lattice, uniform
+
+import pyvotess as vt
+
+SEEDS = 300
+OCTAHEDRON = [(*signs, 1) for signs in itertools.product((-1, 1), repeat=3)]
+
+
+def shares(count, kind, seed=1):
+    random = np.random.default_rng(seed)
+    values = {
+        "equal": lambda: np.ones(count),
+        "lognormal": lambda: np.exp(random.normal(0, 0.6, count)),
+        "wide": lambda: 10.0 ** np.linspace(-6, 0, count),
+    }[kind]()
+    return values / values.sum()
+
+
+def domains():
+    """Yields seeds, their domain and its volume."""
+    points, cell = uniform(SEEDS, seed=3), np.asarray(CELL)
+    inside = 2 * uniform(8 * SEEDS, seed=4) - 1
+    inside = inside[np.abs(inside).sum(axis=1) < 1][:SEEDS]
+    yield points, {"box": UNIT_BOX}, 1
+    yield points, {"box": UNIT_BOX, "periodic": True}, 1
+    yield points * 1e9 + (5e8, 7e9, 0), {"box": (0, 0, 0, 1e9, 1e9, 1e9), "periodic": "xy"}, 1e27
+    yield points @ cell + 5, {"cell": cell, "origin": (5, 5, 5)}, 1
+    yield points @ (cell * [[1], [1], [0.2]]), {"cell": cell * [[1], [1], [0.2]], "periodic": "xy"}, 0.2
+    yield inside, {"walls": OCTAHEDRON}, 4 / 3
+
+
+def residual(points, weights, targets, **domain):
+    """Returns the largest relative error of a volume, from another tessellation."""
+    t = vt.tessellate(points, weights=weights, want="volumes", threads=1, **domain)
+    return np.abs(t.volumes / targets - 1).max()
+
+
+class Exact(unittest.TestCase):
+    def test_two_seeds(self):
+        """The plane between them is at x = 0.1, where |x - p|^2 - w are equal."""
+        points = [(0.25, 0.5, 0.5), (0.75, 0.5, 0.5)]
+        fit = vt.fit_volumes(points, (0.1, 0.9), UNIT_BOX, tolerance=1e-13)
+        self.assertAlmostEqual(fit.weights[1] - fit.weights[0], 0.65**2 - 0.15**2, delta=1e-12)
+        self.assertAlmostEqual(fit.weights.sum(), 0, delta=1e-12)
+
+    def test_lattice(self):
+        for periodic in (True, False):
+            fit = vt.fit_volumes(lattice(4), np.ones(64), (0, 0, 0, 4, 4, 4), periodic)
+            self.assertEqual(np.ptp(fit.weights), 0)
+            self.assertEqual((fit.steps, fit.tessellations), (0, 2))
+
+    def test_mirror(self):
+        points, targets = uniform(SEEDS), shares(SEEDS, "lognormal")
+        one, other = (
+            vt.fit_volumes(p, targets, UNIT_BOX, tolerance=1e-12).weights for p in (points, points * (-1, 1, 1) + (1, 0, 0))
+        )
+        self.assertLess(np.abs(one - other).max(), 1e-10 * SEEDS ** (-2 / 3))
+
+    def test_one_and_none(self):
+        fit = vt.fit_volumes([(0.2, 0.3, 0.4)], [1], UNIT_BOX, True)
+        self.assertEqual((fit.weights[0], fit.steps), (0, 0))
+        self.assertEqual(len(vt.fit_volumes(np.empty((0, 3)), [], UNIT_BOX).weights), 0)
+
+
+class Residuals(unittest.TestCase):
+    def test_domains(self):
+        for points, domain, volume in domains():
+            for kind in ("equal", "lognormal", "wide"):
+                with self.subTest(domain=domain, kind=kind):
+                    targets = shares(SEEDS, kind) * volume
+                    fit = vt.fit_volumes(points, targets, want="faces,volumes", **domain)
+                    self.assertLessEqual(fit.residual, 1e-9)
+                    self.assertLessEqual(residual(points, fit.weights, targets, **domain), 1.001e-9)
+                    self.assertTrue((fit.tessellation.weights == fit.weights).all())
+                    self.assertTrue(fit.tessellation.verify())
+
+    def test_clusters(self):
+        random = np.random.default_rng(5)
+        points = (random.random((10, 1, 3)) + random.normal(0, 0.01, (10, 60, 3))).reshape(-1, 3) % 1
+        targets = shares(len(points), "equal")
+        fit = vt.fit_volumes(points, targets, UNIT_BOX, True)
+        self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
+
+    def test_threads(self):
+        points, targets = uniform(3000), shares(3000, "lognormal")
+        one, two = (vt.fit_volumes(points, targets, UNIT_BOX, True, threads=n).weights for n in (1, 2))
+        self.assertLess(np.abs(one - two).max(), 1e-10 * 3000 ** (-2 / 3))
+
+    def test_start(self):
+        points, targets = uniform(SEEDS), shares(SEEDS, "lognormal")
+        fit = vt.fit_volumes(points, targets, UNIT_BOX)
+        again = vt.fit_volumes(points, targets, UNIT_BOX, weights=fit.weights + 3)
+        self.assertEqual(again.steps, 0)
+        self.assertTrue((again.weights == fit.weights + 3).all())
+        # These weights leave most cells empty.
+        far = vt.fit_volumes(points, targets, UNIT_BOX, weights=np.arange(SEEDS))
+        self.assertLess(np.abs(far.weights - fit.weights).max(), 1e-8)
+
+    def test_normalize(self):
+        points = uniform(50)
+        fit = vt.fit_volumes(points, np.full(50, 7), UNIT_BOX, normalize=True)
+        self.assertLess(np.abs(fit.tessellation.volumes * 50 - 1).max(), 1.001e-9)
+
+
+class BadInput(unittest.TestCase):
+    def refused(self, says, points=None, volumes=None, **options):
+        points = uniform(10) if points is None else points
+        with self.assertRaisesRegex(ValueError, says):
+            vt.fit_volumes(points, np.full(len(points), 0.1) if volumes is None else volumes, UNIT_BOX, **options)
+
+    def test_targets(self):
+        self.refused(r"sum to 1\.1.*domain has 1:.*normalize", volumes=np.full(10, 0.11))
+        self.refused("it must be \\(10,\\)", volumes=np.full(9, 0.1))
+        for value, text in ((0, "0"), (-1, "-1"), (math.nan, "nan"), (math.inf, "inf")):
+            volumes = np.full(10, 0.1)
+            volumes[4] = value
+            for normalize in (False, True):
+                self.refused(f"point 4 is {text}: it must be positive", volumes=volumes, normalize=normalize)
+        self.refused("tolerance is 0", tolerance=0)
+        self.refused("tolerance is nan", tolerance=math.nan)
+
+    def test_points(self):
+        points = np.round(uniform(10) * 64) / 64
+        points[7] = points[2]
+        self.refused("point 7.*duplicate of point 2", points)
+        points[7] = points[2] + (1, 0, 0)
+        self.refused("point 7.*duplicate of point 2", points, periodic=True)
+        self.refused("point 7: x = 1.* outside", points)
+
+    def test_steps(self):
+        points, targets = uniform(SEEDS), shares(SEEDS, "wide")
+        with self.assertRaisesRegex(vt.FitError, "after 3 steps .*max_steps") as caught:
+            vt.fit_volumes(points, targets, UNIT_BOX, max_steps=3)
+        error = pickle.loads(pickle.dumps(caught.exception))
+        self.assertEqual((error.code, error.steps), (vt.ErrorCode.NOT_CONVERGED, 3))
+        self.assertAlmostEqual(residual(points, error.weights, targets, box=UNIT_BOX) / error.residual, 1, places=6)
+        fit = vt.fit_volumes(points, targets, UNIT_BOX, weights=error.weights)
+        self.assertLess(residual(points, fit.weights, targets, box=UNIT_BOX), 1.001e-9)
+        with self.assertRaisesRegex(vt.FitError, "raise tolerance"):
+            vt.fit_volumes(points, targets, UNIT_BOX, tolerance=1e-30)
+
+    def test_cancelled(self):
+        with self.assertRaises(vt.VotessError) as caught:
+            vt.fit_volumes(uniform(3000), shares(3000, "equal"), UNIT_BOX, progress=lambda fraction: fraction < 0.1)
+        self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
+
+
+D = decimal.Decimal
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def minus(a, b):
+    return tuple(x - y for x, y in zip(a, b))
+
+
+def cube(lower, upper):
+    """Returns the polygons of a cube and their neighbors: a list of (None, corners)."""
+    faces = []
+    for axis, end in itertools.product(range(3), (lower, upper)):
+        a, b = [k for k in range(3) if k != axis]
+        corners = []
+        for u, v in ((lower, lower), (upper, lower), (upper, upper), (lower, upper)):
+            corner = [end, end, end]
+            corner[a], corner[b] = u, v
+            corners.append(tuple(corner))
+        faces.append((None, corners))
+    return faces
+
+
+def clipped(faces, normal, offset, neighbor):
+    """Returns the polytope's part with normal.x <= offset. Its new face has the neighbor."""
+    tie = D("1e-40")  # far above rounding, far below lengths
+    result, cut = [], []
+    for other, corners in faces:
+        kept = []
+        heights = [dot(normal, x) - offset for x in corners]
+        for k, x in enumerate(corners):
+            y, h, g = corners[k - 1], heights[k], heights[k - 1]
+            if (h > tie and g < -tie) or (h < -tie and g > tie):
+                kept.append(tuple(p + (q - p) * (g / (g - h)) for p, q in zip(y, x)))
+                cut.append(kept[-1])
+            if h <= tie:
+                kept.append(x)
+            if abs(h) <= tie:
+                cut.append(x)
+        if len(kept) > 2:
+            result.append((other, kept))
+    if len(cut) > 2:
+        middle = tuple(sum(x) / len(cut) for x in zip(*cut))
+        a = max((minus(x, middle) for x in cut), key=lambda v: dot(v, v))
+        b = cross(normal, a)
+        around = sorted((math.atan2(dot(b, minus(x, middle)), dot(a, minus(x, middle))), x) for x in cut)
+        result.append((neighbor, [x for k, (angle, x) in enumerate(around) if k == 0 or angle - around[k - 1][0] > 1e-12]))
+    return result
+
+
+def measured(faces):
+    """Returns the volume, and the area toward each neighbor."""
+    volume, areas = D(0), {}
+    inside = faces[0][1][0]
+    for neighbor, corners in faces:
+        parts = [cross(minus(y, corners[0]), minus(z, corners[0])) for y, z in zip(corners[1:], corners[2:])]
+        area = tuple(sum(x) / 2 for x in zip(*parts))
+        volume += abs(dot(area, minus(corners[0], inside))) / 3
+        if neighbor is not None:
+            areas[neighbor] = areas.get(neighbor, D(0)) + dot(area, area).sqrt()
+    return volume, areas
+
+
+def precise_newton_step(points, weights, targets, periodic):
+    """Returns the weights after a Newton step in 50 digits."""
+    count = len(points)
+    matrix, right = [[D(0)] * count for _ in range(count)], []
+    images = list(itertools.product(range(-2, 3), repeat=3)) if periodic else [(0, 0, 0)]
+    for i, p in enumerate(points):
+        faces = cube(D(-1), D(2)) if periodic else cube(D(0), D(1))
+        for j, image in itertools.product(range(count), images):
+            q = tuple(x + s for x, s in zip(points[j], image))
+            if j != i or any(image):
+                offset = (dot(q, q) - weights[j] - dot(p, p) + weights[i]) / 2
+                if any(dot(minus(q, p), x) > offset + D("1e-40") for _, corners in faces for x in corners):
+                    faces = clipped(faces, minus(q, p), offset, (j, image))
+        volume, areas = measured(faces)
+        right.append(targets[i] - volume)
+        for (j, image), area in areas.items():
+            way = minus(tuple(x + s for x, s in zip(points[j], image)), p)
+            slope = area / (2 * dot(way, way).sqrt())
+            matrix[i][i] += slope
+            matrix[i][j] -= slope
+    # The last weight stays; Gauss without pivots, because the matrix is diagonally dominant.
+    for k in range(count - 1):
+        for row in range(k + 1, count - 1):
+            factor = matrix[row][k] / matrix[k][k]
+            matrix[row] = [x - factor * y for x, y in zip(matrix[row], matrix[k])]
+            right[row] -= factor * right[k]
+    step = [D(0)] * count
+    for k in reversed(range(count - 1)):
+        step[k] = (right[k] - sum(matrix[k][m] * step[m] for m in range(k + 1, count - 1))) / matrix[k][k]
+    return [w + s for w, s in zip(weights, step)]
+
+
+class FiftyDigits(unittest.TestCase):
+    def test_random_cases(self):
+        with decimal.localcontext(decimal.Context(prec=50)):
+            for case in range(100):
+                random = np.random.default_rng(case)
+                periodic = case % 10 == 0
+                count = 2 if periodic else 2 + case % 4
+                points = random.random((count, 3))
+                targets = shares(count, "lognormal", case)
+                fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic, tolerance=1e-13)
+                weights = [D(float(w)) for w in fit.weights]
+                exact_targets = [D(float(v)) for v in targets]
+                exact_targets[-1] = 1 - sum(exact_targets[:-1])
+                places = [tuple(D(float(x)) for x in p) for p in points]
+                for _ in range(2):
+                    weights = precise_newton_step(places, weights, exact_targets, periodic)
+                exact = np.array([float(w - weights[0]) for w in weights])
+                error = np.abs(fit.weights - fit.weights[0] - exact).max()
+                self.assertLess(error, 1e-9 * count ** (-2 / 3), f"case {case}")
+
+
+class Transport(unittest.TestCase):
+    def test_cost(self):
+        """Two halves of the box, each moved to a point."""
+        points = [(0.1, 0.5, 0.5), (0.3, 0.5, 0.5)]
+        t = vt.fit_volumes(points, (0.5, 0.5), UNIT_BOX, want="faces").tessellation
+        along = sum((b - p) ** 3 - (a - p) ** 3 for a, b, p in ((0, 0.5, 0.1), (0.5, 1, 0.3))) / 3
+        self.assertAlmostEqual(vt.transport_cost(t), along + 2 / 12, places=12)
+        with self.assertRaisesRegex(ValueError, "transport_cost.*faces"):
+            vt.transport_cost(vt.tessellate(points, UNIT_BOX))
+
+    def test_derivative(self):
+        """Moving a seed changes the cost by 2 V (p - c): the weights do not move it (Kantorovich duality)."""
+        points, targets = uniform(40), shares(40, "lognormal")
+        way = np.random.default_rng(2).normal(size=points.shape)
+
+        def cost(p):
+            return vt.transport_cost(vt.fit_volumes(p, targets, UNIT_BOX, True, tolerance=1e-11, want="faces").tessellation)
+
+        t = vt.fit_volumes(points, targets, UNIT_BOX, True, tolerance=1e-11, want="volumes,centroids").tessellation
+        expected = (2 * targets[:, None] * (t.wrapped_points - t.centroids) * way).sum()
+        numeric = (cost(points + 1e-6 * way) - cost(points - 1e-6 * way)) / 2e-6
+        self.assertAlmostEqual(numeric / expected, 1, places=6)
+
+    def test_lloyd(self):
+        points, targets = uniform(60), shares(60, "lognormal")
+        relaxed = vt.lloyd(points, 5, box=UNIT_BOX, periodic=True, volumes=targets)
+        self.assertTrue((np.diff(relaxed.energies) < 0).all(), relaxed.energies)
+        t = relaxed.tessellation
+        self.assertLess(np.abs(t.volumes / targets - 1).max(), 1.001e-9)
+        self.assertLess(residual(relaxed.points, t.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
+        with self.assertRaisesRegex(ValueError, "density or volumes"):
+            vt.lloyd(points, 1, lambda x: np.ones(len(x)), box=UNIT_BOX, volumes=targets)
+
+
+if __name__ == "__main__":
+    unittest.main()

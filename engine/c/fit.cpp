@@ -1,0 +1,101 @@
+// Weights for given volumes.
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+namespace {
+
+votess_fit_options default_options() {
+    const votess::FitOptions defaults;
+    votess_fit_options options{};
+    options.struct_size = sizeof options;
+    options.max_steps = defaults.max_steps;
+    options.tolerance = defaults.tolerance;
+    options.normalize = defaults.normalize ? 1 : 0;
+    return options;
+}
+
+votess::FitOptions convert(const votess_fit_options* given) {
+    votess_fit_options all = default_options();
+    if (given != nullptr) {
+        require_struct_size(given->struct_size, sizeof all, "fit_options.struct_size",
+                            "call votess_fit_options_init first");
+        std::memcpy(&all, given, sizeof all);
+    }
+    return {.tolerance = all.tolerance, .max_steps = all.max_steps, .normalize = all.normalize != 0};
+}
+
+}  // namespace
+
+votess_status votess_fit_options_init(votess_fit_options* options, size_t size) {
+    return guarded([&] {
+        require(options, "options");
+        require_struct_size(size, sizeof(votess_fit_options), "size", "give sizeof(votess_fit_options)");
+        *options = default_options();
+        options->struct_size = static_cast<uint32_t>(size);
+    });
+}
+
+votess_status votess_fit_volumes(const double* points, size_t count, const double* targets,
+                                 const votess_options* options, const votess_fit_options* fit_options,
+                                 votess_fit** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        const auto input = coordinates(points, count);
+        require_array(targets, count, "targets", "count");
+        const votess::FitOptions converted = convert(fit_options);
+        try {
+            *out = new votess_fit{
+                votess::fit_volumes(input, std::span(targets, count), convert_options(options, count), converted),
+                true};
+        } catch (const votess::FitError& error) {
+            *out = new votess_fit{};
+            (*out)->fit.weights = error.weights();
+            (*out)->fit.residual = error.residual();
+            (*out)->fit.steps = error.steps();
+            throw;
+        }
+    });
+}
+
+void votess_fit_free(votess_fit* fit) {
+    delete fit;
+}
+
+const double* votess_fit_weights(const votess_fit* fit, size_t* length) {
+    if (fit == nullptr) set_last_error("fit is NULL");
+    return expose_span<double>(fit == nullptr ? std::span<const double>() : std::span<const double>(fit->fit.weights),
+                               length);
+}
+
+votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats) {
+    return guarded([&] {
+        require(fit, "fit");
+        require(stats, "stats");
+        require_struct_size(stats->struct_size, sizeof *stats, "stats.struct_size",
+                            "set it to sizeof(votess_fit_stats)");
+        const votess::VolumeFit& from = fit->fit;
+        stats->steps = from.steps;
+        stats->tessellations = from.tessellations;
+        stats->residual = from.residual;
+        stats->seconds_tessellate = from.seconds.tessellate;
+        stats->seconds_assemble = from.seconds.assemble;
+        stats->seconds_solve = from.seconds.solve;
+        stats->seconds_total = from.seconds.total;
+    });
+}
+
+votess_status votess_fit_result(const votess_fit* fit, votess_result** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(fit, "fit");
+        if (!fit->converged) refuse("fit did not converge: it has weights and no result");
+        *out = new votess_result{fit->fit.tessellation};
+    });
+}

@@ -1,0 +1,176 @@
+#include <cmath>
+#include <new>
+#include <utility>
+
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "core/thread_pool.hpp"
+#include "fit/newton.hpp"
+#include "fit/timed.hpp"
+#include "index/sort.hpp"
+#include "input/domain_of_result.hpp"
+#include "input/options.hpp"
+#include "input/snapshot.hpp"
+#include "votess/fit.hpp"
+
+namespace votess {
+
+FitError::FitError(const std::string& message, std::vector<double> weights, double residual, unsigned steps)
+    : Error(ErrorCode::not_converged, message), weights_(std::move(weights)), residual_(residual), steps_(steps) {}
+FitError::~FitError() = default;
+
+namespace fit {
+namespace {
+
+constexpr double sum_tolerance = 1e-9;
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "fit_volumes: " + message);
+}
+
+void check(const Options& options, const FitOptions& fit) {
+    check_options(options);
+    if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
+        refuse("tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
+    if (options.outside != Outside::error) refuse("points that are dropped have no volume: leave out Outside::drop");
+}
+
+// Returns the targets as volumes that sum to that of the domain.
+std::vector<double> checked_targets(std::span<const double> given, std::size_t count, double volume, bool normalize) {
+    if (given.size() != count)
+        refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
+               " points: give one for each");
+    std::vector<double> targets(given.begin(), given.end());
+    long double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(targets[i] > 0) || !std::isfinite(targets[i]))
+            refuse("the target volume of point " + std::to_string(i) + " is " + number(targets[i]) +
+                   ": it must be positive and finite; leave out points that shall have no cell");
+        sum += targets[i];
+    }
+    const auto total = static_cast<double>(sum);
+    if (!normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
+        refuse("the target volumes sum to " + number(total) + ", but the domain has " + number(volume) +
+               ": correct them, or set normalize to scale them to that sum");
+    for (double& target : targets) target *= volume / total;
+    return targets;
+}
+
+Edges edges_of(const Job& job) {
+    if (const auto& cell = job.options.cell) return {cell->a, cell->b, cell->c};
+    Edges edges{};
+    for (std::size_t k = 0; k < 3; ++k) edges[k][k] = job.box.upper[k] - job.box.lower[k];
+    return edges;
+}
+
+// Returns the indices of the places along a Hilbert curve.
+std::vector<std::int32_t> order_of(const Job& job, std::span<const double> places, ThreadPool& pool) {
+    cpu::SeedSorter sorter;
+    cpu::SortedSeeds seeds;
+    sorter.sort(places, job.scale, job.options.grid_resolution, pool, seeds);
+    if (seeds.duplicates > 0) {  // refuses those that are not equal by rounding alone
+        Options options = job.options;
+        options.weights = options.radii = {};
+        options.want = {};
+        options.duplicates = Duplicates::error;
+        options.progress = Stoppable::within({});
+        (void)tessellate(job.points.f64, options);
+    }
+    std::vector<std::int32_t> order(seeds.input.begin(), seeds.input.begin() + seeds.size());
+    for (std::size_t i = 0; i < seeds.duplicate_of.size(); ++i)
+        if (seeds.duplicate_of[i] >= 0) order.push_back(static_cast<std::int32_t>(i));
+    return order;
+}
+
+Problem problem_of(const Job& job, std::span<const double> targets, std::span<const double> places,
+                   std::span<const std::int32_t> order) {
+    Problem problem;
+    problem.edges = edges_of(job);
+    problem.options = job.options;
+    problem.options.radii = {};
+    problem.options.list_walls = false;
+    problem.options.min_face = problem.options.min_area = 0;
+    problem.points.reserve(places.size());
+    problem.places.reserve(places.size());
+    problem.targets.resize(static_cast<Eigen::Index>(order.size()));
+    in_pieces(order.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const auto i = static_cast<std::size_t>(order[row]);
+            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) {
+                problem.points.push_back(job.points[k]);
+                problem.places.push_back(places[k]);
+            }
+            problem.targets[static_cast<Eigen::Index>(row)] = targets[i];
+        }
+    });
+    return problem;
+}
+
+// Returns the weights of the caller in this order; 0 by default.
+Vector start_of(const Job& job, std::span<const std::int32_t> order) {
+    Vector start = Vector::Zero(static_cast<Eigen::Index>(order.size()));
+    const std::vector<double>& weights = job.domain->weights;
+    for (std::size_t row = 0; row < order.size() && !weights.empty(); ++row)
+        start[static_cast<Eigen::Index>(row)] = weights[static_cast<std::size_t>(order[row])] / (job.scale * job.scale);
+    return start;
+}
+
+void fit(const Job& job, std::span<const double> targets, const FitOptions& options, ThreadPool& pool, VolumeFit& out) {
+    std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
+    move_into_domain(job, places);
+    const std::vector<std::int32_t> order = order_of(job, places, pool);
+    Newton newton(problem_of(job, targets, places, order), options, out);
+    const bool converged = newton.run(start_of(job, order));
+    out.residual = newton.now().residual;
+    out.weights.resize(order.size());
+    for (std::size_t row = 0; row < order.size(); ++row)
+        out.weights[static_cast<std::size_t>(order[row])] = newton.now().weights[static_cast<Eigen::Index>(row)];
+    if (converged) return;
+    const std::string message = "fit_volumes: after " + std::to_string(out.steps) + " steps the largest error of a " +
+                                "volume is " + number(out.residual) + " of its target, more than the tolerance " +
+                                number(options.tolerance) + ": " + newton.why();
+    throw FitError(message, std::move(out.weights), out.residual, out.steps);
+}
+
+void fit_into(std::span<const double> points, std::span<const double> targets, const Options& options,
+              const FitOptions& fit_options, VolumeFit& out) {
+    const Timed total(out.seconds.total);
+    Progress progress(options.progress);
+    progress.postpone();  // a refusal of short input comes before any report
+    const Stoppable stoppable(progress);
+    check(options, fit_options);
+    check_shape({points, {}});
+    Options inner = options;
+    inner.progress = nullptr;
+    ThreadPool pool(inner.threads);
+    Snapshot snapshot;
+    const Job job = validate(snapshot.take({points, {}}, pool), inner);
+    const std::size_t count = job.points.count();
+    if (count > 0) {
+        const auto volumes = checked_targets(targets, count, job.box_volume, fit_options.normalize);
+        fit(job, volumes, fit_options, pool, out);
+    }
+    const Timed last(out.seconds.tessellate);
+    inner.weights = out.weights;
+    inner.radii = {};
+    inner.progress = Stoppable::within({0.95, 1});
+    out.tessellation = tessellate(job.points.f64, inner);
+    ++out.tessellations;
+}
+
+}  // namespace
+}  // namespace fit
+
+VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets, const Options& options,
+                      const FitOptions& fit_options) {
+    VolumeFit out;
+    try {
+        fit::fit_into(points, targets, options, fit_options, out);
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while fitting the volumes of " + std::to_string(points.size() / 3) + " seeds");
+    }
+    return out;
+}
+
+}  // namespace votess

@@ -1,0 +1,69 @@
+// Weights for given volumes: the power diagram in which each cell has the volume that the caller gives.
+//
+//     votess::VolumeFit fit = votess::fit_volumes(points, targets, options);
+//     fit.weights[i] ... fit.tessellation.volumes()[i] equals targets[i] to 1e-9
+//
+// Method: damped Newton (Kitagawa, Mérigot, Thibert: Convergence of a Newton algorithm for semi-discrete optimal
+// transport, J. Eur. Math. Soc. 21, 2019). The derivative of a volume by a neighbor's weight is -area / (2 distance).
+// The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+#include <votess/votess.hpp>
+
+namespace votess {
+
+struct FitOptions {
+    // Largest |volume - target| / target of the answer.
+    double tolerance = 1e-9;
+    // Newton steps; each takes at least one tessellation.
+    unsigned max_steps = 200;
+    // Scale the targets so that they sum to the volume of the domain: they are shares.
+    bool normalize = false;
+};
+
+// Seconds of wall clock. `tessellate` includes the tessellation that is returned.
+struct FitSeconds {
+    double tessellate = 0, assemble = 0, solve = 0, total = 0;
+};
+
+struct VolumeFit {
+    std::vector<double> weights;  // N, length unit squared, input order; the mean is that of the weights at the start
+    Tessellation tessellation;    // with these weights and the arrays of Options::want
+    unsigned steps = 0;           // Newton steps
+    unsigned tessellations = 0;   // in all steps, and the one that is returned
+    double residual = 0;          // largest |volume - target| / target
+    FitSeconds seconds;
+};
+
+// Thrown when the steps end before the tolerance is reached. Its code is not_converged.
+class VOTESS_API FitError : public Error {
+public:
+    FitError(const std::string& message, std::vector<double> weights, double residual, unsigned steps);
+    ~FitError() override;
+    FitError(const FitError&) = default;
+    FitError& operator=(const FitError&) = default;
+
+    // N: the best weights so far, with no empty cell. A fit that starts from them goes on.
+    [[nodiscard]] const std::vector<double>& weights() const noexcept { return weights_; }
+    [[nodiscard]] double residual() const noexcept { return residual_; }
+    [[nodiscard]] unsigned steps() const noexcept { return steps_; }
+
+private:
+    std::vector<double> weights_;
+    double residual_;
+    unsigned steps_;
+};
+
+// Returns weights for which the cell of point i has the volume targets[i], and the tessellation with them. Options give
+// the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start. By default,
+// and where they leave a cell empty, the start is 0. The steps use double precision.
+// Throws invalid_argument for equal points, Outside::drop, and targets that are not positive, not one for each point or
+// do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of tessellate().
+[[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
+                                               const Options& options = {}, const FitOptions& fit = {});
+
+}  // namespace votess

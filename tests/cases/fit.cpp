@@ -1,0 +1,155 @@
+// fit_volumes(): each cell gets its volume. The tests of Python have the exact cases and other domains.
+#include <doctest/doctest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+#include <votess/fit.hpp>
+
+#include "fit/laplacian.hpp"
+#include "input/domain_of_result.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using votess::ErrorCode;
+using votess::FitError;
+using votess::FitOptions;
+using votess::Options;
+
+struct Grains {
+    std::vector<double> points, targets;
+    Options options;
+};
+
+// In the unit box, with volumes that differ by up to a hundred.
+Grains grains(std::size_t count, bool periodic) {
+    test::Random random(count);
+    Grains made;
+    made.options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    made.options.periodic = {periodic, periodic, periodic};
+    made.options.device = "cpu";
+    double sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) made.points.push_back(random.uniform());
+        made.targets.push_back(std::exp(0.6 * random.gaussian()));
+        sum += made.targets.back();
+    }
+    for (double& target : made.targets) target /= sum;
+    return made;
+}
+
+double largest_error(std::span<const double> volumes, std::span<const double> targets) {
+    double error = 0;
+    for (std::size_t i = 0; i < targets.size(); ++i) error = std::max(error, std::abs(volumes[i] / targets[i] - 1));
+    return error;
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("fit: volumes of another tessellation, for any number of threads") {
+        for (const bool periodic : {false, true}) {
+            Grains g = grains(test::by_size(3000, 300), periodic);
+            g.options.want.centroids = true;
+            g.options.threads = 1;
+            const votess::VolumeFit fit = votess::fit_volumes(g.points, g.targets, g.options);
+            CHECK(fit.residual <= 1e-9);
+            CHECK(fit.tessellation.centroids().size() == g.points.size());
+            CHECK(std::ranges::equal(fit.tessellation.weights(), fit.weights));
+            CHECK(fit.seconds.total >= fit.seconds.tessellate + fit.seconds.assemble + fit.seconds.solve);
+            Options again = g.options;
+            again.weights = fit.weights;
+            CHECK(largest_error(votess::tessellate(g.points, again).volumes(), g.targets) < 1.001e-9);
+            g.options.threads = 3;
+            CHECK(std::ranges::equal(votess::fit_volumes(g.points, g.targets, g.options).weights, fit.weights));
+        }
+    }
+
+    TEST_CASE("fit: an error has the best weights so far, from which another fit goes on") {
+        const Grains g = grains(300, true);
+        std::vector<double> best;
+        try {
+            (void)votess::fit_volumes(g.points, g.targets, g.options, FitOptions{.max_steps = 2});
+            FAIL("2 steps were enough");
+        } catch (const FitError& error) {
+            CHECK(error.code() == ErrorCode::not_converged);
+            CHECK(error.steps() == 2);
+            best = error.weights();
+            Options options = g.options;
+            options.weights = best;
+            const double at = largest_error(votess::tessellate(g.points, options).volumes(), g.targets);
+            CHECK(at == doctest::Approx(error.residual()).epsilon(1e-9));
+            CHECK(votess::fit_volumes(g.points, g.targets, options).residual <= 1e-9);
+        }
+    }
+
+    TEST_CASE("fit: weights at the start as radii") {
+        Grains g = grains(300, false);
+        std::vector<double> radii(300, 0.5);
+        g.options.radii = radii;
+        const votess::VolumeFit fit = votess::fit_volumes(g.points, g.targets, g.options);
+        double sum = 0;
+        for (const double weight : fit.weights) sum += weight;
+        CHECK(sum / 300 == doctest::Approx(0.25));
+        CHECK(largest_error(fit.tessellation.volumes(), g.targets) < 1.001e-9);
+    }
+
+    TEST_CASE("fit: refused input") {
+        const Grains g = grains(20, false);
+        const auto refusal = [&](const Grains& bad, const FitOptions& fit = {}) {
+            std::string message;
+            CHECK(test::error_of([&] { (void)votess::fit_volumes(bad.points, bad.targets, bad.options, fit); },
+                                 &message) == ErrorCode::invalid_argument);
+            return message;
+        };
+        Grains bad = g;
+        bad.targets[7] = 0;
+        CHECK(refusal(bad).find("point 7 is 0") != std::string::npos);
+        bad.targets.pop_back();
+        CHECK(refusal(bad).find("19 target volumes for 20 points") != std::string::npos);
+        bad = g;
+        bad.targets[7] *= 1.001;
+        CHECK(refusal(bad).find("normalize") != std::string::npos);
+        bad = g;
+        bad.options.outside = votess::Outside::drop;
+        CHECK(refusal(bad).find("Outside::drop") != std::string::npos);
+        bad = g;
+        std::copy_n(bad.points.begin() + 9, 3, bad.points.begin() + 30);
+        CHECK(refusal(bad).find("point 10") != std::string::npos);
+        CHECK(refusal(g, FitOptions{.tolerance = -1}).find("tolerance is -1") != std::string::npos);
+    }
+
+    TEST_CASE("fit: the derivatives are those of volumes, and the solver solves with them") {
+        const Grains g = grains(700, true);  // three levels of the preconditioner
+        Options options = g.options;
+        options.want.areas = true;
+        const votess::Tessellation t = votess::tessellate(g.points, options);
+        votess::fit::Matrix matrix;
+        votess::fit::set_laplacian(t, votess::wrapped_points(t, g.points), {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, matrix);
+        CHECK(matrix.rows() == 700);
+
+        test::Random random(1);
+        std::vector<double> weights(700), before(700);
+        for (std::size_t i = 0; i < 700; ++i) weights[i] = 1e-7 * (random.uniform() - 0.5), before[i] = -weights[i];
+        Options moved = g.options;
+        moved.weights = weights;
+        const votess::Tessellation after = votess::tessellate(g.points, moved);
+        moved.weights = before;
+        const votess::Tessellation other = votess::tessellate(g.points, moved);
+        const votess::fit::Vector change = matrix * Eigen::Map<const votess::fit::Vector>(weights.data(), 700);
+        for (std::size_t i = 0; i < 700; ++i) {
+            CHECK(std::abs((after.volumes()[i] - other.volumes()[i]) / 2 - change[static_cast<Eigen::Index>(i)]) <
+                  1e-4 * change.lpNorm<Eigen::Infinity>());
+        }
+
+        votess::fit::Vector right = votess::fit::Vector::LinSpaced(700, -1, 1).array().cube();
+        right.array() -= right.mean();
+        const votess::fit::Vector x = votess::fit::solve(matrix, right, 1e-12);
+        CHECK((matrix * x - right).norm() < 1e-10 * right.norm());
+        CHECK(std::abs(x.mean()) < 1e-12 * x.norm());
+    }
+}
