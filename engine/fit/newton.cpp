@@ -10,6 +10,9 @@ namespace votess::fit {
 namespace {
 
 constexpr double first_factor = 4, least_factor = 1.5, largest_factor = 1e6;
+// While the smallest share of a target is below this, only the smallest cells grow, at the cost of those that are too
+// large. Larger cells move planes by more than the whole size of small ones. The second holds after a failed step.
+constexpr double first_filling = 0.01, last_filling = 0.5;
 constexpr double least_share = 1.0 / 1024;  // of a step
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
 constexpr double solver_share = 0.01, least_solver_tolerance = 1e-6;
@@ -17,7 +20,7 @@ constexpr double solver_share = 0.01, least_solver_tolerance = 1e-6;
 }  // namespace
 
 Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
-    : problem_(std::move(problem)), options_(options), out_(out), factor_(first_factor) {
+    : problem_(std::move(problem)), options_(options), out_(out), factor_(first_factor), filling_(first_filling) {
     problem_.options.want = {};
     problem_.options.want.areas = true;
     problem_.options.precision = Precision::double_;
@@ -45,8 +48,14 @@ Weighted Newton::tessellate(Vector weights) {
 Vector Newton::goal() const {
     const auto volumes = now_.volumes.array(), targets = problem_.targets.array();
     if (((targets <= factor_ * volumes) && (targets * factor_ >= volumes)).all()) return problem_.targets;
-    double low = 1 / factor_, high = factor_;
     Vector goal;
+    const double least = (volumes / targets).minCoeff();
+    if (factor_ * least < filling_) {
+        const Vector excess = (volumes - targets).max(0);
+        goal = volumes.max(factor_ * least * targets);
+        return goal - (goal.sum() - now_.volumes.sum()) / excess.sum() * excess;
+    }
+    double low = 1 / factor_, high = factor_;
     for (int i = 0; i < 50; ++i) {
         check_stop();
         const double scale = std::sqrt(low * high);
@@ -63,7 +72,7 @@ Vector Newton::direction(const Vector& goal) {
     }
     const Timed timed(out_.seconds.solve);
     Vector right = goal - now_.volumes;
-    right.array() -= right.mean();
+    right -= right.sum() / goal.sum() * goal;
     const double far = (right.array() / goal.array()).abs().maxCoeff();
     return solve(matrix_, right, std::clamp(solver_share * far, least_solver_tolerance, solver_share));
 }
@@ -71,10 +80,13 @@ Vector Newton::direction(const Vector& goal) {
 double Newton::advance(const Vector& step, const Vector& goal) {
     if (!step.allFinite()) return 0;
     const double least = 0.5 * std::min(now_.volumes.minCoeff(), problem_.targets.minCoeff());
-    const double distance = (now_.volumes - goal).norm();
+    const auto distance_of = [&](const Vector& volumes) {
+        return ((volumes - goal).array() / goal.array()).matrix().norm();
+    };
+    const double distance = distance_of(now_.volumes);
     for (double share = 1; share >= least_share; share /= 2) {
         Weighted next = tessellate(now_.weights + share * step);
-        if (next.volumes.minCoeff() < least || !((next.volumes - goal).norm() <= (1 - share / 2) * distance)) continue;
+        if (next.volumes.minCoeff() < least || !(distance_of(next.volumes) <= (1 - share / 2) * distance)) continue;
         now_ = std::move(next);
         return share;
     }
@@ -96,7 +108,9 @@ bool Newton::run(Vector weights) {
             factor_ = std::min(4 * factor_, largest_factor);
         else
             factor_ = std::max(factor_ / (share > 0 ? 2 : 16), least_factor);
-        if (share == 0 && (factor_ == least_factor || goal == problem_.targets)) {
+        if (share == 0 && filling_ < last_filling && goal != problem_.targets) {
+            filling_ = last_filling;
+        } else if (share == 0 && (factor_ == least_factor || goal == problem_.targets)) {
             why_ = "no step comes nearer, raise tolerance";
             return false;
         }

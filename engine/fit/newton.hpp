@@ -27,7 +27,7 @@ struct Weighted {
 //
 // Where volumes and targets differ by factors, the derivative of a small cell is small, so its step is too long, and
 // halving is slow. So a step aims at a goal: the targets, bounded by a factor around the volumes. The factor grows with
-// each full step.
+// each full step. In tight clusters the smallest cells grow first.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
@@ -51,7 +51,7 @@ private:
     Tessellator tessellator_;
     Matrix matrix_;
     Weighted now_;
-    double factor_;  // of the goal
+    double factor_, filling_;  // of the goal
     double first_residual_ = 0;
     std::string why_;
 };

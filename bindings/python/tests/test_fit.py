@@ -90,6 +90,17 @@ class Residuals(unittest.TestCase):
         fit = vt.fit_volumes(points, targets, UNIT_BOX, True)
         self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
 
+    def test_tight_cluster(self):
+        """Volumes at the start differ by a factor of up to 1e16."""
+        for seed, size in enumerate((1e-2, 1e-3, 1e-4, 1e-5)):
+            points = 0.3 + size * np.random.default_rng(seed).normal(size=(40, 3))
+            for kind in ("equal", "wide"):
+                for periodic in (False, True):
+                    targets = shares(40, kind)
+                    fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic)
+                    error = residual(points, fit.weights, targets, box=UNIT_BOX, periodic=periodic)
+                    self.assertLessEqual(error, 1.001e-9, f"size {size}, {kind}, periodic {periodic}")
+
     def test_threads(self):
         points, targets = uniform(3000), shares(3000, "lognormal")
         one, two = (vt.fit_volumes(points, targets, UNIT_BOX, True, threads=n).weights for n in (1, 2))
