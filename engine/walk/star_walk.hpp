@@ -353,6 +353,7 @@ private:
 
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;
+    std::vector<exact::Plane> corner_planes_;  // of link_polygon()
     struct Node {
         std::int32_t level;
         std::uint32_t index;

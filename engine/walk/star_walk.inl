@@ -1109,12 +1109,10 @@ bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex
         return false;
     if (weighted_ && any_parallel(cells)) return false;
     used_exact_ = true;
-    std::array<exact::Plane, max_ties> planes;
+    corner_planes_.clear();
+    for (const std::int32_t cell : cells) corner_planes_.push_back(exact_plane(cells_.id(cell)));
     std::array<const exact::Plane*, max_ties> pointers;
-    for (std::size_t k = 0; k < cells.size(); ++k) {
-        planes[k] = exact_plane(cells_.id(cells[k]));
-        pointers[k] = &planes[k];
-    }
+    for (std::size_t k = 0; k < cells.size(); ++k) pointers[k] = &corner_planes_[k];
     std::array<int, max_ties> room;
     const auto polygon = exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
                                                std::span(room).first(cells.size()));
