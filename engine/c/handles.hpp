@@ -38,7 +38,7 @@ struct votess_natural {
 
 struct votess_fit {
     votess::VolumeFit fit;
-    bool converged = false;  // else there is no tessellation
+    bool converged = false;  // false: weights, but no tessellation
 };
 
 namespace votess::c {

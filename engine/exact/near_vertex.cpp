@@ -9,6 +9,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/vector3.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/predicate.hpp"
 
@@ -54,14 +55,6 @@ std::optional<SharpPlane> sharp_plane(const Point& p, const Plane& plane) {
     return sharp;
 }
 
-Point cross(const Point& a, const Point& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-double square_of(const Point& a) {
-    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
-}
-
 double residual(const SharpPlane& plane, const Point& x) {
     DoubleDouble sum = plane.h;
     for (int k = 0; k < 3; ++k) sum = sum + plane.n[k] * DoubleDouble{-x[k], 0};
@@ -79,13 +72,13 @@ std::optional<Point> refine(const Point& p, const std::array<const Plane*, 3>& p
         if (!found) return std::nullopt;
         sharp[i] = *found;
         for (int k = 0; k < 3; ++k) n[i][k] = sharp[i].n[k].high;
-        const double square = square_of(n[i]);
+        const double square = dot(n[i], n[i]);
         if (!(square > smallest_square && square < largest_square && std::abs(sharp[i].h.high) < largest_square))
             return std::nullopt;
         squares *= square;
     }
     const std::array<Point, 3> across{cross(n[1], n[2]), cross(n[2], n[0]), cross(n[0], n[1])};
-    const double determinant = n[0][0] * across[0][0] + n[0][1] * across[0][1] + n[0][2] * across[0][2];
+    const double determinant = dot(n[0], across[0]);
     const double factor = 62 * unit * std::sqrt(squares) / std::abs(determinant);
     if (!(factor < largest_factor)) return std::nullopt;
     Point x{};

@@ -74,7 +74,7 @@ Multigrid& Multigrid::factorize(const Eigen::Ref<const Matrix>& matrix) {
     levels_.clear();
     Level finest;
     const auto rows = static_cast<std::size_t>(matrix.rows());
-    // Of order one: float32 could overflow. The largest entry is on the diagonal.
+    // Entries become of order one, as float32 could overflow. The largest is on the diagonal.
     const double size =
         matrix.nonZeros() > 0 ? Eigen::Map<const Vector>(matrix.valuePtr(), matrix.nonZeros()).maxCoeff() : 0;
     const double scale = size > 0 ? 1 / size : 0;

@@ -427,7 +427,7 @@ class CellMeter {
     }
 
     template <bool Weighted>
-    static bool measure_around(CellShape& shape, CellMeasures& out) {
+    static bool measure(CellShape& shape, CellMeasures& out) {
         Center center;
         Sums sums;
         if (!read_planes<Weighted>(shape, center, sums)) return false;
@@ -439,7 +439,7 @@ class CellMeter {
 
 public:
     static bool measure(CellShape& shape, CellMeasures& out) {
-        return shape.weighted ? measure_around<true>(shape, out) : measure_around<false>(shape, out);
+        return shape.weighted ? measure<true>(shape, out) : measure<false>(shape, out);
     }
 };
 

@@ -137,7 +137,7 @@ int exponent_of(const Cell& cell, const CellFaces& faces) {
 // so a bound on all errors grows as the surface, not as the number of faces.
 struct Gradient {
     Vector<double> volume{}, surface{};
-    double volume_terms = 0, surface_terms = 0;  // sizes of what was added, for its rounding
+    double volume_terms = 0, surface_terms = 0;  // sums of the sizes of the terms, which bound their rounding
     double error = 0;                            // of each coordinate of the corner
 
     [[nodiscard]] double volume_error() const { return error * (length_bound(volume) + rounding * volume_terms); }

@@ -8,7 +8,6 @@
 // The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
 #pragma once
 
-#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>

@@ -1,6 +1,6 @@
 // knn and clip in one: a subgroup makes a cell. Its lanes search the hierarchy, test planes and make new vertices side by
-// side. They hold the cell's vertices in registers; planes and candidates are in shared memory. There is no list: the
-// search continues outwards until the security radius. The status of an unproven cell says why. In the second tier the
+// side. They hold the cell's vertices in registers; planes and candidates are in shared memory. The search makes no
+// list: it continues outwards until the security radius. The status of an unproven cell says why. In the second tier the
 // shader, in float64, tries undecided cells again.
 //
 // Subgroups do not wait for each other. Push constants, shared memory at one index and a subgroup's votes are the same
