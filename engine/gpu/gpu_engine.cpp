@@ -39,7 +39,10 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
                                                 "' has no float64 arithmetic: use precision single, or the CPU");
     PassSettings s = usual_settings(*device_, options.k_init);
     if (limits_.max_walk_visits != 0) s.max_walk_visits = limits_.max_walk_visits;
-    s.tiers[0].float64 = measured_double;
+    if (measured_double) {
+        s.tiers[0].float64 = true;
+        if (s.subgroup_size != 0) s.tiers[0].planes = s.tiers[1].planes;
+    }
     s.measure_float64 = s.measure_float64 || measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
     s.walls = has_device_walls(*job_.domain);

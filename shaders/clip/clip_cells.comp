@@ -9,7 +9,6 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
-#include "clip/finished.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "clip/unit_of_length.glsl"
 #include "clip/walls.glsl"
@@ -21,9 +20,8 @@
 #include "shared/layout.h"
 
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
-layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { ClipPush push; };
-// One column for each cell of the chunk, or of the second tier.
+// One column for each cell of the chunk.
 layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
 layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
@@ -301,7 +299,6 @@ void main() {
     } else {
         if (slot >= chunk.todo_count) return;
         cell = todo[slot];
-        if (is_finished(info[cell])) return;  // by a subgroup
     }
     const uint self = push.first_cell + cell;
     px = seeds_x[self];
@@ -322,15 +319,14 @@ void main() {
         return;
     }
 
-    const uint column = list_of_todo != 0u ? slot : cell;
-    const ListInfo found = list_info[column];
+    const ListInfo found = list_info[cell];
     const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u || weighted != 0u) {
         float nearest = UNBOUNDED;  // right except for the width of a bucket
         // Any may be the nearest in an order of keys.
         for (uint i = 0u; i < (weighted != 0u ? count : max(unsorted, 1u)); ++i)
-            nearest = min(nearest, distance_along_axes(list[i * push.list_stride + column]));
+            nearest = min(nearest, distance_along_axes(list[i * push.list_stride + cell]));
         if (weighted != 0u) nearest = min(min(nearest, nearest_of_group(self)), exp2(COORDINATE_BITS - 1));
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
@@ -342,7 +338,7 @@ void main() {
         status = STATUS_NEEDS_EXACT;
     } else {
         start_cell(real[6](start_wall(0u), start_wall(1u), start_wall(2u), start_wall(3u), start_wall(4u), start_wall(5u)));
-        if (status == STATUS_CERTIFIED && !clip_by_list(column, count, unsorted, found.reach, found.bound)) {
+        if (status == STATUS_CERTIFIED && !clip_by_list(cell, count, unsorted, found.reach, found.bound)) {
             // Heavy seeds may fill the list of a light one.
             if (tier == 0u && weighted == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;

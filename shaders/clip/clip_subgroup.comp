@@ -1,12 +1,12 @@
 // knn and clip in one: a subgroup makes a cell. Its lanes search the hierarchy, test planes and make new vertices side by
 // side. They hold the cell's vertices in registers; planes and candidates are in shared memory. The search makes no
-// list: it continues outwards until the security radius. The status of an unproven cell says why. In the second tier the
-// shader, in float64, tries undecided cells again.
+// list: it continues outwards until the security radius. The status of an unproven cell says why. The second tier tries
+// such cells again, with more planes and vertices, longer searches and, where the device has it, in float64.
 //
 // Subgroups do not wait for each other. Push constants, shared memory at one index and a subgroup's votes are the same
 // in all lanes. Branches on these are uniform; all other branches contain no subgroup operation.
 //
-// It has the variants of clip_cells.comp and of invocations/subgroup.glsl.
+// It has the variants of clip_cells.comp, clip/plane_set.glsl and invocations/subgroup.glsl.
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
@@ -104,7 +104,7 @@ void clip_by_candidates(inout bool walls_wait) {
             }
             prepare_test(p, int(q));
             // The order of two seeds is uncertain within the error of their distances, 1e-6 or 1.4e-5
-            // (search/distances.glsl), and the seven bits that keys lack, 1.6e-5.
+            // (search/distances.glsl), and the six bits that keys lack, 8e-6.
             key = key_of(p, real(-1)) * real(0.9998);
         }
         share();
@@ -215,12 +215,12 @@ uint make_cell() {
 }
 
 // Writes the row and its areas, a lane for each face.
-uint write_row(uint slot, uint used) {
+uint write_row(uint slot, PlaneSet used) {
     uint length = 0u;
-    for (uint first = 0u; first < SUBGROUP_PLANES; first += uint(lanes)) {
+    for (uint first = 0u; first < max_planes; first += uint(lanes)) {
         const uint p = first + lane;
-        const int id = p < SUBGROUP_PLANES ? id_of(p) : 0;
-        const bool listed = p < SUBGROUP_PLANES && ((used >> p) & 1u) != 0u && (id >= 0 || push.walls != 0u);
+        const int id = p < max_planes ? id_of(p) : 0;
+        const bool listed = p < max_planes && has(used, p) && (id >= 0 || push.walls != 0u);
         uint count;
         const uint at = (length + rank_among(listed, count)) * push.row_stride + slot;
         if (listed) {
@@ -233,15 +233,16 @@ uint write_row(uint slot, uint used) {
 }
 
 void finish(uint slot, uint cell, uint exponent) {
-    uint used = 0u, faces = 0u, vertices = 0u, length = 0u;
+    PlaneSet used = no_planes;
+    uint faces = 0u, vertices = 0u, length = 0u;
     share();
     if (status == STATUS_CERTIFIED) {
         used = planes_in_use();
-        faces = uint(bitCount(used));
+        faces = size_of(used);
         vertices = count_vertices();
         bool fault = false;
-        for (uint p = lane; p < SUBGROUP_PLANES && has_walls != 0u; p += uint(lanes))
-            fault = fault || ((used >> p & 1u) != 0u && is_no_wall(id_of(p)));
+        for (uint p = lane; p < max_planes && has_walls != 0u; p += uint(lanes))
+            fault = fault || (has(used, p) && is_no_wall(id_of(p)));
         if (any_lane(fault)) status = STATUS_NEEDS_EXACT;
         if (vertices != 2u * faces - 4u) status = STATUS_NEEDS_EXACT;  // Euler, for a simple polytope
     }
@@ -285,9 +286,9 @@ void main() {
     const uint slot_of_lane = first + gl_LocalInvocationID.x / uint(lanes);
     const uint cell = tier == 0u ? slot : todo[slot],
                own = push.first_cell + (tier == 0u ? slot_of_lane : todo[slot_of_lane]);
-    // Other numbers help only where signs were uncertain.
-    if (tier != 0u) {
-        if (alike((info[cell] & 0xffu) != STATUS_NEEDS_EXACT)) return;
+    // What lies beyond the bounds stays unknown.
+    if (tier != 0u && push.bounded != 0u) {
+        if (alike((info[cell] & 0xffu) == STATUS_CANDIDATES_EXHAUSTED)) return;
     }
     self = push.first_cell + cell;
     px = from_first_lane(seeds_x[own]);

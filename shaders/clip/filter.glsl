@@ -59,13 +59,13 @@ float quantum_in_units(uint lossy) {
 void prepare_bounds() {
     error_of_length = real(12.6) * unit + quantum;
     error_of_condition = real(4) * quantum;
-    error_of_both = real(9.8) * unit + error_of_condition;
+    error_of_both = (weighted != 0u ? real(9.8) : real(53.9)) * unit + error_of_condition;
     max_condition = real(0.0005) / max(unit, real(0.5) * quantum);
 }
 
 struct Plane {
     real x, y, z, h, norm;
-    real distance;  // H / norm
+    real distance;  // H / norm, in a power diagram
 };
 
 struct Vertex {
@@ -127,9 +127,15 @@ real key_of(Plane p, real sign) {
     return s * abs(s);
 }
 
+// Returns -a. It is a function because NVIDIA's compiler makes an instruction of its own of each precise negation.
+real opposite(real a) {
+    return -a;
+}
+
 // Returns a number that is positive outside. A fused fma has fewer roundings.
 real side_of(Plane p, real x, real y, real z) {
-    precise const real side = fma(p.x, x, fma(p.y, y, fma(p.z, z, -p.h)));
+    const real minus_h = opposite(p.h);
+    precise const real side = fma(p.x, x, fma(p.y, y, fma(p.z, z, minus_h)));
     return side;
 }
 
@@ -206,23 +212,25 @@ void extend_reach(vec3 at, float error, inout vec3 down, inout vec3 up) {
 
 // Returns x y - z w.
 real difference_of_products(real x, real y, real z, real w) {
-    precise const real second = z * w;
-    precise const real result = fma(x, y, -second);
+    const real minus_z = opposite(z);
+    precise const real second = minus_z * w;
+    precise const real result = fma(x, y, second);
     return result;
 }
 
-// Returns the bound above for a vertex at this distance from the seed. distances: the sum of those of its planes. The
-// factors are 1.05 times those above.
+// Returns the bound above for a vertex at this distance from the seed. distances: in a power diagram the sum of those of
+// its planes. Else each of these is at most |X|, so that 14 (da + db + dc) + 9.3 |x| is at most 51.3 |X|. The factors are
+// 1.05 times those above.
 real vertex_error_bound(real condition, real distances, real length) {
-    const real of_distances = (weighted != 0u ? real(15.9) : real(14.7)) * unit;
-    precise const real error = fma(condition, fma(of_distances, distances, fma(error_of_both, length, error_of_condition)),
-                                   fma(error_of_length, length, quantum));
+    precise real of_condition = fma(error_of_both, length, error_of_condition);
+    if (weighted != 0u) of_condition = fma(real(15.9) * unit, distances, of_condition);
+    precise const real error = fma(condition, of_condition, fma(error_of_length, length, quantum));
     return error;
 }
 
-// Finds the vertex of three planes in positive orientation, det(na,nb,nc) > 0: (h_a nb x nc + na x (h_c nb - h_b nc)) /
-// det. Returns false when the orientation or the bound above is not certain.
-bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
+// Finds the vertex of three planes: (h_a nb x nc + na x (h_c nb - h_b nc)) / det(na,nb,nc). Returns the condition, with the
+// sign of the determinant. That sign and the bound above are certain where is_certain().
+real find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     const real bcx = difference_of_products(b.y, c.z, b.z, c.y), bcy = difference_of_products(b.z, c.x, b.x, c.z),
                bcz = difference_of_products(b.x, c.y, b.y, c.x);
     const real ex = difference_of_products(c.h, b.x, b.h, c.x), ey = difference_of_products(c.h, b.y, b.h, c.y),
@@ -235,7 +243,12 @@ bool find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
     precise const real z = fma(a.h, bcz, difference_of_products(a.x, ey, a.y, ex)) * inverse;
     precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
     precise const real condition = product * inverse;
-    vertex = Vertex(x, y, z, length, vertex_error_bound(condition, a.distance + b.distance + c.distance, length));
+    vertex = Vertex(x, y, z, length, vertex_error_bound(abs(condition), a.distance + b.distance + c.distance, length));
+    return condition;
+}
+
+// Returns whether the determinant is certainly positive, and the bound of the vertex is right.
+bool is_certain(real condition) {
     return is_positive_below(condition, max_condition);
 }
 

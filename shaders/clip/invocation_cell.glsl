@@ -65,7 +65,7 @@ void add_vertex(uint a, uint b, uint c) {
         return;
     }
     Vertex vertex;
-    if (!find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex)) {
+    if (!is_certain(find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex))) {
         status = STATUS_NEEDS_EXACT;
         return;
     }

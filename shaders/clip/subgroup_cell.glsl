@@ -1,6 +1,6 @@
 // One Voronoi cell, made by a subgroup. Each lane holds some of the vertices; the planes are in shared memory.
-// A cut lists the killed vertices. Each lane takes a plane, and finds its edge on the horizon, the ring around the killed
-// vertices, from those of them that lie on the plane.
+// A cut lists the killed vertices. Each lane takes a plane, and finds its neighbors on the horizon, the ring of edges
+// around the killed vertices, from those of them that lie on the plane.
 // The new plane and each edge of the horizon make a new vertex, in a free slot.
 // Euler's formula and the security radius certify the cell; otherwise the status says why not.
 // A free slot is a vertex at the seed itself, which a plane cuts off only in a power diagram. The .comp declares
@@ -21,79 +21,83 @@
 layout(constant_id = CONSTANT_MAX_VERTICES) const int max_vertices = 64;
 
 const int slots = (max_vertices + lanes - 1) / lanes;  // vertices of a lane
-const int planes_of_lane = (SUBGROUP_PLANES + lanes - 1) / lanes;
-const uint all_planes = 0xffffffffu >> (32 - SUBGROUP_PLANES);
+const int planes_of_lane = (int(max_planes) + lanes - 1) / lanes;
 
 real vertex_x[slots], vertex_y[slots], vertex_z[slots];
-real vertex_norm[slots], vertex_error[slots];
+real vertex_error[slots];
 uint vertex_planes[slots];     // 0 where there is no vertex
 bool killed[slots];
-uint free_planes;              // planes not in use
+PlaneSet free_planes;          // planes not in use
 real security;                 // squared radius; in a power diagram a key
 real radius_of_all;            // in a power diagram, a bound of the distance of all vertices
 #ifdef DECIDES_TIES
 bool met_tie;  // a vertex of this lane lies on a fourth plane
 #endif
 
-shared real4 plane_equation[SUBGROUP_PLANES * subgroups];  // n, h
-shared real2 plane_size[SUBGROUP_PLANES * subgroups];      // norm, distance
-shared int plane_id[SUBGROUP_PLANES * subgroups];          // sorted seed, or wall id
+shared int plane_id[max_planes * subgroups];  // sorted seed, or wall id
 
 int id_of(uint plane) {
-    return plane_id[SUBGROUP_PLANES * SUBGROUP + plane];
+    return plane_id[max_planes * SUBGROUP + plane];
+}
+
+// Numbers in shared memory, counted from the first word.
+#ifdef CLIP_FLOAT64
+void put_real(uint i, real number) {
+    const uvec2 both = unpackDouble2x32(number);
+    WORD(2u * i) = both.x;
+    WORD(2u * i + 1u) = both.y;
+}
+real get_real(uint i) {
+    return packDouble2x32(uvec2(WORD(2u * i), WORD(2u * i + 1u)));
+}
+#else
+void put_real(uint i, real number) {
+    WORD((i)) = floatBitsToUint(number);
+}
+real get_real(uint i) {
+    return uintBitsToFloat(WORD((i)));
+}
+#endif
+
+// n and h of planes to test are at the beginning of the store. Those of the cell's planes have words of their own.
+const uint first_plane_number = first_plane_word / words_of_real;
+void put_plane(uint at, Plane p) {
+    put_real(at, p.x);
+    put_real(at + 1u, p.y);
+    put_real(at + 2u, p.z);
+    put_real(at + 3u, p.h);
 }
 
 Plane plane_at(uint plane) {
-    const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
-    const real4 e = plane_equation[at];
-    const real2 size = plane_size[at];
-    return Plane(e.x, e.y, e.z, e.w, size.x, size.y);
+    const uint at = first_plane_number + 4u * plane;
+    const real x = get_real(at), y = get_real(at + 1u), z = get_real(at + 2u), h = get_real(at + 3u);
+    const real norm = sqrt(fma(x, x, fma(y, y, z * z)));
+    return Plane(x, y, z, h, norm, distance_of(h, norm));
 }
 
 // One lane calls it.
 void set_plane(uint plane, Plane p, int id) {
-    const uint at = SUBGROUP_PLANES * SUBGROUP + plane;
-    plane_equation[at] = real4(p.x, p.y, p.z, p.h);
-    plane_size[at] = real2(p.norm, p.distance);
-    plane_id[at] = id;
+    put_plane(first_plane_number + 4u * plane, p);
+    plane_id[max_planes * SUBGROUP + plane] = id;
 }
 
-// Planes to test, one a lane, in the words of the sorted store of candidates.
-#ifdef CLIP_FLOAT64
-const uint words_of_real = 2u;
-void put_test(uint i, real number) {
-    const uvec2 words = unpackDouble2x32(number);
-    STORE_WORD(2u * i) = words.x;
-    STORE_WORD(2u * i + 1u) = words.y;
-}
-real get_test(uint i) {
-    return packDouble2x32(uvec2(STORE_WORD(2u * i), STORE_WORD(2u * i + 1u)));
-}
-#else
-const uint words_of_real = 1u;
-void put_test(uint i, real number) {
-    STORE_WORD(i) = floatBitsToUint(number);
-}
-real get_test(uint i) {
-    return uintBitsToFloat(STORE_WORD(i));
-}
-#endif
+// Planes to test, one a lane.
 const uint tests_at_once = uint(lanes) * words_of_real < 32u ? uint(lanes) : 32u / words_of_real;
-#define TEST_ID(i) STORE_WORD(5u * tests_at_once * words_of_real + (i))
+real test_norm;  // of this lane's plane
+int test_id;     // sorted seed, or wall id
 
-// Sets this lane's plane to test next, of a sorted seed or a wall id.
 void prepare_test(Plane p, int id) {
-    put_test(4u * lane, p.x);
-    put_test(4u * lane + 1u, p.y);
-    put_test(4u * lane + 2u, p.z);
-    put_test(4u * lane + 3u, p.h);
-    put_test(4u * tests_at_once + lane, p.norm);
-    TEST_ID(lane) = uint(id);
+    put_plane(4u * lane, p);
+    test_norm = p.norm;
+    test_id = id;
 }
 
 void measure_radius() {
-    float reach = float(vertex_norm[0] + vertex_error[0]);
-    [[unroll]] for (int s = 1; s < slots; ++s) reach = max(reach, float(vertex_norm[s] + vertex_error[s]));
+    float reach = 0.0;
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const real x = vertex_x[s], y = vertex_y[s], z = vertex_z[s];
+        reach = max(reach, float(sqrt(fma(x, x, fma(y, y, z * z))) + vertex_error[s]));
+    }
 #ifdef CLIP_FLOAT64
     const real farthest = real(largest(reach)) * 1.000001LF;
 #else
@@ -118,7 +122,6 @@ void set_vertex(int s, Vertex vertex, uint planes) {
     vertex_x[s] = vertex.x;
     vertex_y[s] = vertex.y;
     vertex_z[s] = vertex.z;
-    vertex_norm[s] = vertex.norm;
     vertex_error[s] = vertex.error;
     vertex_planes[s] = planes;
 }
@@ -133,12 +136,13 @@ void start_cell() {
                               real(1), wall), -1 - int(lane));
     }
     prepare_bounds();
-    free_planes = all_planes & ~0x3fu;
+    free_planes = all_planes;
+    for (int wall = 0; wall < 6; ++wall) free_planes = without_lowest(free_planes);
 #ifdef DECIDES_TIES
     met_tie = false;
 #endif
     [[unroll]] for (int s = 0; s < slots; ++s) {
-        vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_norm[s] = vertex_error[s] = real(0);
+        vertex_x[s] = vertex_y[s] = vertex_z[s] = vertex_error[s] = real(0);
         vertex_planes[s] = 0u;
     }
     share();
@@ -153,7 +157,7 @@ void start_cell() {
                              vertex_error_bound(real(1), a.distance + b.distance + c.distance, length)),
                    odd ? positive : negative);
     }
-    if (alike(!is_positive_below(real(1), max_condition))) status = STATUS_NEEDS_EXACT;
+    if (alike(!is_certain(real(1)))) status = STATUS_NEEDS_EXACT;
     measure_radius();
 }
 
@@ -178,8 +182,8 @@ bool decide_exactly(uint undecided, int id) {
 
 // The distance of the plane is not set.
 Plane plane_to_test(uint i) {
-    return Plane(get_test(4u * i), get_test(4u * i + 1u), get_test(4u * i + 2u), get_test(4u * i + 3u),
-                 get_test(4u * tests_at_once + i), real(0));
+    return Plane(get_real(4u * i), get_real(4u * i + 1u), get_real(4u * i + 2u), get_real(4u * i + 3u),
+                 from_lane(test_norm, i), real(0));
 }
 
 // Returns whether a plane may cut a vertex off.
@@ -226,11 +230,33 @@ uint count_vertices() {
     return sum(mine);
 }
 
-uint planes_in_use() {
-    uint mine = 0u;
+PlaneSet set_of_vertex(uint planes) {
+    return set_of(plane_of(planes, 0)) | set_of(plane_of(planes, 1)) | set_of(plane_of(planes, 2));
+}
+
+// The list has at most one set a lane.
+const bool killed_overlap_horizon = uint(lanes) > SUBGROUP_PLANES;
+#ifdef TWO_WORDS_OF_PLANES
+void put_killed(uint i, PlaneSet planes) {
+    KILLED(2u * i) = planes.x;
+    KILLED(2u * i + 1u) = planes.y;
+}
+PlaneSet get_killed(uint i) {
+    return PlaneSet(KILLED(2u * i), KILLED(2u * i + 1u));
+}
+#else
+void put_killed(uint i, PlaneSet planes) {
+    KILLED((i)) = planes;
+}
+PlaneSet get_killed(uint i) {
+    return KILLED((i));
+}
+#endif
+
+PlaneSet planes_in_use() {
+    PlaneSet mine = no_planes;
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if (vertex_planes[s] != 0u)
-            for (int k = 0; k < 3; ++k) mine |= 1u << plane_of(vertex_planes[s], k);
+        if (vertex_planes[s] != 0u) mine |= set_of_vertex(vertex_planes[s]);
     return all_bits(mine);
 }
 
@@ -249,55 +275,55 @@ uint list_vertices() {
     return listed;
 }
 
-// Removes the killed vertices and writes their planes to KILLED, filled up to a multiple of four with vertices on no
-// plane. Returns a quarter of the length of that list.
-uint remove_killed() {
-    uint length = 0u;
+// Adds four sets of KILLED to the symmetric differences of the planes that are in them.
+void add_killed(uint first, PlaneSet own[planes_of_lane], inout PlaneSet ends[planes_of_lane]) {
+    [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+        const PlaneSet planes = get_killed(first + k);
+        [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
+            ends[i] ^= is_empty(planes & own[i]) ? no_planes : planes;
+    }
+}
+
+// Removes the killed vertices and writes the edges of the horizon to HORIZON: two planes each, 16 bits apart. Returns
+// their number. The killed vertices on a plane are a chain along its face, and each edge within the chain joins two of
+// them. So in the symmetric difference of their sets the plane's two neighbors on the horizon remain. The lower plane
+// of an edge writes it.
+uint find_horizon() {
+    PlaneSet own[planes_of_lane], ends[planes_of_lane];
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint mine = uint(i * lanes) + lane;
+        own[i] = mine < max_planes ? set_of(mine) : no_planes;
+        ends[i] = no_planes;
+    }
     [[unroll]] for (int s = 0; s < slots; ++s)
-        if (s == 0 || any_lane(killed[s])) {  // rare except in the first slot
-            uint more;
-            const uint at = length + rank_among(killed[s], more);
-            length += more;
-            if (killed[s]) KILLED(at) = vertex_planes[s];
+        if (s == 0 || any_lane(killed[s])) {                 // rare except in the first slot
+            if (s > 0 || killed_overlap_horizon) share();  // the sets replace others, or edges
+            uint length;
+            const uint at = rank_among(killed[s], length), end = max((length + 3u) & ~3u, 4u);
+            if (killed[s]) put_killed(at, set_of_vertex(vertex_planes[s]));
+            if (length + lane < end) put_killed(length + lane, no_planes);
             const real kept = killed[s] ? real(0) : real(1);
             vertex_x[s] *= kept;
             vertex_y[s] *= kept;
             vertex_z[s] *= kept;
-            vertex_norm[s] *= kept;
+            vertex_error[s] *= kept;
             vertex_planes[s] = killed[s] ? 0u : vertex_planes[s];
+            share();
+            add_killed(0u, own, ends);
+            if (end > 4u)  // rare
+                for (uint first = 4u; first < end; first += 4u) add_killed(first, own, ends);
         }
-    const uint fours = (length + 3u) / 4u;
-    if (length + lane < 4u * fours) KILLED(length + lane) = 0xffffffu;
-    share();
-    return fours;
-}
-
-// Removes the killed vertices and writes the edges of the horizon to HORIZON. Returns their number. Edge (a, b) of a
-// killed vertex is on the horizon if and only if no killed vertex has (b, a). The horizon is a ring, so each plane has at
-// most one edge of it.
-uint find_horizon() {
-    const uint fours = remove_killed();
-    uint next[planes_of_lane], previous[planes_of_lane];  // planes b of edges (a, b) and (b, a) of killed vertices
-    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) next[i] = previous[i] = 0u;
-    for (uint first = 0u; first < fours; ++first)
-        [[unroll]] for (uint k = 0u; k < 4u; ++k) {
-            const uint planes = KILLED(4u * first + k);
-            const uint a = plane_of(planes, 0), b = plane_of(planes, 1), c = plane_of(planes, 2);
-            const uint a_bit = 1u << (a & 31u), b_bit = 1u << (b & 31u), c_bit = 1u << (c & 31u);
-            [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
-                const uint mine = uint(i * lanes) + lane;
-                const bool is_a = mine == a, is_b = mine == b, is_c = mine == c;
-                next[i] |= (is_a ? b_bit : 0u) | (is_b ? c_bit : 0u) | (is_c ? a_bit : 0u);
-                previous[i] |= (is_a ? c_bit : 0u) | (is_b ? a_bit : 0u) | (is_c ? b_bit : 0u);
-            }
-        }
+    if (killed_overlap_horizon) share();
     uint count = 0u;
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
-        const uint successor = next[i] & ~previous[i];
-        uint more;
-        const uint rank = rank_among(successor != 0u, more);
-        if (successor != 0u) HORIZON(count + rank) = (uint(i * lanes) + lane) | (uint(findMSB(successor)) << 8);
-        count += more;
+        const uint mine = uint(i * lanes) + lane;
+        const PlaneSet higher = ends[i] & planes_behind(own[i]);
+        const bool one = !is_empty(higher), two = !is_empty(without_lowest(higher));
+        uint ones, twos;
+        const uint rank_of_one = rank_among(one, ones), rank_of_two = rank_among(two, twos);
+        if (one) HORIZON(count + rank_of_one) = mine | (lowest_of(higher) << 16);
+        if (two) HORIZON(count + ones + rank_of_two) = mine | (highest_of(higher) << 16);
+        count += ones + twos;
     }
     share();
     return count;
@@ -305,15 +331,17 @@ uint find_horizon() {
 
 // Makes vertices of a plane with edges of the horizon, from `made` on, in the free slots s. The i-th free slot takes the
 // i-th edge; its own lane makes the vertex.
-void make_vertices(int s, Plane p, uint third, uint horizon_count, inout uint made, inout bool certain) {
+void make_vertices(int s, Plane p, uint plane, uint horizon_count, inout uint made, inout bool certain) {
     const bool is_free = vertex_planes[s] == 0u;
     uint count;
     const uint edge = made + rank_among(is_free, count);
     if (is_free && edge < horizon_count) {
-        const uint planes = HORIZON(edge);
+        const uint ends = HORIZON(edge);
         Vertex vertex;
-        certain = find_vertex(plane_at(plane_of(planes, 0)), plane_at(plane_of(planes, 1)), p, vertex) && certain;
-        set_vertex(s, vertex, planes | third);
+        const real condition = find_vertex(plane_at(ends & 0xffffu), plane_at(ends >> 16), p, vertex);
+        certain = is_certain(abs(condition)) && certain;
+        // The positive order has the new plane in the middle, behind the second end or the first.
+        set_vertex(s, vertex, (condition < real(0) ? ends : (ends >> 16) | (ends << 16)) | (plane << 8));
     }
     made += count;
 }
@@ -329,25 +357,24 @@ void cut(Plane p, int id) {
         }
     }
     const uint horizon_count = find_horizon();
-    if (free_planes == 0u) {
+    if (is_empty(free_planes)) {
         free_planes = all_planes & ~planes_in_use();
-        if (free_planes == 0u) {
+        if (is_empty(free_planes)) {
             status = STATUS_PLANE_OVERFLOW;
             return;
         }
     }
-    const uint plane = uint(findLSB(free_planes));
-    free_planes &= free_planes - 1u;
-    const uint third = plane << 16;
+    const uint plane = lowest_of(free_planes);
+    free_planes = without_lowest(free_planes);
     p.distance = distance_of(p.h, p.norm);
     // The lane of the plane's number writes it: addresses by lane cost less.
-    if (lane == plane % uint(lanes)) set_plane(lanes >= SUBGROUP_PLANES ? lane : plane, p, id);
+    if (lane == plane % uint(lanes)) set_plane(uint(lanes) >= max_planes ? lane : plane, p, id);
 
     uint made = 0u;
     bool certain = true;
-    make_vertices(0, p, third, horizon_count, made, certain);
+    make_vertices(0, p, plane, horizon_count, made, certain);
     if (made < horizon_count)  // rare
-        [[unroll]] for (int s = 1; s < slots; ++s) make_vertices(s, p, third, horizon_count, made, certain);
+        [[unroll]] for (int s = 1; s < slots; ++s) make_vertices(s, p, plane, horizon_count, made, certain);
     status = made < horizon_count ? STATUS_VERTEX_OVERFLOW
                                   : (any_lane(!certain) ? STATUS_NEEDS_EXACT : STATUS_CERTIFIED);
     measure_radius();
@@ -355,7 +382,7 @@ void cut(Plane p, int id) {
 
 // Clips by the tested plane i, which reaches the cell.
 void clip_by(Plane p, uint i) {
-    const int id = int(TEST_ID(i));
+    const int id = int(from_lane(uint(test_id), i));
     if (mark_killed(p, id)) cut(p, id);
 }
 

@@ -8,7 +8,7 @@
 #include "search/subgroup_state.glsl"
 
 // Scratch words behind the list of vertices.
-#define EDGE_COUNT(plane) SCRATCH(2u * SUBGROUP_PLANES + (plane))
+#define EDGE_COUNT(plane) SCRATCH(2u * max_planes + (plane))
 
 // Returns two planes of a vertex, from the k-th on, in this order or the reverse. They are 16 bits apart, because
 // NVIDIA's compiler (580.159) takes other bits where two bytes side by side change places.
@@ -21,9 +21,9 @@ uint reversed_edge_of(uint planes, int k) {
 
 // Keeps in `used` the planes of faces that have at least three edges of positive length. Counts these faces and the
 // distinct vertices. The two vertices of an edge coincide when one lies on the third plane of the other.
-void keep_true_faces(inout uint used, out uint faces, out uint vertices) {
+void keep_true_faces(inout PlaneSet used, out uint faces, out uint vertices) {
     const uint count = list_vertices();
-    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) EDGE_COUNT(p) = 0u;
+    for (uint p = lane; p < max_planes; p += uint(lanes)) EDGE_COUNT(p) = 0u;
     share();
     bool decided = true;
     for (uint v = lane; v < count; v += uint(lanes)) {
@@ -43,14 +43,15 @@ void keep_true_faces(inout uint used, out uint faces, out uint vertices) {
         }
     }
     share();
-    uint edges = 0u, kept = 0u;
-    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes))
-        if (((used >> p) & 1u) != 0u && EDGE_COUNT(p) >= 3u) {
+    uint edges = 0u;
+    PlaneSet kept = no_planes;
+    for (uint p = lane; p < max_planes; p += uint(lanes))
+        if (has(used, p) && EDGE_COUNT(p) >= 3u) {
             edges += EDGE_COUNT(p);
-            kept |= 1u << p;
+            kept |= set_of(p);
         }
     used = all_bits(kept);
-    faces = uint(bitCount(used));
+    faces = size_of(used);
     vertices = sum(edges) / 2u + 2u - faces;  // Euler
     if (any_lane(!decided)) status = STATUS_NEEDS_EXACT;
 }

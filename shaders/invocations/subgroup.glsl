@@ -43,6 +43,11 @@ uvec2 from_first_lane(uvec2 value) {
     return uvec2(low, exchange[0]);
 }
 
+uint from_lane(uint value, uint from) {
+    put(value);
+    return exchange[from];
+}
+
 bool any_lane(bool yes) {
     put(yes ? 1u : 0u);
     uint all = 0u;
@@ -152,6 +157,10 @@ uvec2 from_first_lane(uvec2 value) {
     return subgroupBroadcastFirst(value);
 }
 
+uint from_lane(uint value, uint from) {
+    return subgroupShuffle(value, from);
+}
+
 bool any_lane(bool yes) {
     return subgroupAny(yes);
 }
@@ -213,6 +222,16 @@ Number sum(Number value) {
     return value;
 }
 
+#endif
+
+float from_lane(float value, uint from) {
+    return uintBitsToFloat(from_lane(floatBitsToUint(value), from));
+}
+#ifdef CLIP_FLOAT64
+double from_lane(double value, uint from) {
+    const uvec2 both = unpackDouble2x32(value);
+    return packDouble2x32(uvec2(from_lane(both.x, from), from_lane(both.y, from)));
+}
 #endif
 
 #endif

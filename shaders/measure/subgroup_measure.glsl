@@ -8,21 +8,20 @@
 #include "measure/tetrahedra.glsl"
 #include "search/subgroup_state.glsl"
 
-// The first words of the numbers, and the second ones.
-#define NUMBER_WORDS (4u * SUBGROUP_PLANES)
+// The numbers of planes are in the store and behind it: all first words, then all second ones.
 Number get_number(uint i) {
-    return of_words(uvec2(STORE_WORD(i), STORE_WORD(i + NUMBER_WORDS)));
+    return of_words(uvec2(WORD((i)), WORD(4u * max_planes + (i))));
 }
 void put_number(uint i, Number number) {
-    const uvec2 words = words_of(number);
-    STORE_WORD(i) = words.x;
-    STORE_WORD(i + NUMBER_WORDS) = words.y;
+    const uvec2 both = words_of(number);
+    WORD((i)) = both.x;
+    WORD(4u * max_planes + (i)) = both.y;
 }
 
-void share_exact_planes(uint used) {
+void share_exact_planes(PlaneSet used) {
     share();
-    for (uint p = lane; p < SUBGROUP_PLANES; p += uint(lanes)) {
-        if (((used >> p) & 1u) == 0u) continue;
+    for (uint p = lane; p < max_planes; p += uint(lanes)) {
+        if (!has(used, p)) continue;
         const int id = id_of(p);
         ExactPlane plane;
         if (id < 0)
@@ -30,17 +29,17 @@ void share_exact_planes(uint used) {
         else
             plane = exact_bisector(uint(id));
         put_number(p, plane.n.x);
-        put_number(p + SUBGROUP_PLANES, plane.n.y);
-        put_number(p + 2u * SUBGROUP_PLANES, plane.n.z);
-        put_number(p + 3u * SUBGROUP_PLANES, plane.foot);
+        put_number(p + max_planes, plane.n.y);
+        put_number(p + 2u * max_planes, plane.n.z);
+        put_number(p + 3u * max_planes, plane.foot);
     }
     share();
 }
 
 ExactPlane exact_plane_at(uint p) {
     return ExactPlane(
-        Vector(get_number(p), get_number(p + SUBGROUP_PLANES), get_number(p + 2u * SUBGROUP_PLANES)),
-        get_number(p + 3u * SUBGROUP_PLANES));
+        Vector(get_number(p), get_number(p + max_planes), get_number(p + 2u * max_planes)),
+        get_number(p + 3u * max_planes));
 }
 
 Number area_of(uint plane) {
@@ -48,7 +47,7 @@ Number area_of(uint plane) {
 }
 
 // The areas replace the planes afterwards.
-void measure_cell(uint used, uint vertices) {
+void measure_cell(PlaneSet used, uint vertices) {
     share_exact_planes(used);
     list_vertices();
     Moments all = no_moments();
@@ -62,8 +61,8 @@ void measure_cell(uint used, uint vertices) {
             add_corner(planes, all, parts);
         }
         if (want_geometry != 2u) continue;
-        for (uint rest = used; rest != 0u; rest &= rest - 1u) {
-            const uint p = uint(findLSB(rest));
+        for (PlaneSet rest = used; !is_empty(rest); rest = without_lowest(rest)) {
+            const uint p = lowest_of(rest);
             Number mine = number(0.0);
             for (int k = 0; k < 3; ++k)
                 if (plane_of(planes, k) == p) mine = parts[k];
@@ -81,7 +80,7 @@ void measure_cell(uint used, uint vertices) {
     share();
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
         const uint p = uint(i * lanes) + lane;
-        if (p < SUBGROUP_PLANES) put_number(p, areas_of_lane[i]);
+        if (p < max_planes) put_number(p, areas_of_lane[i]);
     }
     share();
 }

@@ -75,13 +75,11 @@ uvec2 shift_right64(uvec2 a, uint n, inout bool lost) {
     return uvec2((a.x >> n) | (a.y << (32u - n)), (a.y >> n) | (sign << (32u - n)));
 }
 
-// Returns q - p in two's complement, right to a few roundings. Searches call it often, so it has no branches.
+// Returns q - p in two's complement, right to three roundings. Searches call it often, so it has no branches. The low word
+// counts as signed, so that a small negative number does not cancel.
 float rough_difference(uvec2 q, uvec2 p) {
     const uvec2 d = subtract64(q, p);
-    const uint sign = uint(int(d.y) >> 31);  // all ones when negative
-    const uvec2 m = add64(d ^ sign, uvec2(sign & 1u, 0u));
-    const float magnitude = float(m.y) * 4294967296.0 + float(m.x);
-    return uintBitsToFloat(floatBitsToUint(magnitude) | (sign & 0x80000000u));
+    return float(int(d.y + (d.x >> 31))) * 4294967296.0 + float(int(d.x));
 }
 
 // Returns a number below 2^64 with one rounding: its leading 32 bits, the last one set when any lower bit is.

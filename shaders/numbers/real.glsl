@@ -17,6 +17,7 @@ layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e
 #define real double
 #define real2 dvec2
 #define real4 dvec4
+const uint words_of_real = 2u;
 const double unit = 1.1102230246251565e-16LF;
 
 // Returns whether a number is at least 0 and less than this.
@@ -27,6 +28,7 @@ bool is_positive_below(double number, double end) {
 #define real float
 #define real2 vec2
 #define real4 vec4
+const uint words_of_real = 1u;
 const float unit = float_unit;
 
 // The same. As whole numbers, the bits of negative numbers and NaN are larger.

@@ -9,7 +9,6 @@
 // that alone exceeds the list, its higher half is dropped.
 #version 450
 #extension GL_GOOGLE_include_directive : require
-#include "clip/finished.glsl"
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
@@ -18,13 +17,9 @@
 #include "shared/layout.h"
 
 layout(constant_id = CONSTANT_K) const int k = 64;
-layout(constant_id = CONSTANT_LIST_OF_TODO) const uint list_of_todo = 0u;
 layout(push_constant) uniform Push { KnnPush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
 layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
 
@@ -203,15 +198,8 @@ float expected_reach() {
 
 void main() {
     const uint column = linear_invocation();
-    uint cell = column;
-    if (list_of_todo == 0u) {
-        if (column >= push.cell_count) return;
-    } else {
-        if (column >= chunk.todo_count) return;
-        cell = todo[column];
-        if (is_finished(info[cell])) return;  // by a subgroup
-    }
-    self = push.first_cell + cell;
+    if (column >= push.cell_count) return;
+    self = push.first_cell + column;
     px = seeds_x[self];
     py = seeds_y[self];
     pz = seeds_z[self];

@@ -2,30 +2,35 @@
 #ifndef VOTESS_SEARCH_SUBGROUP_STATE_GLSL
 #define VOTESS_SEARCH_SUBGROUP_STATE_GLSL
 
+#include "clip/plane_set.glsl"
 #include "invocations/subgroup.glsl"
+#include "numbers/real.glsl"
 #include "shared/config.h"
 
 uint self;  // sorted seed
 uint status;
 
-// Each subgroup of the work-group has a part of these arrays.
-shared uint store[2 * SUBGROUP_STORE * subgroups];
-shared uint scratch[SUBGROUP_SCRATCH * subgroups];
+// The words of a subgroup have several users in turn. A search has keys and seeds of its candidates in the store, and two
+// stacks in scratch memory. Then the sorted seeds replace these, behind the words of cuts: the killed vertices and the
+// edges of the horizon. The store is free for planes to test. A measured cell has the numbers of its planes in the store
+// and behind it, and the list of its vertices in scratch memory. The first nodes of the levels stay.
+const uint first_plane_word = 2u * SUBGROUP_STORE,
+           first_scratch_word = max(first_plane_word + 4u * max_planes * words_of_real, 8u * max_planes),
+           first_level_word = max(SUBGROUP_NODES + SUBGROUP_GROUPS, 2u * max_planes + SUBGROUP_STORE),
+           words_of_subgroup = first_scratch_word + first_level_word + MAX_LEVELS;
+shared uint words[words_of_subgroup * subgroups];
 
-// The words of the store and of scratch memory have several users in turn. A search has keys and seeds of its candidates
-// in the store, and two stacks. Then the sorted seeds replace the groups, behind the words of cuts: the killed vertices,
-// and the edges of the horizon. The store is free for planes to test. A measured cell has its planes in the store, and
-// the list of its vertices instead of the killed ones. The first nodes of the levels stay.
-#define STORE_WORD(sum) store[2 * SUBGROUP_STORE * SUBGROUP + sum]  // its terms are added from the left
-#define CANDIDATE_KEY(i) STORE_WORD((i))  // squared distance; the last bits are the index
-#define CANDIDATE_SEED(i) STORE_WORD(SUBGROUP_STORE + (i))
-#define SCRATCH(sum) scratch[SUBGROUP_SCRATCH * SUBGROUP + sum]  // its terms are added from the left
+// Terms of a sum are added from the left.
+#define WORD(sum) words[words_of_subgroup * SUBGROUP + sum]
+#define SCRATCH(sum) WORD(first_scratch_word + sum)
+#define CANDIDATE_KEY(i) WORD((i))  // squared distance; the last bits are the index
+#define CANDIDATE_SEED(i) WORD(SUBGROUP_STORE + (i))
 #define NODE_STACK(i) SCRATCH((i))
 #define GROUP_STACK(i) SCRATCH(SUBGROUP_NODES + (i))
 #define KILLED(i) SCRATCH((i))
-#define HORIZON(i) SCRATCH(2u * SUBGROUP_PLANES + (i))
-#define SORTED_SEED(i) SCRATCH(3u * SUBGROUP_PLANES + (i))
+#define HORIZON(i) SCRATCH(max_planes + (i))
+#define SORTED_SEED(i) SCRATCH(2u * max_planes + (i))
 #define VERTEX_LIST(i) SCRATCH((i))
-#define LEVEL_FIRST(level) SCRATCH(3u * SUBGROUP_PLANES + SUBGROUP_STORE + (level))
+#define LEVEL_FIRST(level) SCRATCH(first_level_word + (level))
 
 #endif

@@ -67,14 +67,12 @@
 // lengths no product of a vertex (five lengths) leaves the range of float32.
 #define SMALLEST_CELL_EXPONENT 37
 
-// clip_subgroup: words of shared memory of a subgroup, see search/subgroup_state.glsl. It also has the planes of its
-// cell, and a tested plane for each lane: 6 numbers and an id each.
-#define SUBGROUP_PLANES 32  // a set of planes is one word
-#define SUBGROUP_STORE 128  // candidates; a power of two
-#define SUBGROUP_NODES 96   // boxes to open
-#define SUBGROUP_GROUPS 80  // groups to look into, at least 64 + 64 / GROUP_SEEDS
-#define SUBGROUP_SCRATCH 240
-#define SUBGROUP_SEARCHES 96  // searches for a cell before it is left to the second tier
+// clip_subgroup: words of shared memory of a subgroup, see search/subgroup_state.glsl.
+#define SUBGROUP_PLANES 32    // in float32; in float64 and in the second tier twice as many
+#define SUBGROUP_STORE 64     // candidates; a power of two
+#define SUBGROUP_NODES 76     // boxes to open
+#define SUBGROUP_GROUPS 72    // groups to look into, at least 64 + 64 / GROUP_SEEDS
+#define SUBGROUP_SEARCHES 96  // searches for a cell in a tier
 
 // clip: the place of a row. Rows of the second tier have this bit set.
 #define SECOND_TIER_BIT 0x80000000u

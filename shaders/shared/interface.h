@@ -5,20 +5,19 @@
 
 #define CONSTANT_LOCAL_SIZE 0     // all passes: invocations of a work-group
 #define CONSTANT_K 1              // knn: most neighbors listed
-#define CONSTANT_LIST_OF_TODO 2   // knn, clip: 1 when only cells of the second tier have a column in the list
-#define CONSTANT_MAX_PLANES 3     // clip: a multiple of 32
-#define CONSTANT_MAX_VERTICES 4   // clip: a multiple of 32
-#define CONSTANT_TIER 5           // clip: 0 or 1
-#define CONSTANT_GEOMETRY 6       // clip: 1 computes volume and centroid, 2 areas too
-#define CONSTANT_UNIT_ROUNDOFF 7  // clip: float32's, as float bits
-#define CONSTANT_LANES 8          // clip_subgroup: invocations of a subgroup, 8 to 64
-#define CONSTANT_SUBGROUPS 9      // clip_subgroup: subgroups of a work-group
-#define CONSTANT_LOCKSTEP 10      // clip_subgroup: 1 where lanes cannot run ahead of each other
-#define CONSTANT_FIRST_COUNT 11   // clip_subgroup: seeds that the first search aims at
-#define CONSTANT_WALLS 12         // clip: 1 when there are walls of any direction
-#define CONSTANT_WEIGHTS 13       // sort, knn, clip: 1 in a power diagram
-#define CONSTANT_WRITES_SUMS 14   // clip in float64: 1 when what is measured is written as sums of two float32
-#define CONSTANT_COUNT 15
+#define CONSTANT_MAX_PLANES 2     // clip: a multiple of 32
+#define CONSTANT_MAX_VERTICES 3   // clip: a multiple of 32
+#define CONSTANT_TIER 4           // clip: 0 or 1
+#define CONSTANT_GEOMETRY 5       // clip: 1 computes volume and centroid, 2 areas too
+#define CONSTANT_UNIT_ROUNDOFF 6  // clip: float32's, as float bits
+#define CONSTANT_LANES 7          // clip_subgroup: invocations of a subgroup, 8 to 64
+#define CONSTANT_SUBGROUPS 8      // clip_subgroup: subgroups of a work-group
+#define CONSTANT_LOCKSTEP 9       // clip_subgroup: 1 where lanes cannot run ahead of each other
+#define CONSTANT_FIRST_COUNT 10   // clip_subgroup: seeds that the first search aims at
+#define CONSTANT_WALLS 11         // clip: 1 when there are walls of any direction
+#define CONSTANT_WEIGHTS 12       // sort, knn, clip: 1 in a power diagram
+#define CONSTANT_WRITES_SUMS 13   // clip in float64: 1 when what is measured is written as sums of two float32
+#define CONSTANT_COUNT 14
 
 // N points, M items to sort or scan, C cells of a chunk, T cells of the second tier.
 #define BINDING_RAW 0       // upload: 3 float64 or float32 a point

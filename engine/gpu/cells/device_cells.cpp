@@ -25,16 +25,9 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return std::min(cells, blocks_of(cells, TILE_ITEMS) * max_of_tile(cells, settings));
 }
 
-// Where subgroups make cells of the first tier, only cells of the second need lists.
-std::uint32_t listed_cells(std::uint32_t cells, const PassSettings& settings) {
-    if (!settings.has_lists()) return 0;
-    return settings.subgroup_size != 0 ? second_tier_cells(cells, settings) : cells;
-}
-
-// Returns the words of the list per cell of a large chunk.
-VkDeviceSize list_words(const PassSettings& settings) {
-    constexpr std::uint32_t large = 1u << 20;
-    return ceil_div(VkDeviceSize{settings.k} * listed_cells(large, settings), large);
+// Subgroups make no lists.
+std::uint32_t list_words(const PassSettings& settings) {
+    return settings.subgroup_size != 0 ? 0 : settings.k;
 }
 
 }  // namespace
@@ -75,9 +68,8 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     const auto take = [&](std::uint32_t binding, VkDeviceSize count, const char* name) {
         bindings_.set(binding, workspace.take_words(count, name));
     };
-    const VkDeviceSize listed = listed_cells(cells, settings);
-    take(BINDING_LIST, listed * settings.k, "list");
-    take(BINDING_LIST_INFO, listed * (sizeof(ListInfo) / 4), "list info");
+    take(BINDING_LIST, n * list_words(settings), "list");
+    take(BINDING_LIST_INFO, settings.subgroup_size != 0 ? 0 : n * (sizeof(ListInfo) / 4), "list info");
     take(BINDING_ROWS, first_rows, "rows");
     take(BINDING_SECOND_ROWS, second_rows, "second rows");
     take(BINDING_AREAS, first_rows * area_words, "areas");
@@ -150,7 +142,7 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     std::ranges::copy(seeds.level_first(), clip_.level_first);
     knn_.max_visits = settings.max_visits;
     clip_.max_visits = settings.max_walk_visits;
-    knn_.stride = clip_.list_stride = listed_cells(cells_, settings);
+    knn_.stride = clip_.list_stride = cells_;
     clip_.row_stride = rows_.row_stride = cells_;
     rows_.second_row_stride = todo_capacity_;
     todo_ = {count, max_of_tile_, settings.local_size, 0};
@@ -167,11 +159,14 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_.seed_count = clip_.seed_count;
     both_.own_count = clip_.own_count;
     both_.level_count = clip_.level_count;
-    both_.max_visits = settings.max_subgroup_visits;
+    both_.max_visits = settings.max_subgroup_visits[0];
     both_.row_stride = clip_.row_stride;
     both_.walls = clip_.walls;
     both_.neighbors = clip_.neighbors;
     both_.volume_tolerance = clip_.volume_tolerance;
+    both_again_ = both_;
+    both_again_.max_visits = settings.max_subgroup_visits[1];
+    both_again_.row_stride = todo_capacity_;
     second_bindings_ = bindings_;
     second_bindings_.set(BINDING_ROWS, slice(BINDING_SECOND_ROWS));
     second_bindings_.set(BINDING_AREAS, slice(BINDING_SECOND_AREAS));
@@ -181,15 +176,14 @@ void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
     static_assert(offsetof(ChunkState, row_base) == offsetof(ChunkState, left_count) + 4);
     recorder.fill(slice(BINDING_CHUNK_STATE), 0, offsetof(ChunkState, row_base), 0);
     recorder.barrier();
-    if (passes.settings.subgroup_size != 0) return;
+    if (!passes.knn_search) return;
     recorder.dispatch(*passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
     recorder.barrier();
 }
 
 void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties) const {
     const vulkan::Pass& clip_first = ties ? *passes.with_ties.clip_first : passes.clip_first;
-    const auto& clip_again = ties ? passes.with_ties.clip_again : passes.clip_again;
-    const auto& clip_second = ties ? passes.with_ties.clip_second : passes.clip_second;
+    const vulkan::Pass& clip_second = ties ? *passes.with_ties.clip_second : passes.clip_second;
     const std::uint32_t lanes = passes.settings.subgroup_size;
     if (lanes == 0)
         recorder.dispatch(clip_first, bindings_.list(), push_bytes(clip_), clip_.cell_count);
@@ -207,23 +201,15 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     todo.places = 1;
     recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
     recorder.barrier();
-    if (clip_again) {
-        CellsPush second = both_;
-        second.row_stride = todo_capacity_;
-        recorder.dispatch_indirect(*clip_again, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
-                                   offsetof(ChunkState, subgroups_x));
-        recorder.barrier();
-    }
-    if (!clip_second) return;
     if (lanes != 0) {
-        recorder.dispatch_indirect(*passes.knn_search, bindings_.list(), push_bytes(knn_), slice(BINDING_CHUNK_STATE),
+        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(both_again_),
+                                   slice(BINDING_CHUNK_STATE), offsetof(ChunkState, subgroups_x));
+    } else {
+        ClipPush second = clip_;
+        second.row_stride = todo_capacity_;
+        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
                                    offsetof(ChunkState, groups_x));
-        recorder.barrier();
     }
-    ClipPush second = clip_;
-    second.row_stride = todo_capacity_;
-    recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
-                               offsetof(ChunkState, groups_x));
     recorder.barrier();
 }
 

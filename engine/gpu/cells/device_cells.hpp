@@ -71,7 +71,7 @@ private:
     Bindings bindings_, second_bindings_;
     KnnPush knn_{};
     ClipPush clip_{};
-    CellsPush both_{};
+    CellsPush both_{}, both_again_{};
     RowsPush rows_{};
     TodoPush todo_{};
 };

@@ -30,11 +30,6 @@ vulkan::Constant wanted_geometry(const PassSettings& settings) {
     return {CONSTANT_GEOMETRY, settings.measure ? (settings.areas ? 2u : 1u) : 0u};
 }
 
-// Where subgroups make cells of the first tier, only cells of the second need lists.
-vulkan::Constant list_of_todo(const PassSettings& settings) {
-    return {CONSTANT_LIST_OF_TODO, settings.subgroup_size != 0 ? 1u : 0u};
-}
-
 struct Variants {
     std::span<const std::uint32_t> float32, measured_float64, float64;
 };
@@ -69,24 +64,22 @@ Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier
                                         wanted_geometry(settings),
                                         {CONSTANT_WALLS, settings.walls ? 1u : 0u},
                                         unit_roundoff(device),
-                                        list_of_todo(settings),
                                         has_weights(settings)},
                                        settings, limits));
 }
 
-// clip_subgroup.comp and its includes rely on this: a set of planes is one word; the store of candidates has two
-// numbers a plane in each array; the users of scratch memory do not overlap.
-static_assert(SUBGROUP_PLANES <= 32 && 4 * SUBGROUP_PLANES <= SUBGROUP_STORE && GROUP_SEEDS == FAN);
-static_assert(6 * 32 <= 2 * SUBGROUP_STORE);  // planes to test
-static_assert(SUBGROUP_NODES + SUBGROUP_GROUPS <= 3 * SUBGROUP_PLANES + SUBGROUP_STORE &&
-              3 * SUBGROUP_PLANES + SUBGROUP_STORE + MAX_LEVELS <= SUBGROUP_SCRATCH);
+// clip_subgroup.comp and its includes rely on this: sets of planes are one or two words; 32 planes to test fit into the
+// store.
+static_assert(SUBGROUP_PLANES == 32 && GROUP_SEEDS == FAN && 4 * 32 <= 2 * SUBGROUP_STORE);
 
 // Returns the subgroups of a work-group of the first tier.
 std::uint32_t subgroups_of_group(const Device& device, const PassSettings& settings) {
     const vulkan::Adapter& adapter = device.adapter();
-    const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4;
+    const std::uint32_t number = settings.tiers[0].float64 ? 8 : 4, planes = settings.tiers[0].planes;
     const std::uint32_t bytes_of_subgroup =
-        (2 * SUBGROUP_STORE + SUBGROUP_SCRATCH) * 4 + SUBGROUP_PLANES * (6 * number + 4);
+        4 * (2 * SUBGROUP_STORE + MAX_LEVELS +
+             std::max<std::uint32_t>(SUBGROUP_NODES + SUBGROUP_GROUPS, 2 * planes + SUBGROUP_STORE)) +
+        planes * (4 * number + 4);
     std::uint32_t subgroups =
         std::min(settings.subgroups, adapter.limits.maxComputeSharedMemorySize / bytes_of_subgroup);
     if (adapter.subgroup_size_control) subgroups = std::min(subgroups, adapter.max_subgroups);
@@ -94,13 +87,14 @@ std::uint32_t subgroups_of_group(const Device& device, const PassSettings& setti
 }
 
 Pass clip_by_subgroup(Device& device, const PassSettings& settings, std::uint32_t tier) {
-    TierLimits limits = settings.tiers[0];
-    if (tier == 1) limits.float64 = true, limits.ties = settings.tiers[1].ties;
+    const TierLimits& limits = settings.tiers[tier];
     using namespace shaders;
-    const auto spirv = of_numbers(
-        settings, limits,
-        limits.ties ? Variants{clip_subgroup_f32_ties, clip_subgroup_f32_measure_f64_ties, clip_subgroup_f64_ties}
-                    : Variants{clip_subgroup_f32, clip_subgroup_f32_measure_f64, clip_subgroup_f64});
+    const Variants with_ties =
+        tier == 0 ? Variants{clip_subgroup_f32_ties, clip_subgroup_f32_measure_f64_ties, clip_subgroup_f64_ties}
+                  : Variants{clip_subgroup_f32_second_ties, {}, clip_subgroup_f64_ties};
+    const Variants without = tier == 0 ? Variants{clip_subgroup_f32, clip_subgroup_f32_measure_f64, clip_subgroup_f64}
+                                       : Variants{clip_subgroup_f32_second, {}, clip_subgroup_f64};
+    const auto spirv = of_numbers(settings, limits, limits.ties ? with_ties : without);
     const std::uint32_t subgroups = tier == 1 ? 1 : subgroups_of_group(device, settings);
     return make<CellsPush>(device, tier == 0 ? "clip_subgroup" : "clip_subgroup second tier", spirv,
                            subgroups * settings.subgroup_size,
@@ -118,16 +112,8 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings, std::uint32_
                            settings.subgroup_size);
 }
 
-Pass first_tier(Device& device, const PassSettings& settings) {
-    return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings, 0) : clip_cells(device, settings, 0);
-}
-
-std::unique_ptr<Pass> clip_again_by_subgroup(Device& device, const PassSettings& settings) {
-    return settings.tries_again() ? std::make_unique<Pass>(clip_by_subgroup(device, settings, 1)) : nullptr;
-}
-
-std::unique_ptr<Pass> second_tier(Device& device, const PassSettings& settings) {
-    return settings.has_lists() ? std::make_unique<Pass>(clip_cells(device, settings, 1)) : nullptr;
+Pass clip(Device& device, const PassSettings& settings, std::uint32_t tier) {
+    return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings, tier) : clip_cells(device, settings, tier);
 }
 
 std::span<const std::uint32_t> rows_with_areas(const PassSettings& settings) {
@@ -152,20 +138,21 @@ Pass download_named_rows(Device& device, const PassSettings& settings) {
 }  // namespace
 
 PassSettings usual_settings(const Device& device, std::uint32_t k) {
-    // NVIDIA's driver (580.159) makes no pipeline for lists of 1,024.
-    constexpr std::uint32_t usual_k = 112, max_k_of_second_tier = 256, max_first_count = 3 * SUBGROUP_STORE / 4;
-    constexpr std::uint32_t software_walk = 512, usual_walk = 2000, usual_subgroup = 40000;
+    constexpr std::uint32_t usual_k = 112, max_first_count = 3 * SUBGROUP_STORE / 4;
+    constexpr std::uint32_t software_walk = 512, usual_walk = 2000, usual_subgroup = 40000, usual_again = 400000;
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
     s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
-    if (s.subgroup_size != 0) s.k = std::min(s.k, max_k_of_second_tier);
     s.measure_float64 = measures_in_float64(device.adapter(), device.has_float64(), measure_from_environment());
     if (k != 0) s.first_count = std::min(k, max_first_count);
     // A chunk waits for its slowest cell. Where the device is the CPU, its own clipper is faster at long walks.
     s.max_walk_visits = device.adapter().software() ? software_walk : usual_walk;
-    if (!device.adapter().software()) s.max_subgroup_visits = usual_subgroup;
+    if (!device.adapter().software()) {
+        s.max_subgroup_visits[0] = usual_subgroup;
+        s.max_subgroup_visits[1] = usual_again;
+    }
     s.tiers[0] = {.planes = SUBGROUP_PLANES, .vertices = 64, .float64 = false};
-    s.tiers[1] = {.planes = 64, .vertices = 128, .float64 = device.has_float64()};
+    s.tiers[1] = {.planes = 2 * SUBGROUP_PLANES, .vertices = 128, .float64 = device.has_float64()};
     return s;
 }
 
@@ -180,15 +167,14 @@ Passes::Passes(Device& device, const PassSettings& s)
       scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
       scan_add(make<ScanPush>(device, "scan_add", shaders::scan_add, s.local_size)),
       knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size, {has_weights(s)})),
-      clip_first(first_tier(device, s)),
+      clip_first(clip(device, s, 0)),
       clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
-      clip_again(clip_again_by_subgroup(device, s)),
-      clip_second(second_tier(device, s)),
+      clip_second(clip(device, s, 1)),
       download_rows(gpu::download_rows(device, s)),
       download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
-    if (s.has_lists())
+    if (s.subgroup_size == 0)
         knn_search = std::make_unique<Pass>(make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size,
-                                                          {{CONSTANT_K, s.k}, list_of_todo(s), has_weights(s)}));
+                                                          {{CONSTANT_K, s.k}, has_weights(s)}));
     if (s.weights) {
         upload_weights =
             std::make_unique<Pass>(make<UploadPush>(device, "upload_weights", shaders::upload_weights, s.local_size));
@@ -221,8 +207,7 @@ void Passes::make_with_ties(Device& device) {
     if (with_ties.clip_first) return;
     PassSettings s = settings;
     s.tiers[0].ties = s.tiers[1].ties = true;
-    with_ties = {std::make_unique<Pass>(first_tier(device, s)), clip_again_by_subgroup(device, s),
-                 second_tier(device, s)};
+    with_ties = {std::make_unique<Pass>(clip(device, s, 0)), std::make_unique<Pass>(clip(device, s, 1))};
 }
 
 }  // namespace votess::gpu

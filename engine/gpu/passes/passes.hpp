@@ -8,8 +8,8 @@
 
 namespace votess::gpu {
 
-// The limits of a tier of clip. Where a subgroup makes a cell, the first tier has SUBGROUP_PLANES planes. A cell that
-// needs more goes to the next tier, and from the second to the CPU.
+// The limits of a tier of clip. Where a subgroup makes a cell it has SUBGROUP_PLANES planes, in float64 and in the
+// second tier twice as many. A cell that needs more goes to the next tier, and from the second to the CPU.
 struct TierLimits {
     std::uint32_t planes = 32;    // alive at once; a multiple of 32
     std::uint32_t vertices = 64;  // alive at once; a multiple of 32
@@ -21,18 +21,18 @@ struct TierLimits {
 struct PassSettings {
     std::uint32_t k = 112;  // neighbors listed
     TierLimits tiers[2];
-    std::uint32_t max_visits = 4000;           // boxes visited in a search for a list
-    std::uint32_t max_walk_visits = 2000;      // boxes visited for a cell of the second tier, beyond its list
-    std::uint32_t max_subgroup_visits = 4000;  // boxes visited in all searches of a subgroup for a cell
-    bool measure = true;                       // volumes and centroids are requested
-    bool measure_float64 = true;               // these are float64, else sums of two float32
-    bool areas = false;                        // areas of the rows are requested too
-    bool weights = false;                      // of a power diagram
-    bool frames = false;                       // the passes are for recorded frames, not for parts
-    bool walls = false;                        // there are walls of any direction
-    bool images = false;                       // recorded frames have images
-    bool triclinic = false;                    // recorded frames have triclinic boxes
-    std::uint32_t local_size = 64;             // work-groups of all passes that do not rely on a size
+    std::uint32_t max_visits = 4000;       // boxes visited in a search for a list
+    std::uint32_t max_walk_visits = 2000;  // boxes visited for a cell of the second tier, beyond its list
+    std::uint32_t max_subgroup_visits[2] = {4000, 4000};  // boxes visited in a subgroup's searches for a cell, by tier
+    bool measure = true;                                  // volumes and centroids are requested
+    bool measure_float64 = true;                          // these are float64, else sums of two float32
+    bool areas = false;                                   // areas of the rows are requested too
+    bool weights = false;                                 // of a power diagram
+    bool frames = false;                                  // the passes are for recorded frames, not for parts
+    bool walls = false;                                   // there are walls of any direction
+    bool images = false;                                  // recorded frames have images
+    bool triclinic = false;                               // recorded frames have triclinic boxes
+    std::uint32_t local_size = 64;                        // work-groups of all passes that do not rely on a size
     // Invocations of a subgroup, which make a cell of the first tier together and search as they clip; 0: an invocation
     // makes a cell from a list.
     std::uint32_t subgroup_size = 0;
@@ -41,11 +41,6 @@ struct PassSettings {
     std::uint32_t subgroups = 1;
     std::uint32_t first_count = 48;  // seeds that the first search of a subgroup aims at
 
-    // Returns whether subgroups try undecided cells again in float64, before other passes or the CPU.
-    [[nodiscard]] bool tries_again() const { return subgroup_size != 0 && !tiers[0].float64 && tiers[1].float64; }
-    // Returns whether invocations make cells from lists. Where subgroups try again, few cells are left, and the CPU is
-    // faster at them; only frames have none.
-    [[nodiscard]] bool has_lists() const { return !tries_again() || frames; }
     bool operator==(const PassSettings&) const = default;
 };
 
@@ -63,11 +58,11 @@ struct Passes {
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_crowded, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes;
     vulkan::Pass clip_first, clip_todo;  // clip_first searches too where subgroups make cells
-    // Null when not needed. The second tier is clip_again, knn_search and clip_second.
-    std::unique_ptr<vulkan::Pass> clip_again, knn_search, clip_second;
+    vulkan::Pass clip_second;
     struct {
-        std::unique_ptr<vulkan::Pass> clip_first, clip_again, clip_second;
-    } with_ties;  // null until they are made
+        std::unique_ptr<vulkan::Pass> clip_first, clip_second;
+    } with_ties;                               // null until they are made
+    std::unique_ptr<vulkan::Pass> knn_search;  // null where subgroups make cells
     vulkan::Pass download_rows, download_total;
     // Null when not needed.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;

@@ -174,11 +174,10 @@ TEST_SUITE("stages") {
                                                                    .constants = std::move(constants)});
             });
         };
-        CHECK(!with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_WEIGHTS, 0}}));
+        CHECK(!with({{CONSTANT_K, 64}, {CONSTANT_WEIGHTS, 0}}));
         CHECK(with({}) == votess::ErrorCode::internal);
         CHECK(with({{CONSTANT_K, 64}}) == votess::ErrorCode::internal);
-        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_LIST_OF_TODO, 0}, {CONSTANT_TIER, 0}, {CONSTANT_WEIGHTS, 0}}) ==
-              votess::ErrorCode::internal);
+        CHECK(with({{CONSTANT_K, 64}, {CONSTANT_TIER, 0}, {CONSTANT_WEIGHTS, 0}}) == votess::ErrorCode::internal);
         CHECK(with({{CONSTANT_K, 64}, {CONSTANT_K, 64}, {CONSTANT_WEIGHTS, 0}}) == votess::ErrorCode::internal);
     }
 }

@@ -50,7 +50,7 @@ void main() {
     max_heavier = max(heavier, real(0));
     Vertex v;
     uint verdict = 0u;
-    if (find_vertex(a, b, c, v) && !is_too_near(a) && !is_too_near(b) && !is_too_near(c) && !is_too_near(d)) {
+    if (is_certain(find_vertex(a, b, c, v)) && !is_too_near(a) && !is_too_near(b) && !is_too_near(c) && !is_too_near(d)) {
         verdict = 1u;
         const real side = side_of(d, v.x, v.y, v.z), bound = side_bound(d, v.error);
         if (side > bound) verdict |= 2u;

@@ -67,7 +67,7 @@ struct Seeds {
     }
 };
 
-votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds, bool rows) {
+votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds, const FrameRow& row) {
     votess::vulkan::PlanOptions options;
     options.most_seeds = static_cast<std::uint32_t>(input.size());
     if (input.cell) {
@@ -81,7 +81,8 @@ votess::vulkan::PlanOptions plan_options(const Input& input, const Seeds& seeds,
         options.weights = {.least = least, .largest = largest};
     }
     options.walls = input.walls;
-    options.neighbors = rows;
+    options.neighbors = row.rows;
+    options.geometry = row.geometry;
     options.most_entries = entries_each * options.most_seeds;
     return options;
 }
@@ -104,7 +105,7 @@ void compare(FrameRow& row, const host::Device& device, const Buffers& buffers, 
     options.device = "cpu";
     const votess::Tessellation t = votess::tessellate(std::span<const float>(seeds.points), options);
     const auto cells = read<Cell>(device, buffers.cells);
-    const auto geometry = read<float>(device, buffers.geometry);
+    const auto geometry = row.geometry ? read<float>(device, buffers.geometry) : std::vector<float>();
     const auto indices = row.rows ? read<std::int32_t>(device, buffers.indices) : std::vector<std::int32_t>();
     row.check = "= CPU";
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -114,7 +115,8 @@ void compare(FrameRow& row, const host::Device& device, const Buffers& buffers, 
         const bool same = !row.rows || (cells[i].row_length == expected.size() &&
                                         std::equal(expected.begin(), expected.end(),
                                                    indices.begin() + static_cast<std::ptrdiff_t>(cells[i].row_begin)));
-        if (same && std::abs(double{geometry[4 * i + 3]} - volume) <= volume_error * volume) continue;
+        const bool full = !row.geometry || std::abs(double{geometry[4 * i + 3]} - volume) <= volume_error * volume;
+        if (same && full) continue;
         row.check = "WRONG: cell " + std::to_string(i);
         row.wrong = true;
         return;
@@ -127,14 +129,10 @@ Frames::Frames(const std::string& device_name)
     : device_(std::make_unique<host::Device>(device_name, votess::vulkan::requirements)) {}
 Frames::~Frames() = default;
 
-FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_compare) const {
+void Frames::measure(FrameRow& row, const Input& input, int repeats, bool to_compare) const {
     const host::Device& device = *device_;
-    FrameRow row;
-    row.input = input.name;
-    row.n = input.size();
-    row.rows = rows;
     const Seeds seeds(input);
-    const votess::vulkan::PlanOptions options = plan_options(input, seeds, rows);
+    const votess::vulkan::PlanOptions options = plan_options(input, seeds, row);
     const Plan plan(device.for_votess(), options);
     const Buffers buffers(device, plan.sizes());
     row.device_bytes = buffers.bytes();
@@ -168,14 +166,14 @@ FrameRow Frames::measure(const Input& input, bool rows, int repeats, bool to_com
         row.check = "WRONG: rows need more room than was given";
         row.wrong = true;
     }
-    return row;
 }
 
 void print_frames_head() {
     std::printf(
         "\nRecorded frames, seeds and results on the device: million cells per second by the time from submission to "
-        "the\nend, then all seeds or cells by the device's time of a stage. rows: neighbors too, else volumes and "
-        "centroids.\nLeft: cells left to resolve(). MiB: buffers on the device.\n\n%-10s %9s %-9s %-10s %8s %8s  "
+        "the\nend, then all seeds or cells by the device's time of a stage. full: neighbors, volumes and centroids; "
+        "geometry:\nthe last two. Left: cells left to resolve(). MiB: buffers on the device.\n\n%-10s %9s %-9s %-10s "
+        "%8s %8s  "
         "%8s %8s %9s %8s %9s %7s  check\n",
         "input", "n", "want", "kernel", "best", "median", "upload", "sort", "hierarchy", "cells", "left", "MiB");
     std::fflush(stdout);
@@ -194,7 +192,8 @@ double rate(const FrameRow& row, double seconds) {
 }
 
 const char* want_of(const FrameRow& row) {
-    return row.rows ? "rows" : "geometry";
+    if (!row.geometry) return "neighbors";
+    return row.rows ? "full" : "geometry";
 }
 
 }  // namespace

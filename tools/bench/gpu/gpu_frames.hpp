@@ -18,7 +18,8 @@ struct FrameRow {
     std::string input;
     std::size_t n = 0;
     std::string kernel;
-    bool rows = false;                          // neighbors too, else volumes and centroids only
+    bool rows = false;                          // neighbors
+    bool geometry = false;                      // volumes and centroids
     double first_seconds = 0;                   // of the warm-up
     std::vector<double> seconds;                // each repeat, from submission to the end
     std::vector<std::array<double, 4>> stages;  // each repeat: upload, sort, hierarchy, cells; of the device
@@ -35,8 +36,8 @@ public:
     explicit Frames(const std::string& device_name);
     ~Frames();
 
-    // compare: certified rows with the CPU's, and volumes.
-    [[nodiscard]] FrameRow measure(const Input& input, bool rows, int repeats, bool compare) const;
+    // Fills in a row with its input, size, rows and geometry. compare: certified rows with the CPU's, and volumes.
+    void measure(FrameRow& row, const Input& input, int repeats, bool compare) const;
 
 private:
     std::unique_ptr<host::Device> device_;

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <string_view>
+#include <utility>
 
 #include "bench.hpp"
 #if BENCH_FRAMES
@@ -250,18 +251,18 @@ void measure_engine(Report& report, const GpuTable& table, const Input& input, P
 
 #if BENCH_FRAMES
 void measure_frames(Report& report, const GpuTable& table, const Frames& frames, const Input& input, Paces& paces) {
-    for (const bool with_rows : {false, true})
+    constexpr std::array<std::pair<bool, bool>, 3> wants{{{true, false}, {false, true}, {true, true}}};
+    for (const auto& [rows, geometry] : wants)
         for (const std::string& kernel : table.kernels) {
             FrameRow row;
             row.input = input.name;
             row.n = input.size();
-            row.rows = with_rows;
+            row.rows = rows;
+            row.geometry = geometry;
             row.kernel = kernel;
             report.add(report.frames, row, paces[input.name + " frame " + kernel], [&](FrameRow& measured) {
                 choose(kernel, "automatic");
-                measured = frames.measure(input, with_rows, table.repeats,
-                                          static_cast<double>(input.size()) <= table.check_limit);
-                measured.kernel = kernel;
+                frames.measure(measured, input, table.repeats, static_cast<double>(input.size()) <= table.check_limit);
             });
         }
 }
