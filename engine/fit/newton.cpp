@@ -12,7 +12,7 @@ namespace {
 
 constexpr double first_change = 1;       // of log volume: root of the mean square, weighted by targets
 constexpr double most_shrinking = 0.25;  // goal / volume: smaller cells die when larger ones move
-constexpr double least_share = 1.0 / 1024;
+constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
 constexpr double dying = 1e-4, most_dying = 0.1;
@@ -120,7 +120,7 @@ bool Newton::advance() {
         const double gain = filling_ ? 0 : least_gain * share_;
         if (!(distance_between(next.volumes, problem_.targets) <= (1 - gain) * before)) continue;
         now_ = std::move(next);
-        share_ = std::min(2 * share_, 1.0);
+        share_ = std::min(share_growth * share_, 1.0);
         if (filling_ && smallest() >= filled_) {
             filling_ = false;
             choose_share();
