@@ -16,8 +16,9 @@ struct Revival {
     const Vector& least;             // N volumes; a smaller cell is revived
 };
 
-// Raises the weight of each small cell. With the largest of these weights its cell touches the centroid of another,
-// near its neighbors before, and takes about half of it. A cell with a smaller target gets less, but more in each try.
+// Raises the weight of each small cell, at most until it touches the centroid of a cell near its neighbors before: then
+// it takes about half of that cell. The smaller the target, the smaller the raise; each attempt raises by four times
+// more.
 void revive(const Revival& cells, int attempt, Vector& weights);
 
 }  // namespace votess::fit
