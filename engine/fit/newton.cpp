@@ -4,25 +4,37 @@
 #include <cmath>
 
 #include "core/progress.hpp"
+#include "fit/revive.hpp"
 #include "fit/timed.hpp"
 
 namespace votess::fit {
 namespace {
 
-constexpr double first_factor = 4, least_factor = 1.5, largest_factor = 1e6;
-// While the smallest share of a target is below this, only the smallest cells grow, at the cost of those that are too
-// large. Larger cells move planes by more than the whole size of small ones. The second holds after a failed step.
-constexpr double first_filling = 0.01, last_filling = 0.5;
-constexpr double least_share = 1.0 / 1024;  // of a step
+constexpr double first_change = 1;       // of log volume: root of the mean square, weighted by targets
+constexpr double most_shrinking = 0.25;  // goal / volume: smaller cells die when larger ones move
+constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
+constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
+// Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
+constexpr double dying = 1e-4, most_dying = 0.1;
+constexpr int most_revivals = 3;
+// In tight clusters the large cells move planes by more than the whole size of small ones, so steps of all cells are
+// short. Then only the smallest cells grow until none is below a share of its target. The second share holds if steps
+// are short again.
+constexpr double short_share = 1.0 / 32, first_filling_share = 0.25, first_filled = 0.01, last_filled = 0.5;
 // Tolerances of the linear solver: a share of the residual, within bounds. So convergence stays quadratic.
-constexpr double solver_share = 0.01, least_solver_tolerance = 1e-6;
+constexpr double solver_share = 0.001, least_solver_tolerance = 1e-7;
+
+// Infinite for an empty cell.
+double distance_between(const Vector& volumes, const Vector& targets) {
+    return (volumes.array() / targets.array()).log().matrix().norm();
+}
 
 }  // namespace
 
 Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
-    : problem_(std::move(problem)), options_(options), out_(out), factor_(first_factor), filling_(first_filling) {
+    : problem_(std::move(problem)), options_(options), out_(out) {
     problem_.options.want = {};
-    problem_.options.want.areas = true;
+    problem_.options.want.areas = problem_.options.want.centroids = true;
     problem_.options.precision = Precision::double_;
 }
 
@@ -44,76 +56,91 @@ Weighted Newton::tessellate(Vector weights) {
     return result;
 }
 
-// The goal sums to the volume of the domain, by a factor of the targets that bisection finds.
-Vector Newton::goal() const {
-    const auto volumes = now_.volumes.array(), targets = problem_.targets.array();
-    if (((targets <= factor_ * volumes) && (targets * factor_ >= volumes)).all()) return problem_.targets;
-    Vector goal;
-    const double least = (volumes / targets).minCoeff();
-    if (factor_ * least < filling_) {
-        const Vector excess = (volumes - targets).max(0);
-        goal = volumes.max(factor_ * least * targets);
-        return goal - (goal.sum() - now_.volumes.sum()) / excess.sum() * excess;
+Weighted Newton::trial(const Vector& step) {
+    Weighted next = tessellate(now_.weights + step);
+    const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
+    Eigen::Index most = static_cast<Eigen::Index>(most_dying * static_cast<double>(least.size()));
+    for (int attempt = 0; attempt < most_revivals; ++attempt) {
+        const Eigen::Index small = (next.volumes.array() < least.array()).count();
+        if (small == 0 || small > most) break;
+        most = small / 4;
+        Vector weights = std::move(next.weights);
+        revive({problem_.places, problem_.edges, problem_.targets, now_.tessellation, next.tessellation, least},
+               attempt, weights);
+        next = tessellate(std::move(weights));
     }
-    double low = 1 / factor_, high = factor_;
-    for (int i = 0; i < 50; ++i) {
-        check_stop();
-        const double scale = std::sqrt(low * high);
-        goal = (scale * targets).min(factor_ * volumes).max(volumes / factor_);
-        (goal.sum() > problem_.targets.sum() ? high : low) = scale;
-    }
-    return goal;
+    return next;
 }
 
-Vector Newton::direction(const Vector& goal) {
+double Newton::smallest() const {
+    return (now_.volumes.array() / problem_.targets.array()).minCoeff();
+}
+
+void Newton::choose_share() {
+    const auto targets = problem_.targets.array();
+    const double square = (targets * (now_.volumes.array() / targets).log().square()).sum() / targets.sum();
+    share_ = std::min(1.0, first_change / std::sqrt(square));
+}
+
+void Newton::fill() {
+    filling_ = true;
+    filled_ = filled_ == 0 ? first_filled : last_filled;
+    share_ = first_filling_share;
+}
+
+Vector Newton::goal() const {
+    const auto volumes = now_.volumes.array(), targets = problem_.targets.array();
+    if (filling_) return volumes.max(std::pow(smallest(), 1 - share_) * targets);
+    return volumes * (share_ * (targets / volumes).log()).max(std::log(most_shrinking)).exp();
+}
+
+// The roots are scaled so that the changes of volumes sum to 0.
+Vector Newton::step_to(const Vector& goal) {
+    const Timed timed(out_.seconds.solve);
+    const auto volumes = now_.volumes.array();
+    const Eigen::ArrayXd roots = (goal.array() / volumes).pow(1.0 / 3);
+    const double scale = volumes.sum() / (volumes * roots).sum();
+    Vector change = 3 * volumes * (scale * roots - 1);
+    change.array() -= change.mean();
+    const double far = (change.array() / problem_.targets.array()).abs().maxCoeff();
+    return solve(matrix_, change, std::clamp(solver_share * far, least_solver_tolerance, solver_share));
+}
+
+bool Newton::advance() {
     {
         const Timed timed(out_.seconds.assemble);
         set_laplacian(now_.tessellation, problem_.places, problem_.edges, matrix_);
     }
-    const Timed timed(out_.seconds.solve);
-    Vector right = goal - now_.volumes;
-    right -= right.sum() / goal.sum() * goal;
-    const double far = (right.array() / goal.array()).abs().maxCoeff();
-    return solve(matrix_, right, std::clamp(solver_share * far, least_solver_tolerance, solver_share));
-}
-
-double Newton::advance(const Vector& step, const Vector& goal) {
-    if (!step.allFinite()) return 0;
-    const double least = 0.5 * std::min(now_.volumes.minCoeff(), problem_.targets.minCoeff());
-    const auto distance_of = [&](const Vector& volumes) {
-        return ((volumes - goal).array() / goal.array()).matrix().norm();
-    };
-    const double distance = distance_of(now_.volumes);
-    for (double share = 1; share >= least_share; share /= 2) {
-        Weighted next = tessellate(now_.weights + share * step);
-        if (next.volumes.minCoeff() < least || !(distance_of(next.volumes) <= (1 - share / 2) * distance)) continue;
+    const double before = distance_between(now_.volumes, problem_.targets);
+    for (; share_ >= least_share; share_ /= 2) {
+        if (!filling_ && share_ < short_share && smallest() < last_filled) fill();
+        const Vector step = step_to(goal());
+        if (!step.allFinite()) continue;
+        Weighted next = trial(step);
+        const double gain = filling_ ? 0 : least_gain * share_;
+        if (!(distance_between(next.volumes, problem_.targets) <= (1 - gain) * before)) continue;
         now_ = std::move(next);
-        return share;
+        share_ = std::min(share_growth * share_, 1.0);
+        if (filling_ && smallest() >= filled_) {
+            filling_ = false;
+            choose_share();
+        }
+        return true;
     }
-    return 0;
+    return false;
 }
 
 bool Newton::run(Vector weights) {
     now_ = tessellate(std::move(weights));
     if (!(now_.volumes.minCoeff() > 0)) now_ = tessellate(Vector::Zero(now_.weights.size()));
     first_residual_ = now_.residual;
+    choose_share();
     for (; now_.residual > options_.tolerance; ++out_.steps) {
-        if (out_.steps == options_.max_steps) {
+        if (out_.steps == options_.max_steps)
             why_ = "raise max_steps";
-            return false;
-        }
-        const Vector goal = this->goal();
-        const double share = advance(direction(goal), goal);
-        if (share == 1)
-            factor_ = std::min(4 * factor_, largest_factor);
-        else
-            factor_ = std::max(factor_ / (share > 0 ? 2 : 16), least_factor);
-        if (share == 0 && filling_ < last_filling && goal != problem_.targets) {
-            filling_ = last_filling;
-        } else if (share == 0 && (factor_ == least_factor || goal == problem_.targets)) {
+        else if (!advance())
             why_ = "no step comes nearer, raise tolerance";
-            return false;
-        }
+        if (!why_.empty()) return false;
     }
     return true;
 }

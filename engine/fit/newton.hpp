@@ -19,15 +19,15 @@ struct Problem {
 
 struct Weighted {
     Vector weights, volumes;
-    Tessellation tessellation;  // with neighbors and areas
+    Tessellation tessellation;  // with neighbors, areas and centroids
     double residual = 0;        // largest |volume - target| / target
 };
 
 // The steps. Each counts itself in `out`, and adds its seconds.
 //
-// Where volumes and targets differ by factors, the derivative of a small cell is small, so its step is too long, and
-// halving is slow. So a step aims at a goal: the targets, bounded by a factor around the volumes. The factor grows with
-// each full step. In tight clusters the smallest cells grow first.
+// The size of a cell alone is about linear in its weight, and so is that of cells that grow together. So a step solves
+// for the cube roots of volumes. It aims at a goal between volumes and targets, on a logarithmic scale. Cells that it
+// leaves empty are revived in the cells around them.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
@@ -40,10 +40,15 @@ public:
 
 private:
     [[nodiscard]] Weighted tessellate(Vector weights);
+    // Returns the diagram after a step, with small cells revived as far as that is possible.
+    [[nodiscard]] Weighted trial(const Vector& step);
     [[nodiscard]] Vector goal() const;
-    [[nodiscard]] Vector direction(const Vector& goal);
-    // Takes the longest of the halved steps that empties no cell and comes nearer. Returns its share, or 0.
-    [[nodiscard]] double advance(const Vector& step, const Vector& goal);
+    [[nodiscard]] Vector step_to(const Vector& goal);
+    // Takes the longest step that empties no cell and comes nearer. Returns false if no step does.
+    [[nodiscard]] bool advance();
+    void choose_share();
+    void fill();
+    [[nodiscard]] double smallest() const;  // volume / target
 
     Problem problem_;
     const FitOptions& options_;
@@ -51,7 +56,9 @@ private:
     Tessellator tessellator_;
     Matrix matrix_;
     Weighted now_;
-    double factor_, filling_;  // of the goal
+    double share_ = 1;      // of the way from volumes to targets, for the goal
+    bool filling_ = false;  // the goal lets only the smallest cells grow
+    double filled_ = 0;     // volume / target of the smallest cell, at which filling ends
     double first_residual_ = 0;
     std::string why_;
 };

@@ -3,8 +3,10 @@
 //     votess::VolumeFit fit = votess::fit_volumes(points, targets, options);
 //     fit.weights[i] ... fit.tessellation.volumes()[i] equals targets[i] to 1e-9
 //
-// Method: damped Newton (Kitagawa, Mérigot, Thibert: Convergence of a Newton algorithm for semi-discrete optimal
-// transport, J. Eur. Math. Soc. 21, 2019). The derivative of a volume by a neighbor's weight is -area / (2 distance).
+// Method: Newton steps (Kitagawa, Mérigot, Thibert: Convergence of a Newton algorithm for semi-discrete optimal
+// transport, J. Eur. Math. Soc. 21, 2019) for the cube roots of volumes, which are nearer to linear in the weights. The
+// derivative of a volume by a neighbor's weight is -area / (2 distance). Far from the targets a step goes part of the
+// way on a logarithmic scale, and the cells that it leaves empty are revived.
 // The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
 #pragma once
 

@@ -3,12 +3,14 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
 #include <votess/fit.hpp>
 
 #include "fit/laplacian.hpp"
+#include "fit/revive.hpp"
 #include "input/domain_of_result.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -67,6 +69,55 @@ TEST_SUITE("cases") {
             g.options.threads = 3;
             CHECK(std::ranges::equal(votess::fit_volumes(g.points, g.targets, g.options).weights, fit.weights));
         }
+    }
+
+    TEST_CASE("fit: clusters, for any number of threads") {
+        Grains g = grains(test::by_size(3000, 600), true);
+        const double count = static_cast<double>(g.targets.size());
+        test::Random random(7);
+        for (std::size_t k = 0; k < g.points.size(); ++k) {
+            // One coordinate of each of 30 centers comes from the first 30 points.
+            const double x = g.points[k % 90] + 0.02 * random.gaussian();
+            if (k >= 90) g.points[k] = x - std::floor(x);
+        }
+        std::ranges::fill(g.targets, 1 / count);
+        g.options.threads = 1;
+        const votess::VolumeFit fit = votess::fit_volumes(g.points, g.targets, g.options);
+        CHECK(largest_error(fit.tessellation.volumes(), g.targets) < 1.001e-9);
+        CHECK(fit.tessellations <= 15);
+        g.options.threads = 3;
+        CHECK(std::ranges::equal(votess::fit_volumes(g.points, g.targets, g.options).weights, fit.weights));
+    }
+
+    TEST_CASE("fit: empty cells are revived, with less weight for smaller targets") {
+        const Grains g = grains(300, true);
+        Options options = g.options;
+        options.want.areas = options.want.centroids = true;
+        const votess::Tessellation before = votess::tessellate(g.points, options);
+        const std::vector<double> places = votess::wrapped_points(before, g.points);
+        const votess::fit::Edges edges = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+        const std::array<Eigen::Index, 3> emptied = {10, 120, 290};
+        votess::fit::Vector weights = votess::fit::Vector::Zero(300);
+        weights(emptied).setConstant(-0.1);
+        options.weights = {weights.data(), 300};
+        const votess::Tessellation after = votess::tessellate(g.points, options);
+        CHECK(after.stats().empty_cells == 3);
+        const auto revived = [&](double target, int attempt) {
+            const votess::fit::Vector targets = votess::fit::Vector::Constant(300, target), least = 1e-4 * targets;
+            votess::fit::Vector raised = weights;
+            votess::fit::revive({places, edges, targets, before, after, least}, attempt, raised);
+            return raised;
+        };
+        const votess::fit::Vector full = revived(1.0 / 300, 0), some = revived(1e-6, 0);
+        for (Eigen::Index i = 0; i < 300; ++i) {
+            const bool was_empty = std::ranges::count(emptied, i) > 0;
+            CHECK((full[i] > some[i] && some[i] > weights[i]) == was_empty);
+            CHECK((full[i] == weights[i]) == !was_empty);
+        }
+        CHECK(revived(1e-6, 3) == full);
+        options.weights = {full.data(), 300};
+        const votess::Tessellation again = votess::tessellate(g.points, options);
+        for (const Eigen::Index i : emptied) CHECK(again.volumes()[static_cast<std::size_t>(i)] > 0.1 / 300);
     }
 
     TEST_CASE("fit: an error has the best weights so far, from which another fit goes on") {

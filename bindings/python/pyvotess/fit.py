@@ -81,8 +81,8 @@ def fit_volumes(
 ) -> VolumeFit:
     """Returns the power diagram in which the cell of point i has the volume ``volumes[i]``, and its weights.
 
-    The weights are those of optimal transport from the domain to the points: unique up to a constant. Damped Newton steps
-    find them (Kitagawa, Mérigot, Thibert 2019).
+    The weights are those of optimal transport from the domain to the points: unique up to a constant. Newton steps for the
+    cube roots of volumes find them (after Kitagawa, Mérigot, Thibert 2019).
 
     Parameters
     ----------

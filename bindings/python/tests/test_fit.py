@@ -84,11 +84,25 @@ class Residuals(unittest.TestCase):
                     self.assertTrue(fit.tessellation.verify())
 
     def test_clusters(self):
-        random = np.random.default_rng(5)
-        points = (random.random((10, 1, 3)) + random.normal(0, 0.01, (10, 60, 3))).reshape(-1, 3) % 1
-        targets = shares(len(points), "equal")
-        fit = vt.fit_volumes(points, targets, UNIT_BOX, True)
-        self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
+        """50 of them; their cells lie far from their seeds."""
+        random = np.random.default_rng(1)
+        centers, sizes, which = random.random((50, 3)), random.uniform(0.01, 0.05, 50), random.integers(50, size=3000)
+        points = (centers[which] + random.normal(size=(3000, 3)) * sizes[which, None]) % 1
+        targets = shares(3000, "equal")
+        for periodic in (False, True):
+            fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic)
+            self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX, periodic=periodic), 1.001e-9)
+            self.assertLessEqual(fit.tessellations, 14)
+        mirrored = vt.fit_volumes(points * (-1, 1, 1) + (1, 0, 0), targets, UNIT_BOX, True, threads=2)
+        self.assertLess(np.abs(mirrored.weights - fit.weights).max(), 1e-10 * 3000 ** (-2 / 3))
+
+    def test_plane(self):
+        """Seeds in a plane with targets that differ by up to 1e6: small cells between large ones."""
+        for seed in range(20):
+            points = uniform(16, seed=seed) * (0.6, 0.6, 0) + (0.2, 0.2, 0.5)
+            targets = shares(16, "wide", seed)
+            fit = vt.fit_volumes(points, targets, UNIT_BOX)
+            self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX), 1.001e-9, f"seed {seed}")
 
     def test_tight_cluster(self):
         """Volumes at the start differ by a factor of up to 1e16."""
@@ -291,7 +305,7 @@ class Transport(unittest.TestCase):
     def test_cost(self):
         """Two halves of the box, each moved to a point."""
         points = [(0.1, 0.5, 0.5), (0.3, 0.5, 0.5)]
-        t = vt.fit_volumes(points, (0.5, 0.5), UNIT_BOX, want="faces").tessellation
+        t = vt.fit_volumes(points, (0.5, 0.5), UNIT_BOX, tolerance=1e-13, want="faces").tessellation
         along = sum((b - p) ** 3 - (a - p) ** 3 for a, b, p in ((0, 0.5, 0.1), (0.5, 1, 0.3))) / 3
         self.assertAlmostEqual(vt.transport_cost(t), along + 2 / 12, places=12)
         with self.assertRaisesRegex(ValueError, "transport_cost.*faces"):
