@@ -169,7 +169,10 @@ private:
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    [[nodiscard]] bool give_polygons(double power);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
+    bool link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them);
+    [[nodiscard]] std::span<const exact::Plane* const> planes_of(std::span<const std::int32_t> cells);
     void clear_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     template <Star::Keep Kept>
@@ -353,7 +356,10 @@ private:
 
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;
-    std::vector<exact::Plane> corner_planes_;  // of link_polygon()
+    std::vector<std::int32_t> ring_;
+    std::vector<exact::Plane> corner_planes_;  // of planes_of()
+    std::array<const exact::Plane*, max_ties> plane_pointers_{};
+    exact::TiedSeeds tied_seeds_;
     struct Node {
         std::int32_t level;
         std::uint32_t index;
