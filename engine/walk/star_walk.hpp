@@ -162,6 +162,8 @@ private:
     [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
+    void begin_tie(const std::int32_t* three);
+    [[nodiscard]] exact::Differences difference_to(std::int32_t id) const;
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
     [[gnu::always_inline]] inline void store_position(const Third& third, const Four& x);
@@ -172,7 +174,6 @@ private:
     [[nodiscard]] bool give_polygons(double power);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
     bool link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them);
-    [[nodiscard]] std::span<const exact::Plane* const> planes_of(std::span<const std::int32_t> cells);
     void clear_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     template <Star::Keep Kept>
@@ -357,8 +358,7 @@ private:
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;
     std::vector<std::int32_t> ring_;
-    std::vector<exact::Plane> corner_planes_;  // of planes_of()
-    std::array<const exact::Plane*, max_ties> plane_pointers_{};
+    std::vector<exact::Plane> corner_planes_;  // of link_polygon()
     exact::TiedSeeds tied_seeds_;
     struct Node {
         std::int32_t level;

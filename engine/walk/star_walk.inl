@@ -1029,21 +1029,46 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
                            int count) {
     std::optional<exact::ExactVertex> vertex;
     const double relative = relative_error(third);
-    while (lane >= 0) {
+    bool begun = false;
+    for (; lane >= 0; lane = Isa::touching(candidates_, count, v, three, lane + 1)) {
         const std::int32_t id = candidates_.id[lane];
         const int sure = sure_side(id, third, relative, x);
         if (sure > 0) return lane;
-        if (sure == 0) {
-            used_exact_ = true;
+        if (sure < 0 || std::find(tied_.begin(), tied_.end(), id) != tied_.end()) continue;
+        used_exact_ = true;
+        if (!begun) begin_tie(three);
+        begun = true;
+        std::optional<int> side;
+        if (id >= 0 && tied_seeds_.usable()) side = tied_seeds_.side(difference_to(id));
+        if (!side) {
             if (!vertex)
                 vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
-            const int side = vertex->side(exact_plane(id));
-            if (side > 0) return lane;
-            if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
+            side = vertex->side(exact_plane(id));
+            if (side == 0) tied_seeds_.give_up();
         }
-        lane = Isa::touching(candidates_, count, v, three, lane + 1);
+        if (side > 0) return lane;
+        if (side == 0) tied_.push_back(id);
     }
     return -1;
+}
+
+// Not usable with weights and walls.
+template <class Isa>
+void StarWalk<Isa>::begin_tie(const std::int32_t* three) {
+    if (weighted_ || three[0] < 0 || three[1] < 0 || three[2] < 0)
+        tied_seeds_.give_up();
+    else
+        tied_seeds_.begin(difference_to(three[0]), difference_to(three[1]), difference_to(three[2]));
+}
+
+// Returns the vector to another seed.
+template <class Isa>
+exact::Differences StarWalk<Isa>::difference_to(std::int32_t id) const {
+    if (seeds_.images != nullptr) return exact::differences(base_.point, exact_plane(id));
+    const auto i = static_cast<std::size_t>(id);
+    return {
+        {exact::two_sum(seeds_.x[i], -p_[0]), exact::two_sum(seeds_.y[i], -p_[1]), exact::two_sum(seeds_.z[i], -p_[2])},
+        true};
 }
 
 // Returns a bound on the error of n.x, in units of |n| and the length of the vertex.
@@ -1113,9 +1138,8 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
 // false for walls and weights. Each cell then finds out with which of the others it shares an edge.
 template <class Isa>
 bool StarWalk<Isa>::give_polygons(double power) {
-    if (weighted_ || probing_ || tied_cells_.size() > max_ties) return false;
+    if (probing_ || !tied_seeds_.usable() || !tied_seeds_.wrap()) return false;
     const std::span cells(tied_cells_);
-    if (!tied_seeds_.build(base_.point, planes_of(cells.subspan(1)))) return false;
     for (std::size_t k = cells.size(); k-- > 0;) {
         ring_.clear();
         for (const std::uint8_t seed : tied_seeds_.around(k)) ring_.push_back(cells[seed]);
@@ -1124,23 +1148,19 @@ bool StarWalk<Isa>::give_polygons(double power) {
     return true;
 }
 
-// The pointers are valid until the next call.
-template <class Isa>
-std::span<const exact::Plane* const> StarWalk<Isa>::planes_of(std::span<const std::int32_t> cells) {
-    corner_planes_.clear();
-    for (const std::int32_t cell : cells) corner_planes_.push_back(exact_plane(cells_.id(cell)));
-    for (std::size_t k = 0; k < cells.size(); ++k) plane_pointers_[k] = &corner_planes_[k];
-    return std::span(plane_pointers_).first(cells.size());
-}
-
 // Finds out which of the planes through a vertex own an edge there.
 template <class Isa>
 bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
     if (cells.size() > max_ties || (weighted_ && any_parallel(cells))) return false;
     used_exact_ = true;
+    corner_planes_.clear();
+    for (const std::int32_t cell : cells) corner_planes_.push_back(exact_plane(cells_.id(cell)));
+    std::array<const exact::Plane*, max_ties> pointers;
+    for (std::size_t k = 0; k < cells.size(); ++k) pointers[k] = &corner_planes_[k];
     std::array<int, max_ties> room;
     ring_.clear();
-    for (const int k : exact::corner_polygon(base_.point, planes_of(cells), std::span(room).first(cells.size())))
+    for (const int k : exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
+                                             std::span(room).first(cells.size())))
         ring_.push_back(cells[static_cast<std::size_t>(k)]);
     return ring_.size() >= 3 && link_ring(ring_, vertex, stack_them);
 }
