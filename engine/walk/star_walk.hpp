@@ -247,7 +247,8 @@ private:
         return 0.5 * (n[0] * tilt_.slope[0] + n[1] * tilt_.slope[1] + n[2] * tilt_.slope[2]);
     }
     [[nodiscard]] Ball ball_around(const Four& x, double length2) const;
-    [[nodiscard]] unsigned near_boxes(std::int32_t level, std::uint32_t index, const Ball& ball) const;
+    [[nodiscard, gnu::always_inline]] inline unsigned near_boxes(std::int32_t level, std::uint32_t index,
+                                                                 const Ball& ball) const;
     [[nodiscard]] bool is_candidate(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
