@@ -23,8 +23,8 @@ class TiedSeeds {
 public:
     static constexpr std::size_t max_seeds = 64;
 
-    // Begins with the seed that others are relative to, and three more, which chose the vertex. Returns false, and is
-    // not usable, if they need more than 57 bits.
+    // Begins with a seed and the vectors from it to three more, whose bisectors meet in the vertex. Returns false, and
+    // is not usable, if these need more than 57 bits.
     bool begin(const Differences& a, const Differences& b, const Differences& c);
     [[nodiscard]] bool usable() const { return usable_; }
     void give_up() { usable_ = false; }

@@ -1053,7 +1053,7 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
     return -1;
 }
 
-// Not usable with weights and walls.
+// Begins a vertex of three planes. With weights or walls tied_seeds_ is not usable.
 template <class Isa>
 void StarWalk<Isa>::begin_tie(const std::int32_t* three) {
     if (weighted_ || three[0] < 0 || three[1] < 0 || three[2] < 0)
@@ -1136,7 +1136,7 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
 }
 
 // Hands the vertex of tied_cells_ to the others, each with its polygon, and sets ring_ to that of this cell. Returns
-// false for walls and weights. Each cell then finds out with which of the others it shares an edge.
+// false where there are walls or weights. Each cell then calls link_polygon().
 template <class Isa>
 bool StarWalk<Isa>::give_polygons(double power) {
     if (probing_ || !tied_seeds_.usable() || !tied_seeds_.wrap()) return false;
