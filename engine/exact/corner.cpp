@@ -8,30 +8,26 @@ namespace {
 // The hull under construction: a ring of planes, each with the side of the hull that leads to the next.
 template <class N>
 struct Link {
-    decltype(cross(Normal<N>{}, Normal<N>{})) side;  // N x next N: positive towards the inside
+    decltype(cross_of(N{}, N{})) side;  // N x next N: positive towards the inside
     int next, previous;
 };
 
 // Incremental hull of rays in an open half space. A new ray sees one run of sides. It lies strictly outside some. At
 // either end it may lie in line with a side, whose near corner then falls between the two.
 template <class N>
-std::span<int> hull(std::span<const std::array<N, 3>> n, std::span<int> out) {
+std::span<int> hull(std::span<const N> n, std::span<int> out) {
     const int count = static_cast<int>(n.size());
-    auto independent = [&](int i) {
-        const auto c = cross(n[0], n[i]);
-        return sign_of(c[0]) != 0 || sign_of(c[1]) != 0 || sign_of(c[2]) != 0;
-    };
     int second = 1;
-    while (second < count && !independent(second)) ++second;
+    while (second < count && cross_of(n[0], n[second]).is_zero()) ++second;
     if (second >= count) return {};
-    const auto side = cross(n[0], n[second]);
+    const auto side = cross_of(n[0], n[second]);
     int third = second + 1, turn = 0;
-    while (third < count && (turn = sign_of(dot(n[third], side))) == 0) ++third;
+    while (third < count && (turn = side.turn(n[third])) == 0) ++third;
     if (third >= count) return {};
 
     Scratch<Link<N>> ring(n.size());
     auto connect = [&](int i, int j) {
-        ring[i].side = cross(n[i], n[j]);
+        ring[i].side = cross_of(n[i], n[j]);
         ring[i].next = j;
         ring[j].previous = i;
     };
@@ -42,7 +38,7 @@ std::span<int> hull(std::span<const std::array<N, 3>> n, std::span<int> out) {
     int head = 0;
     for (int k = 1; k < count; ++k) {
         if (k == second || k == third) continue;
-        auto turn_at = [&](int i) { return sign_of(dot(n[k], ring[i].side)); };
+        auto turn_at = [&](int i) { return ring[i].side.turn(n[k]); };
         int i = head;
         while (turn_at(i) >= 0 && ring[i].next != head) i = ring[i].next;
         if (turn_at(i) >= 0) continue;

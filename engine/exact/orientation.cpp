@@ -47,7 +47,7 @@ int orientation(const Point& p, const Plane& a, const Plane& b, const Plane& c) 
     if (likely != 0) return likely;
 
     const std::array planes{&a, &b, &c};
-    return decide_on_normals(p, planes, [](auto n) { return sign_of(dot(n[0], cross(n[1], n[2]))); });
+    return decide_on_normals(p, planes, [](auto n) { return cross_of(n[1], n[2]).turn(n[0]); });
 }
 
 }  // namespace votess::exact

@@ -34,7 +34,7 @@ void Neighborhood::begin(const SortedSeeds& seeds, std::size_t first, std::size_
     std::fill(table_.begin(), table_.end(), -1);
     vertices_ = 0;
     ties_.clear();
-    tie_powers_.clear();
+    tie_powers_.assign(count + 1, no_tie);
     spill_.clear();
     if (known_.empty()) known_.resize(initial_slabs * slab_size);
     next_.assign(count + 1, 0);
@@ -116,13 +116,30 @@ std::span<const KnownVertex> Neighborhood::with_spilled(std::size_t s) {
     return gathered_;
 }
 
-void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power) {
-    const auto at = static_cast<std::int32_t>(ties_.size()), tie = static_cast<std::int32_t>(tie_powers_.size());
-    tie_powers_.push_back(power);
+std::int32_t Neighborhood::add_tie(std::span<const std::int32_t> cells) {
+    const auto at = static_cast<std::int32_t>(ties_.size());
     ties_.push_back(static_cast<std::int32_t>(cells.size()));
     ties_.insert(ties_.end(), cells.begin(), cells.end());
-    for (const std::int32_t cell : cells.subspan(1)) give(cell, -1 - at, tie, 0, vertex);
+    return at;
+}
+
+void Neighborhood::give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power) {
+    const std::int32_t tie = add_tie(cells);
+    for (const std::int32_t cell : cells.subspan(1)) {
+        give(cell, -1 - tie, 0, 0, vertex);
+        note_power(cell, power);
+    }
     clear_foreign();
+}
+
+void Neighborhood::give_polygon(std::int32_t cell, std::span<const std::int32_t> neighbors, std::uint32_t vertex,
+                                double power) {
+    if (place_of(cell) == own_count_) return;
+    if (neighbors.size() == 3)
+        give(cell, neighbors[0], neighbors[1], neighbors[2], vertex);
+    else
+        give(cell, -1 - add_tie(neighbors), 1, 0, vertex);
+    note_power(cell, power);
 }
 
 }  // namespace votess::cpu

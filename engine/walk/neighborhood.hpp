@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -22,10 +23,12 @@ struct alignas(32) Four {
 // A vertex as seen by a cell: the three neighbors at the vertex, the outward normals of whose faces are positively
 // oriented. A vertex with more neighbors refers to Neighborhood::tie().
 struct KnownVertex {
-    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 refers to a tie, and cells[1] is its number
+    std::array<std::int32_t, 3> cells;  // local ids; cells[0] < 0 refers to a tie
     std::uint32_t vertex;               // number of its position, see Neighborhood::position()
 
     [[nodiscard]] bool is_tie() const { return cells[0] < 0; }
+    // Whether the cells of the tie are the neighbors in the order of corner_polygon(), not all of its cells.
+    [[nodiscard]] bool is_ordered() const { return cells[1] != 0; }
 };
 
 class Neighborhood {
@@ -78,9 +81,11 @@ public:
         give(c, p, b, a, vertex);
         clear_foreign();
     }
-    // Does the same for a vertex of more than four cells, in any order. power: its squared distance from a seed, minus
-    // the weight of the seed.
+    // Hands a vertex of more than four cells, in any order, to all but the first. power: its squared distance from a
+    // seed, minus the weight of the seed.
     void give_tie(std::span<const std::int32_t> cells, std::uint32_t vertex, double power);
+    // Hands such a vertex to one cell, with its neighbors in the order of corner_polygon().
+    void give_polygon(std::int32_t cell, std::span<const std::int32_t> neighbors, std::uint32_t vertex, double power);
 
     // Returns the vertices that a seed of the stretch was given.
     [[nodiscard]] std::span<const KnownVertex> known(std::size_t seed) {
@@ -93,9 +98,9 @@ public:
         return {ties_.data() + at + 1, static_cast<std::size_t>(ties_[at])};
     }
 
-    [[nodiscard]] double power_of_tie(const KnownVertex& known) const {
-        return tie_powers_[static_cast<std::size_t>(known.cells[1])];
-    }
+    // Returns the largest power of the ties that a seed of the stretch was given, or no_tie.
+    [[nodiscard]] double power_of_ties(std::size_t seed) const { return tie_powers_[seed - first_]; }
+    static constexpr double no_tie = -std::numeric_limits<double>::infinity();
 
     // When positions are kept: a vertex relative to its owner in x[0..3), with a bound on its error in x[3]. Owners and
     // seeds are indices in the stretch. Moved seeds are sums of two doubles.
@@ -119,8 +124,7 @@ private:
     [[gnu::noinline]] void grow_positions();
     [[gnu::always_inline]] void give(std::int32_t cell, std::int32_t a, std::int32_t b, std::int32_t c,
                                      std::uint32_t vertex) {
-        // Cells that are not of the stretch share a place behind it.
-        const std::size_t s = std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
+        const std::size_t s = place_of(cell);
         std::uint32_t& next = next_[s];
         if (next % slab_size == 0 && !allocate_slab(s)) return spill(s, {{a, b, c}, vertex});
         KnownVertex& known = known_[next++];
@@ -129,6 +133,16 @@ private:
         known.cells[2] = c;
         known.vertex = vertex;
     }
+    // Cells that are not of the stretch share a place behind it.
+    [[nodiscard]] std::size_t place_of(std::int32_t cell) const {
+        return std::min(static_cast<std::uint32_t>(cell - walls_), own_count_);
+    }
+    void note_power(std::int32_t cell, double power) {
+        double& largest = tie_powers_[place_of(cell)];
+        largest = std::max(largest, power);
+    }
+    // Returns the place of a new tie.
+    std::int32_t add_tie(std::span<const std::int32_t> cells);
     // Empties the slab of foreign cells, the first one. It is never full.
     void clear_foreign() { next_[own_count_] = 1; }
     // Returns false when the seed has a slab, which is full.
@@ -155,7 +169,7 @@ private:
     std::vector<Spill> spill_;
     std::vector<KnownVertex> gathered_;
     std::vector<std::int32_t> ties_;  // of each, the number of cells, then the cells
-    std::vector<double> tie_powers_;  // by tie
+    std::vector<double> tie_powers_;  // by seed
     std::vector<std::uint8_t> done_, group_done_;
 };
 

@@ -162,6 +162,8 @@ private:
     [[gnu::always_inline]] inline bool close(const OpenEdge& edge, const Ray& ray, int lane);
     [[gnu::noinline]] int examine(const float* v, const std::int32_t* three, const Third& third, const Four& x,
                                   int lane, int count);
+    void begin_tie(const std::int32_t* three);
+    [[nodiscard]] exact::Differences difference_to(std::int32_t id) const;
     [[nodiscard]] double relative_error(const Third& third) const;
     [[nodiscard]] int sure_side(std::int32_t id, const Third& third, double relative, const Four& x);
     [[gnu::always_inline]] inline void store_position(const Third& third, const Four& x);
@@ -169,7 +171,9 @@ private:
     [[gnu::always_inline]] inline bool add_vertex(const OpenEdge& edge, std::int32_t id, const Third& third,
                                                   const Four& x);
     [[gnu::noinline]] bool add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x);
+    [[nodiscard]] bool give_polygons(double power);
     bool link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them);
+    bool link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them);
     void clear_planes();
     [[gnu::always_inline]] inline int slot_of(std::int32_t local, int& planes);
     template <Star::Keep Kept>
@@ -243,7 +247,8 @@ private:
         return 0.5 * (n[0] * tilt_.slope[0] + n[1] * tilt_.slope[1] + n[2] * tilt_.slope[2]);
     }
     [[nodiscard]] Ball ball_around(const Four& x, double length2) const;
-    [[nodiscard]] unsigned near_boxes(std::int32_t level, std::uint32_t index, const Ball& ball) const;
+    [[nodiscard, gnu::always_inline]] inline unsigned near_boxes(std::int32_t level, std::uint32_t index,
+                                                                 const Ball& ball) const;
     [[nodiscard]] bool is_candidate(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
@@ -353,7 +358,9 @@ private:
 
     std::vector<std::int32_t> tied_;  // ids of the planes through the examined vertex
     std::vector<std::int32_t> tied_cells_;
+    std::vector<std::int32_t> ring_;
     std::vector<exact::Plane> corner_planes_;  // of link_polygon()
+    exact::TiedSeeds tied_seeds_;
     struct Node {
         std::int32_t level;
         std::uint32_t index;

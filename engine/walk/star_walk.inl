@@ -166,6 +166,7 @@ bool StarWalk<Isa>::gather_candidates() {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
+            if (tries > 0) typical_reach_ = reach2 / reach_margin;  // seeds are denser than they were
             break;
         }
         if (tries == 8) return false;
@@ -643,6 +644,10 @@ template <Star::Keep Kept>
 bool StarWalk<Isa>::read_known() {
     make_room(cells_.locals());
     const auto handed = cells_.known(seed_);
+    if (const double power = cells_.power_of_ties(seed_); power != Neighborhood::no_tie) {
+        used_exact_ = true;
+        power_found_ = power;
+    }
     if (handed.size() > max_vertices - 4) return false;
     int planes = 0, vertices = 0, ties = 0;
     for (const KnownVertex& known : handed) {
@@ -673,7 +678,7 @@ bool StarWalk<Isa>::read_known() {
 template <class Isa>
 bool StarWalk<Isa>::read_tie(const KnownVertex& known, int vertex) {
     if (keep_ == Keep::places) read_position(known, vertex);
-    power_found_ = std::max(power_found_, cells_.power_of_tie(known));
+    if (known.is_ordered()) return link_ring(cells_.tie(known), vertex, false);
     tied_cells_.clear();
     for (const std::int32_t cell : cells_.tie(known))
         if (cell != own_local_) tied_cells_.push_back(cell);
@@ -1025,21 +1030,46 @@ int StarWalk<Isa>::examine(const float* v, const std::int32_t* three, const Thir
                            int count) {
     std::optional<exact::ExactVertex> vertex;
     const double relative = relative_error(third);
-    while (lane >= 0) {
+    bool begun = false;
+    for (; lane >= 0; lane = Isa::touching(candidates_, count, v, three, lane + 1)) {
         const std::int32_t id = candidates_.id[lane];
         const int sure = sure_side(id, third, relative, x);
         if (sure > 0) return lane;
-        if (sure == 0) {
-            used_exact_ = true;
+        if (sure < 0 || std::find(tied_.begin(), tied_.end(), id) != tied_.end()) continue;
+        used_exact_ = true;
+        if (!begun) begin_tie(three);
+        begun = true;
+        std::optional<int> side;
+        if (id >= 0 && tied_seeds_.usable()) side = tied_seeds_.side(difference_to(id));
+        if (!side) {
             if (!vertex)
                 vertex.emplace(base_.point, exact_plane(three[0]), exact_plane(three[1]), exact_plane(three[2]));
-            const int side = vertex->side(exact_plane(id));
-            if (side > 0) return lane;
-            if (side == 0 && std::find(tied_.begin(), tied_.end(), id) == tied_.end()) tied_.push_back(id);
+            side = vertex->side(exact_plane(id));
+            if (side == 0) tied_seeds_.give_up();
         }
-        lane = Isa::touching(candidates_, count, v, three, lane + 1);
+        if (side > 0) return lane;
+        if (side == 0) tied_.push_back(id);
     }
     return -1;
+}
+
+// Begins a vertex of three planes. With weights or walls tied_seeds_ is not usable.
+template <class Isa>
+void StarWalk<Isa>::begin_tie(const std::int32_t* three) {
+    if (weighted_ || three[0] < 0 || three[1] < 0 || three[2] < 0)
+        tied_seeds_.give_up();
+    else
+        tied_seeds_.begin(difference_to(three[0]), difference_to(three[1]), difference_to(three[2]));
+}
+
+// Returns the vector to another seed.
+template <class Isa>
+exact::Differences StarWalk<Isa>::difference_to(std::int32_t id) const {
+    if (seeds_.images != nullptr) return exact::differences(base_.point, exact_plane(id));
+    const auto i = static_cast<std::size_t>(id);
+    return {
+        {exact::two_sum(seeds_.x[i], -p_[0]), exact::two_sum(seeds_.y[i], -p_[1]), exact::two_sum(seeds_.z[i], -p_[2])},
+        true};
 }
 
 // Returns a bound on the error of n.x, in units of |n| and the length of the vertex.
@@ -1092,37 +1122,59 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
     return true;
 }
 
-// Adds a vertex of more than three planes. Each of its cells finds out which of the others it shares an edge with.
+// Adds a vertex of more than three planes.
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > max_vertices - 4) return false;
     if (keep_ == Keep::places) store_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    cells_.give_tie(tied_cells_, numbers_[vertices_], power_of(x, third));
+    const double power = power_of(x, third);
+    if (give_polygons(power)) return link_ring(ring_, vertices_++, true);
+    cells_.give_tie(tied_cells_, numbers_[vertices_], power);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);
 }
 
+// Hands the vertex of tied_cells_ to the others, each with its polygon, and sets ring_ to that of this cell. Returns
+// false where there are walls or weights. Each cell then calls link_polygon().
+template <class Isa>
+bool StarWalk<Isa>::give_polygons(double power) {
+    if (probing_ || !tied_seeds_.usable() || !tied_seeds_.wrap()) return false;
+    const std::span cells(tied_cells_);
+    for (std::size_t k = cells.size(); k-- > 0;) {
+        ring_.clear();
+        for (const std::uint8_t seed : tied_seeds_.around(k)) ring_.push_back(cells[seed]);
+        if (k > 0) cells_.give_polygon(cells[k], ring_, numbers_[vertices_], power);
+    }
+    return true;
+}
+
+// Finds out which of the planes through a vertex own an edge there.
 template <class Isa>
 bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
-    if (cells.size() > max_ties || planes_ + cells.size() > max_planes || ends_ + cells.size() > 4 * max_vertices)
-        return false;
-    if (weighted_ && any_parallel(cells)) return false;
+    if (cells.size() > max_ties || (weighted_ && any_parallel(cells))) return false;
     used_exact_ = true;
     corner_planes_.clear();
     for (const std::int32_t cell : cells) corner_planes_.push_back(exact_plane(cells_.id(cell)));
     std::array<const exact::Plane*, max_ties> pointers;
     for (std::size_t k = 0; k < cells.size(); ++k) pointers[k] = &corner_planes_[k];
     std::array<int, max_ties> room;
-    const auto polygon = exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
-                                               std::span(room).first(cells.size()));
-    if (polygon.size() < 3) return false;
+    ring_.clear();
+    for (const int k : exact::corner_polygon(base_.point, std::span(pointers).first(cells.size()),
+                                             std::span(room).first(cells.size())))
+        ring_.push_back(cells[static_cast<std::size_t>(k)]);
+    return ring_.size() >= 3 && link_ring(ring_, vertex, stack_them);
+}
+
+// ring: in the order of corner_polygon().
+template <class Isa>
+bool StarWalk<Isa>::link_ring(std::span<const std::int32_t> ring, int vertex, bool stack_them) {
+    const std::size_t count = ring.size();
+    if (planes_ + count > max_planes || ends_ + count > 4 * max_vertices) return false;
     std::array<std::uint8_t, max_ties> slots;
-    const std::size_t count = polygon.size();
     for (std::size_t k = 0; k < count; ++k) {
-        const std::int32_t cell = cells[static_cast<std::size_t>(polygon[k])];
-        make_room(cell);
-        slots[k] = static_cast<std::uint8_t>(slot_of(cell, planes_));
+        make_room(ring[k]);
+        slots[k] = static_cast<std::uint8_t>(slot_of(ring[k], planes_));
     }
     for (std::size_t k = 0; k < count; ++k) {
         const int a = slots[k], b = slots[k + 1 == count ? 0 : k + 1];

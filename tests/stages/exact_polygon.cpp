@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "exact/corner.hpp"
+#include "exact/integer/word_cross.hpp"
+#include "exact/tied_seeds.hpp"
 #include "support/random.hpp"
 #include "support/rational_planes.hpp"
 
@@ -15,6 +17,9 @@ using test::rational;
 using test::RationalPlane;
 using votess::exact::Plane;
 using votess::exact::Point;
+using votess::exact::TiedSeeds;
+using votess::exact::WordCross;
+using votess::exact::WordVector;
 
 namespace {
 
@@ -167,6 +172,30 @@ Corner mapped(Corner corner, Map map) {
     return corner;
 }
 
+// Seeds on a sphere. The second and third are neighbors of the first along one facet, and the first four span space.
+// Fewer than five if there are no such seeds.
+std::vector<Point> seeds_of(const Corner& corner) {
+    std::vector<Plane> planes;
+    for (const Plane& plane : corner.planes)
+        if (plane.kind == Plane::Kind::bisector &&
+            std::ranges::none_of(planes, [&](const Plane& other) { return other.seed == plane.seed; }))
+            planes.push_back(plane);
+    const auto ring = polygon(corner.p, planes);
+    if (ring.empty() || planes.size() < 4) return {};
+    std::vector<Point> seeds{corner.p, planes[ring[1]].seed, planes[ring[0]].seed, planes[ring[2]].seed};
+    for (int k = 0; k < static_cast<int>(planes.size()); ++k)
+        if (k != ring[0] && k != ring[1] && k != ring[2]) seeds.push_back(planes[k].seed);
+    return seeds;
+}
+
+votess::exact::Differences vector_to(const Point& q, const Point& p) {
+    return votess::exact::differences(p, Plane::bisector(q));
+}
+
+bool begin(TiedSeeds& tied, const std::vector<Point>& seeds) {
+    return tied.begin(vector_to(seeds[1], seeds[0]), vector_to(seeds[2], seeds[0]), vector_to(seeds[3], seeds[0]));
+}
+
 }  // namespace
 
 TEST_SUITE("stages") {
@@ -272,5 +301,135 @@ TEST_SUITE("stages") {
         check_convex(ring, rationals(p, planes));
         planes.pop_back();
         CHECK(polygon(p, planes).empty());
+    }
+
+    TEST_CASE("exact: the hull of tied seeds has the polygons of all of their cells") {
+        Random random(33);
+        TiedSeeds tied;
+        int hulls = 0, boxes = 0, large = 0, far_apart = 0;
+        for (int s = 0; s < 2500; ++s) {
+            const Corner corner = random_corner(random, random.chance(0.3) ? 100 : 4 + random.below(9));
+            const double odd = std::floor(std::ldexp(1.0, static_cast<int>(random.below(48)))) + 1;
+            const double scale = std::ldexp(1.0, static_cast<int>(random.integer(-320, 320)));
+            for (const Corner& moved : {corner, mapped(corner, [=](double x) { return odd * x; }),
+                                        mapped(corner, [=](double x) { return scale * x; }),
+                                        mapped(corner, [](double x) { return x + 1e8; })}) {
+                const auto seeds = seeds_of(moved);
+                if (seeds.size() < 5 || seeds.size() > TiedSeeds::max_seeds) continue;
+                INFO("set ", s);
+                REQUIRE(begin(tied, seeds));
+                for (std::size_t k = 4; k < seeds.size() && tied.usable(); ++k) {
+                    const auto side = tied.side(vector_to(seeds[k], seeds[0]));
+                    if (side) REQUIRE(*side == 0);
+                }
+                if (!tied.usable()) {  // the first three are far nearer than the last
+                    ++far_apart;
+                    continue;
+                }
+                REQUIRE(tied.wrap());
+                ++hulls;
+                boxes += seeds.size() == 8 ? 1 : 0;
+                large += seeds.size() > 12 ? 1 : 0;
+                for (std::size_t k = 0; k < seeds.size(); ++k) {
+                    std::vector<Plane> others;
+                    for (std::size_t j = 0; j < seeds.size(); ++j)
+                        if (j != k) others.push_back(Plane::bisector(seeds[j]));
+                    std::vector<int> expected = polygon(seeds[k], others);
+                    for (int& other : expected) other += other >= static_cast<int>(k) ? 1 : 0;
+                    const auto around = tied.around(k);
+                    REQUIRE(rotated({around.begin(), around.end()}) == rotated(expected));
+                }
+            }
+        }
+        CHECK(hulls > 3000);
+        CHECK(boxes > 300);
+        CHECK(large > 300);
+        CHECK(far_apart < 100);
+    }
+
+    TEST_CASE("exact: the side of a seed among tied seeds, near the sphere and on it") {
+        Random random(34);
+        TiedSeeds tied;
+        int sides[3] = {};
+        for (int s = 0; s < 1500; ++s) {
+            const double step = random.chance(0.5) ? 0.1 : 1;
+            const double offset = random.chance(0.3) ? 1e5 : 0;
+            const auto seeds = seeds_of(mapped(random_corner(random, 12), [=](double x) { return offset + step * x; }));
+            if (seeds.size() < 5) continue;
+            INFO("set ", s);
+            REQUIRE(begin(tied, seeds));
+            const auto plane = [&](const Point& q) { return Plane::bisector(q); };
+            mpq_class vertex[3];
+            REQUIRE(test::solve(rational(seeds[0], plane(seeds[1])), rational(seeds[0], plane(seeds[2])),
+                                rational(seeds[0], plane(seeds[3])), vertex));
+            for (std::size_t k = 4; k < seeds.size(); ++k) {
+                Point q = seeds[k];
+                if (random.chance(0.3)) q[random.below(3)] *= 1 + std::ldexp(random.integer(-1, 1), -52);
+                if (random.chance(0.1)) q[random.below(3)] += 0.5 * step;
+                const auto side = tied.side(vector_to(q, seeds[0]));
+                if (!side) break;
+                REQUIRE(*side == test::side_of(vertex, rational(seeds[0], plane(q))));
+                ++sides[*side + 1];
+            }
+        }
+        for (const int count : sides) CHECK(count > 500);
+    }
+
+    TEST_CASE("exact: tied seeds refuse what 60 bits cannot hold") {
+        TiedSeeds tied;
+        const std::vector<Point> cube{{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
+        const auto scaled = [&](double scale, double x) {
+            std::vector<Point> seeds = cube;
+            for (Point& q : seeds)
+                for (double& y : q) y *= scale;
+            seeds[3][0] = x;
+            return seeds;
+        };
+        CHECK(begin(tied, scaled(1, 0x1p-56)));
+        CHECK(tied.side({{{{1, 0}, {1, 0}, {0, 0}}}, true}) == 0);
+        CHECK(tied.side({{{{1, 0}, {0, 0x1p-56}, {0, 0}}}, true}).has_value());
+        CHECK_FALSE(tied.side({{{{16, 0}, {0, 0}, {0, 0}}}, true}));
+        CHECK_FALSE(tied.usable());
+        CHECK_FALSE(begin(tied, scaled(1, 0x1p-57)));
+        CHECK_FALSE(begin(tied, scaled(1, 0x1p-1070)));
+        CHECK_FALSE(begin(tied, scaled(0x1p-1000, 0)));
+        CHECK_FALSE(begin(tied, scaled(0x1p1000, 0)));
+        CHECK_FALSE(tied.begin({{{{1, 0}, {0, 0}, {0, 0}}}, false}, {{{{0, 0}, {1, 0}, {0, 0}}}, true},
+                               {{{{0, 0}, {0, 0}, {1, 0}}}, true}));
+    }
+
+    TEST_CASE("exact: turns of integer vectors") {
+        Random random(35);
+        int turns[3] = {}, zero = 0;
+        for (int s = 0; s < 20000; ++s) {
+            const auto most = std::int64_t{1} << random.integer(1, 61);
+            const auto vector = [&] {
+                WordVector v;
+                for (std::int64_t& x : v) x = random.chance(0.2) ? 0 : random.integer(-most, most);
+                return v;
+            };
+            const WordVector a = vector();
+            WordVector b = vector(), c = vector();
+            if (random.chance(0.2))
+                for (int k = 0; k < 3; ++k) b[k] = a[k] / 3 * 2;
+            if (random.chance(0.5))  // nearly in their plane
+                for (int k = 0; k < 3; ++k)
+                    c[k] = a[k] / 2 + b[k] / 4 + (random.chance(0.2) ? random.integer(-1, 1) : 0);
+            const auto exact = [](const WordVector& v, mpq_class(&out)[3]) {
+                for (int k = 0; k < 3; ++k) out[k] = mpq_class(std::to_string(v[k]));
+            };
+            mpq_class u[3], v[3], w[3];
+            exact(a, u), exact(b, v), exact(c, w);
+            const WordCross cross(a, b);
+            const int turn = cross.turn(c);
+            REQUIRE(turn == sgn(test::determinant(u, v, w)));
+            const bool parallel =
+                u[0] * v[1] == u[1] * v[0] && u[1] * v[2] == u[2] * v[1] && u[2] * v[0] == u[0] * v[2];
+            REQUIRE(cross.is_zero() == parallel);
+            ++turns[turn + 1];
+            zero += parallel ? 1 : 0;
+        }
+        for (const int count : turns) CHECK(count > 2000);
+        CHECK(zero > 100);
     }
 }

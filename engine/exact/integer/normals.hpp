@@ -8,16 +8,14 @@
 #include "core/arithmetic.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/rows.hpp"
+#include "exact/integer/word_cross.hpp"
 
 namespace votess::exact {
 
 template <class N>
 using Normal = std::array<N, 3>;
 
-// With |N| < 2^b minors stay below 2^(2b+1) and the sums of a determinant below 3 * 2^(3b+1).
-inline constexpr int bits_for_int64 = 20;   // 3 * 2^61 < 2^63
-inline constexpr int bits_for_int128 = 41;  // 3 * 2^124 < 2^127
-inline constexpr int bits_for_word = 60;    // WideInt<1>: 3 * 2^184 < 2^191 with one bit more, for high + low
+inline constexpr int word_bits = 60;  // with one bit more, for high + low
 
 // One uninitialized T for each plane; on the heap for many planes or very wide numbers.
 template <class T>
@@ -44,18 +42,17 @@ inline int wall_sign(const Plane& wall) {
     return wall.kind == Plane::Kind::lower_wall ? -1 : 1;
 }
 
-// Writes all normals in one unit that leaves `bits` bits to the largest. Returns false when a difference is finer.
-template <int bits>
-bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
+// Writes all normals in one unit that leaves word_bits bits to the largest. Returns false when a difference is finer.
+inline bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
     double largest = 0;
     for (const Plane* plane : planes) {
         if (plane->is_oblique() || plane->is_reversed()) return false;
         if (plane->is_bisector()) largest = std::max(largest, largest_difference(p, *plane));
     }
-    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - bits) and its inverse must be normal.
+    // largest < 2^(exponent - 1022); the unit 2^(exponent - 1022 - word_bits) and its inverse must be normal.
     const int exponent = static_cast<int>(std::bit_cast<std::uint64_t>(largest) >> 52);
-    if (largest != 0 && (exponent <= bits || exponent == 0x7ff)) return false;
-    const int unit_exponent = largest == 0 ? 0 : exponent - 1022 - bits;
+    if (largest != 0 && (exponent <= word_bits || exponent == 0x7ff)) return false;
+    const int unit_exponent = largest == 0 ? 0 : exponent - 1022 - word_bits;
     const double unit = power_of_two(unit_exponent), per_unit = power_of_two(-unit_exponent);
     bool whole = true;
     auto units = [&](double x) {
@@ -83,22 +80,17 @@ bool word_normals(const Point& p, std::span<const Plane* const> planes, Scratch<
     return true;
 }
 
-// Removes a common power of two from all normals except walls. Returns the bits of the largest component.
-inline int reduce(std::span<const Plane* const> planes, Scratch<Normal<std::int64_t>>& normals) {
-    std::uint64_t any = 0, sizes = 0;
-    for (std::size_t i = 0; i < planes.size(); ++i) {
-        if (!planes[i]->is_bisector()) continue;
-        for (const std::int64_t x : normals[i]) {
-            any |= static_cast<std::uint64_t>(x);
-            sizes |= static_cast<std::uint64_t>(std::abs(x));
-        }
-    }
-    if (any == 0) return 1;
+// Removes a common power of two from all normals except walls.
+inline void reduce(std::span<const Plane* const> planes, Scratch<WordVector>& normals) {
+    std::uint64_t any = 0;
+    for (std::size_t i = 0; i < planes.size(); ++i)
+        if (planes[i]->is_bisector())
+            for (const std::int64_t x : normals[i]) any |= static_cast<std::uint64_t>(x);
+    if (any == 0) return;
     const int zeros = std::countr_zero(any);
     for (std::size_t i = 0; i < planes.size(); ++i)
         if (planes[i]->is_bisector())
             for (std::int64_t& x : normals[i]) x >>= zeros;
-    return 64 - std::countl_zero(sizes) - zeros;
 }
 
 // Writes a normal in a unit of its own. Returns false when the coordinates span more than 124 bits.
@@ -132,25 +124,36 @@ inline Normal<WideInt<widest>> widest_normal(const Point& p, const Plane& plane)
     return wide_row<widest>(p, plane, range.quantum()).n;
 }
 
+// Signs of N.(A x B), as WordCross has them.
+template <int W>
+class WideCross {
+public:
+    WideCross() = default;
+    WideCross(const Normal<WideInt<W>>& a, const Normal<WideInt<W>>& b) : cross_(cross(a, b)) {}
+    [[nodiscard]] int turn(const Normal<WideInt<W>>& n) const { return dot(n, cross_).sign(); }
+    [[nodiscard]] bool is_zero() const { return cross_[0].zero() && cross_[1].zero() && cross_[2].zero(); }
+
+private:
+    Normal<WideInt<2 * W>> cross_;
+};
+
+inline WordCross cross_of(const WordVector& a, const WordVector& b) {
+    return {a, b};
+}
+template <int W>
+WideCross<W> cross_of(const Normal<WideInt<W>>& a, const Normal<WideInt<W>>& b) {
+    return {a, b};
+}
+
 // Returns decide(normals), at a width that holds them and the determinants of any three.
 template <class Decide>
 auto decide_on_normals(const Point& p, std::span<const Plane* const> planes, Decide decide) {
     const std::size_t count = planes.size();
     {
-        Scratch<Normal<std::int64_t>> words(count);
-        if (word_normals<bits_for_int64>(p, planes, words)) return decide(words.all());
-        if (word_normals<bits_for_word>(p, planes, words)) {
-            const int bits = reduce(planes, words);
-            if (bits <= bits_for_int64) return decide(words.all());
-            if (bits <= bits_for_int128) {
-                Scratch<Normal<Int128>> n(count);
-                for (std::size_t i = 0; i < count; ++i) n[i] = {words[i][0], words[i][1], words[i][2]};
-                return decide(n.all());
-            }
-            Scratch<Normal<WideInt<1>>> n(count);
-            for (std::size_t i = 0; i < count; ++i)
-                for (int k = 0; k < 3; ++k) n[i][k] = from_int128<1>(words[i][k]);
-            return decide(n.all());
+        Scratch<WordVector> words(count);
+        if (word_normals(p, planes, words)) {
+            reduce(planes, words);
+            return decide(words.all());
         }
     }
     Scratch<Normal<WideInt<2>>> n(count);
