@@ -41,6 +41,23 @@ double mean_spacing(const std::array<double, 3>& sides, double count) {
     return spacing;
 }
 
+// Returns about how far cells lie from their seeds: half of the slope of the weights, between seeds that follow each
+// other, by a sample.
+double distance_of_cells(const SortedSeeds& seeds, const std::vector<double>& weights) {
+    constexpr std::size_t most = 1024;
+    std::vector<double> sample;
+    if (weights.empty()) return 0;
+    const auto weight = [&](std::size_t s) { return weights[static_cast<std::size_t>(seeds.input[s])]; };
+    for (std::size_t s = 0; s + 1 < seeds.size(); s += ceil_div(seeds.size(), most)) {
+        const double apart =
+            std::hypot(seeds.x[s + 1] - seeds.x[s], seeds.y[s + 1] - seeds.y[s], seeds.z[s + 1] - seeds.z[s]);
+        if (apart > 0) sample.push_back(std::abs(weight(s + 1) - weight(s)) / (2 * apart));
+    }
+    if (sample.empty()) return 0;
+    std::ranges::sort(sample);
+    return sample[sample.size() - 1 - sample.size() / 20];
+}
+
 }  // namespace
 
 inline std::array<double, 3> SeedImages::fraction(const exact::Point& x) const {
@@ -266,7 +283,8 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     const double spacing = mean_spacing(filled, count);
     const bool sheet = std::ranges::any_of(filled, [&](double side) { return side < spacing; });
     const double spacings = sheet || domain_->has_weights() ? wide_margin_spacings : margin_spacings;
-    double margin = std::min(spacings * spacing, 2 * domain_->covering_radius);
+    double margin =
+        std::min(spacings * spacing + distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius);
     const auto images = [&] {
         double cells = 1;
         for (std::size_t j = 0; j < 3; ++j)

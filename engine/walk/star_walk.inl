@@ -166,7 +166,7 @@ bool StarWalk<Isa>::gather_candidates() {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
-            if (tries > 0) typical_reach_ = reach2 / reach_margin;  // seeds are denser than they were
+            if (tries > 0 && !weighted_) typical_reach_ = reach2 / reach_margin;  // seeds are denser than they were
             break;
         }
         if (tries == 8) return false;

@@ -22,7 +22,7 @@ using test::Random;
 using votess::Options;
 using votess::gpu::Kernel;
 
-constexpr double few = 0.03;  // share of cells that the device may leave to the CPU
+constexpr double few = 0.04;  // share of cells that the device may leave to the CPU
 
 double spacing(const Coordinates& points) {
     return 1 / std::cbrt(static_cast<double>(points.size()) / 3);
@@ -73,7 +73,8 @@ TEST_SUITE("cases") {
                 Options options = test::domain_options();
                 options.periodic = {periodic, periodic, periodic};
                 const double left = share_left(on_device, points, waves(points, spacings * spacing(points)), options);
-                CHECK(left <= (periodic && spacings == 1 ? 0.1 : few));  // far images are hardly lighter than near ones
+                CHECK(left <=
+                      (periodic && spacings == 1 ? 0.12 : few));  // far images are hardly lighter than near ones
             }
     }
 
