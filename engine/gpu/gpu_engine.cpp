@@ -41,7 +41,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     if (limits_.max_walk_visits != 0) s.max_walk_visits = limits_.max_walk_visits;
     if (measured_double) {
         s.tiers[0].float64 = true;
-        if (s.subgroup_size != 0) s.tiers[0].planes = s.tiers[1].planes;
+        if (s.subgroup_size != 0) s.tiers[0] = s.tiers[1];
     }
     s.measure_float64 = s.measure_float64 || measured_double;
     s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);

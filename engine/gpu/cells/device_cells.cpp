@@ -183,14 +183,14 @@ void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
 
 void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool second_tier, bool ties) const {
     const vulkan::Pass& clip_first = ties ? *passes.with_ties.clip_first : passes.clip_first;
-    const vulkan::Pass& clip_second = ties ? *passes.with_ties.clip_second : passes.clip_second;
+    const auto& clip_second = ties ? passes.with_ties.clip_second : passes.clip_second;
     const std::uint32_t lanes = passes.settings.subgroup_size;
     if (lanes == 0)
         recorder.dispatch(clip_first, bindings_.list(), push_bytes(clip_), clip_.cell_count);
     else
         recorder.dispatch(clip_first, bindings_.list(), push_bytes(both_), std::uint64_t{clip_.cell_count} * lanes);
     recorder.barrier();
-    if (!second_tier) return;
+    if (!second_tier || !clip_second) return;
     const std::uint32_t tiles = blocks_of(todo_.cell_count, TILE_ITEMS);
     Bindings bindings = bindings_;
     bindings.set(BINDING_SCAN_SUMS, tiles_);
@@ -202,13 +202,13 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
     recorder.barrier();
     if (lanes != 0) {
-        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(both_again_),
+        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(both_again_),
                                    slice(BINDING_CHUNK_STATE), offsetof(ChunkState, subgroups_x));
     } else {
         ClipPush second = clip_;
         second.row_stride = todo_capacity_;
-        recorder.dispatch_indirect(clip_second, second_bindings_.list(), push_bytes(second), slice(BINDING_CHUNK_STATE),
-                                   offsetof(ChunkState, groups_x));
+        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second),
+                                   slice(BINDING_CHUNK_STATE), offsetof(ChunkState, groups_x));
     }
     recorder.barrier();
 }

@@ -116,6 +116,10 @@ Pass clip(Device& device, const PassSettings& settings, std::uint32_t tier) {
     return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings, tier) : clip_cells(device, settings, tier);
 }
 
+std::unique_ptr<Pass> second_tier(Device& device, const PassSettings& settings) {
+    return settings.has_second_tier() ? std::make_unique<Pass>(clip(device, settings, 1)) : nullptr;
+}
+
 std::span<const std::uint32_t> rows_with_areas(const PassSettings& settings) {
     if (!settings.frames) return shaders::download_rows_areas;
     return settings.measure_float64 ? shaders::download_frame_areas_f64 : shaders::download_frame_areas_f32;
@@ -152,7 +156,9 @@ PassSettings usual_settings(const Device& device, std::uint32_t k) {
         s.max_subgroup_visits[1] = usual_again;
     }
     s.tiers[0] = {.planes = SUBGROUP_PLANES, .vertices = 64, .float64 = false};
-    s.tiers[1] = {.planes = 2 * SUBGROUP_PLANES, .vertices = 128, .float64 = device.has_float64()};
+    // Lanes of a software device have many vertices each, which take long to compile.
+    const bool few = device.adapter().software() && s.subgroup_size != 0;
+    s.tiers[1] = {.planes = 2 * SUBGROUP_PLANES, .vertices = few ? 64u : 128u, .float64 = device.has_float64()};
     return s;
 }
 
@@ -169,7 +175,7 @@ Passes::Passes(Device& device, const PassSettings& s)
       knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size, {has_weights(s)})),
       clip_first(clip(device, s, 0)),
       clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
-      clip_second(clip(device, s, 1)),
+      clip_second(second_tier(device, s)),
       download_rows(gpu::download_rows(device, s)),
       download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
     if (s.subgroup_size == 0)
@@ -207,7 +213,7 @@ void Passes::make_with_ties(Device& device) {
     if (with_ties.clip_first) return;
     PassSettings s = settings;
     s.tiers[0].ties = s.tiers[1].ties = true;
-    with_ties = {std::make_unique<Pass>(clip(device, s, 0)), std::make_unique<Pass>(clip(device, s, 1))};
+    with_ties = {std::make_unique<Pass>(clip(device, s, 0)), second_tier(device, s)};
 }
 
 }  // namespace votess::gpu

@@ -41,6 +41,8 @@ struct PassSettings {
     std::uint32_t subgroups = 1;
     std::uint32_t first_count = 48;  // seeds that the first search of a subgroup aims at
 
+    // Returns whether the second tier has larger limits than the first.
+    [[nodiscard]] bool has_second_tier() const { return subgroup_size == 0 || !tiers[0].float64; }
     bool operator==(const PassSettings&) const = default;
 };
 
@@ -57,8 +59,8 @@ struct Passes {
     vulkan::Pass upload;
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_crowded, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes;
-    vulkan::Pass clip_first, clip_todo;  // clip_first searches too where subgroups make cells
-    vulkan::Pass clip_second;
+    vulkan::Pass clip_first, clip_todo;         // clip_first searches too where subgroups make cells
+    std::unique_ptr<vulkan::Pass> clip_second;  // null where there is no second tier
     struct {
         std::unique_ptr<vulkan::Pass> clip_first, clip_second;
     } with_ties;                               // null until they are made
