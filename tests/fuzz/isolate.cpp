@@ -16,9 +16,11 @@ namespace test::fuzz {
 
 void start_limits(const Limits& limits) {
     itimerval timer{};
-    timer.it_value.tv_sec = limits.seconds;
+    // A software device compiles its pipelines in each process.
+    const unsigned seconds = limits.device == "cpu" ? limits.seconds : 3 * limits.seconds;
+    timer.it_value.tv_sec = seconds;
     setitimer(ITIMER_PROF, &timer, nullptr);
-    alarm(10 * limits.seconds);
+    alarm(10 * seconds);
 }
 
 void limit_memory(const Limits& limits) {
