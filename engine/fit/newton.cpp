@@ -10,13 +10,13 @@
 namespace votess::fit {
 namespace {
 
-constexpr double first_change = 1;       // of log volume: root of the mean square, weighted by targets
-constexpr double most_shrinking = 0.25;  // goal / volume: smaller cells die when larger ones move
+constexpr double first_change = 1;  // of log volume: root of the mean square, weighted by targets
+constexpr double min_goal = 0.25;   // goal / volume: smaller cells die when larger ones move
 constexpr double least_share = 1.0 / 1024, share_growth = 1.5;
 constexpr double least_gain = 0.1;  // share of a step by which it comes nearer
 // Cells that become smaller than `dying` of their volume and of their target are revived, unless they are too many.
-constexpr double dying = 1e-4, most_dying = 0.1;
-constexpr int most_revivals = 3;
+constexpr double dying = 1e-4, max_dying = 0.1;
+constexpr int max_revivals = 3;
 // In tight clusters the large cells move planes by more than the whole size of small ones, so steps of all cells are
 // short. Then only the smallest cells grow until none is below a share of its target. The second share holds if steps
 // are short again.
@@ -59,11 +59,11 @@ Weighted Newton::tessellate(Vector weights) {
 Weighted Newton::trial(const Vector& step) {
     Weighted next = tessellate(now_.weights + step);
     const Vector least = dying * now_.volumes.cwiseMin(problem_.targets);
-    Eigen::Index most = static_cast<Eigen::Index>(most_dying * static_cast<double>(least.size()));
-    for (int attempt = 0; attempt < most_revivals; ++attempt) {
+    Eigen::Index max_small = static_cast<Eigen::Index>(max_dying * static_cast<double>(least.size()));
+    for (int attempt = 0; attempt < max_revivals; ++attempt) {
         const Eigen::Index small = (next.volumes.array() < least.array()).count();
-        if (small == 0 || small > most) break;
-        most = small / 4;
+        if (small == 0 || small > max_small) break;
+        max_small = small / 4;
         Vector weights = std::move(next.weights);
         revive({problem_.places, problem_.edges, problem_.targets, now_.tessellation, next.tessellation, least},
                attempt, weights);
@@ -91,7 +91,7 @@ void Newton::fill() {
 Vector Newton::goal() const {
     const auto volumes = now_.volumes.array(), targets = problem_.targets.array();
     if (filling_) return volumes.max(std::pow(smallest(), 1 - share_) * targets);
-    return volumes * (share_ * (targets / volumes).log()).max(std::log(most_shrinking)).exp();
+    return volumes * (share_ * (targets / volumes).log()).max(std::log(min_goal)).exp();
 }
 
 // The roots are scaled so that the changes of volumes sum to 0.

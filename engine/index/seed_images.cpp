@@ -41,14 +41,14 @@ double mean_spacing(const std::array<double, 3>& sides, double count) {
     return spacing;
 }
 
-// Returns about how far cells lie from their seeds: half of the slope of the weights, between seeds that follow each
-// other, by a sample.
+// Returns an estimate of the distance of cells from their seeds: half of the slope of the weights, from a sample of
+// pairs of consecutive seeds.
 double distance_of_cells(const SortedSeeds& seeds, const std::vector<double>& weights) {
-    constexpr std::size_t most = 1024;
+    constexpr std::size_t max_samples = 1024;
     std::vector<double> sample;
     if (weights.empty()) return 0;
     const auto weight = [&](std::size_t s) { return weights[static_cast<std::size_t>(seeds.input[s])]; };
-    for (std::size_t s = 0; s + 1 < seeds.size(); s += ceil_div(seeds.size(), most)) {
+    for (std::size_t s = 0; s + 1 < seeds.size(); s += ceil_div(seeds.size(), max_samples)) {
         const double apart =
             std::hypot(seeds.x[s + 1] - seeds.x[s], seeds.y[s + 1] - seeds.y[s], seeds.z[s + 1] - seeds.z[s]);
         if (apart > 0) sample.push_back(std::abs(weight(s + 1) - weight(s)) / (2 * apart));

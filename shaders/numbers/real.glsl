@@ -15,8 +15,6 @@ layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e
 
 #ifdef CLIP_FLOAT64
 #define real double
-#define real2 dvec2
-#define real4 dvec4
 const uint words_of_real = 2u;
 const double unit = 1.1102230246251565e-16LF;
 
@@ -26,8 +24,6 @@ bool is_positive_below(double number, double end) {
 }
 #else
 #define real float
-#define real2 vec2
-#define real4 vec4
 const uint words_of_real = 1u;
 const float unit = float_unit;
 

@@ -16,7 +16,7 @@
 #define CONSTANT_FIRST_COUNT 10   // clip_subgroup: seeds that the first search aims at
 #define CONSTANT_WALLS 11         // clip: 1 when there are walls of any direction
 #define CONSTANT_WEIGHTS 12       // sort, knn, clip: 1 in a power diagram
-#define CONSTANT_WRITES_SUMS 13   // clip in float64: 1 when what is measured is written as sums of two float32
+#define CONSTANT_WRITES_SUMS 13   // clip in float64: 1 when measures are written as sums of two float32
 #define CONSTANT_COUNT 14
 
 // N points, M items to sort or scan, C cells of a chunk, T cells of the second tier.

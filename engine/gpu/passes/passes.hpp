@@ -60,7 +60,7 @@ struct Passes {
     vulkan::Pass sort_key, sort_count, sort_scatter, sort_crowded, sort_gather, scan_blocks, scan_add;
     vulkan::Pass knn_boxes;
     vulkan::Pass clip_first, clip_todo;         // clip_first searches too where subgroups make cells
-    std::unique_ptr<vulkan::Pass> clip_second;  // null where there is no second tier
+    std::unique_ptr<vulkan::Pass> clip_second;  // null without a second tier
     struct {
         std::unique_ptr<vulkan::Pass> clip_first, clip_second;
     } with_ties;                               // null until they are made
