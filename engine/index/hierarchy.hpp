@@ -20,6 +20,7 @@ public:
     static_assert(fan == 8);  // first_seed()
     // Bound on the pending nodes of a depth-first search, in a tree of any size.
     static constexpr std::size_t max_nodes = 256;
+    static constexpr std::size_t max_levels = 12;  // seeds have numbers of 31 bits
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 

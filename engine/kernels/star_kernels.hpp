@@ -106,6 +106,8 @@ struct StarKernels {
     // where D is its distance, or `nearest` if that is more.
     unsigned (*near_heavier)(const BoxBlock&, const WeightBlock&, const Box& home, const WeightTilt&,
                              const HeavierTest&);
+    // Writes first + k for each bit k of eight, in order. There is room for eight. Returns the number of bits.
+    int (*list_bits)(unsigned mask, std::uint32_t first, std::uint32_t* out);
     // Returns the bits of those of eight seeds that may lie in the ball, and are at least sqrt(least) / scale from p.
     unsigned (*inside_ball)(const double* x, const double* y, const double* z, const GroupTest&, double least);
     // Writes seeds of groups as window integers, their ids, and with weights their residuals: all seeds of the first
@@ -136,9 +138,9 @@ class CellMeter;
 
 // The functions of one instruction set. The walk calls them by name, so that they can be inlined.
 template <class Isa>
-inline constexpr StarKernels kernels_of{Isa::name,      Isa::near_boxes,    Isa::near_heavier,      Isa::inside_ball,
-                                        Isa::to_window, Isa::select,        Isa::first_hits,        Isa::touching,
-                                        Isa::rank,      Isa::order_corners, CellMeter<Isa>::measure};
+inline constexpr StarKernels kernels_of{Isa::name,        Isa::near_boxes, Isa::near_heavier,  Isa::list_bits,
+                                        Isa::inside_ball, Isa::to_window,  Isa::select,        Isa::first_hits,
+                                        Isa::touching,    Isa::rank,       Isa::order_corners, CellMeter<Isa>::measure};
 extern const StarKernels star_kernels_avx2;
 
 // Returns the functions for a set of supported_kernels(). avx512 gets those of AVX2: loops over vectors of 512 bits

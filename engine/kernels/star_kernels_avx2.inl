@@ -222,6 +222,12 @@ struct Avx2 {
         return mask;
     }
 
+    VOTESS_AVX2 VOTESS_INLINE static int list_bits(unsigned mask, std::uint32_t first, std::uint32_t* out) {
+        _mm256_storeu_si256(reinterpret_cast<__m256i*>(out),
+                            _mm256_add_epi32(_mm256_set1_epi32(static_cast<int>(first)), compress_order(mask)));
+        return std::popcount(mask);
+    }
+
     VOTESS_AVX2 VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z,
                                                           const GroupTest& t, double least) {
         const __m256d scale = _mm256_set1_pd(t.scale);

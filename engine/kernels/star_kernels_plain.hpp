@@ -175,6 +175,15 @@ struct Baseline {
         return mask;
     }
 
+    VOTESS_INLINE static int list_bits(unsigned mask, std::uint32_t first, std::uint32_t* out) {
+        int count = 0;
+        for (std::uint32_t k = 0; k < box_fan; ++k) {
+            out[count] = first + k;
+            count += static_cast<int>((mask >> k) & 1);
+        }
+        return count;
+    }
+
     VOTESS_INLINE static unsigned inside_ball(const double* x, const double* y, const double* z, const GroupTest& t,
                                               double least) {
         unsigned mask = 0;

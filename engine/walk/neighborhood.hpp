@@ -58,10 +58,9 @@ public:
         ++group_done_[(seed - first_) / group_size];
         release(seed - first_);
     }
+    // Without a branch, which would be mispredicted.
     [[nodiscard]] bool group_done(std::size_t group) const {
-        const std::size_t begin = group * group_size;
-        return begin >= first_ && begin + group_size <= last_ &&
-               group_done_[(begin - first_) / group_size] == group_size;
+        return group_done_[std::min(group - first_ / group_size, group_done_.size() - 1)] == group_size;
     }
 
     // When positions are kept: stores a vertex of a seed of the stretch. Returns its number in the stretch.
@@ -168,9 +167,9 @@ private:
     std::vector<std::int32_t> spilled_;
     std::vector<Spill> spill_;
     std::vector<KnownVertex> gathered_;
-    std::vector<std::int32_t> ties_;  // of each, the number of cells, then the cells
-    std::vector<double> tie_powers_;  // by seed
-    std::vector<std::uint8_t> done_, group_done_;
+    std::vector<std::int32_t> ties_;               // of each, the number of cells, then the cells
+    std::vector<double> tie_powers_;               // by seed
+    std::vector<std::uint8_t> done_, group_done_;  // the last of group_done_ is never whole
 };
 
 }  // namespace votess::cpu

@@ -31,7 +31,11 @@ private:
     static constexpr double worst_condition2 = bounds::worst_condition * bounds::worst_condition;
     static constexpr double smallest_square = 1e-90, largest_product = 1e90;  // no square of a product leaves the range
     static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
-    static constexpr double reach_margin = 1.7;     // of the typical squared security radius
+    // The squared reach is a multiple of the typical squared security radius. It grows where vertices often lie a
+    // little beyond, because a search costs more time than candidates.
+    static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002;
+    static constexpr double missed_share = 2.5;     // of the squared reach: a little beyond
+    static constexpr double allowed_misses = 0.35;  // searches for a cell
     static constexpr int max_candidates = 160;      // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr double near_share = 0.6;         // of the squared reach
@@ -41,6 +45,8 @@ private:
     static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
     static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
+    static constexpr int max_batch = 4;  // blocks tested at once
+    static constexpr int max_found = max_batch * box_fan;
     static constexpr std::int16_t no_slot = -1;
 
     // Attributes follow the name; elsewhere Clang ignores a smaller alignment.
@@ -121,6 +127,7 @@ private:
     [[gnu::always_inline]] inline bool read_known();
     [[gnu::always_inline]] inline void read_position(const KnownVertex& known, int vertex);
     bool read_tie(const KnownVertex& known, int vertex);
+    [[gnu::noinline]] void adapt_reach(double needed);
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
@@ -252,6 +259,17 @@ private:
     [[nodiscard]] bool is_candidate(std::int32_t id) const;
     [[nodiscard, gnu::always_inline]] inline unsigned find_inside(std::size_t begin, const GroupTest& test) const;
     [[nodiscard, gnu::noinline]] unsigned find_inside_weighted(std::size_t begin, const GroupTest& test) const;
+    struct Found {  // seeds of a group
+        std::uint32_t group;
+        unsigned inside;
+    };
+    [[nodiscard, gnu::always_inline]] inline int find_all_inside(std::span<const std::uint32_t> groups,
+                                                                 const GroupTest& test, Found* found) const;
+    [[nodiscard, gnu::always_inline]] inline int leave_out(const std::int32_t* three, int count, Found* found) const;
+    template <class Test, class Visit>
+    [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
+    template <class Visit>
+    [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
     [[nodiscard, gnu::noinline]] bool add_along(const Line& line, const OpenEdge& edge);
 
@@ -302,6 +320,8 @@ private:
     std::size_t window_home_ = ~std::size_t{0};
     bool window_open_ = false;
     Keep keep_ = Keep::nothing;
+    double reach_margin_ = min_reach_margin;
+    int near_misses_ = 0;       // searches of the cell a little beyond the reach
     double typical_reach_ = 0;  // squared security radius of recent vertices, averaged
 
     bool probing_ = false;
@@ -366,6 +386,12 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
+    struct Pending {  // blocks of a level
+        int count;
+        std::uint32_t at[max_found];
+    };
+    std::array<Pending, Hierarchy::max_levels> pending_;
+    std::array<std::uint32_t, max_found> groups_;
     bool image_shifts_known_ = false;
     std::vector<std::array<int, 3>> image_shifts_;             // by which missing images come near to the home
     Cell probe_;                                               // clips for a seed outside of its cell

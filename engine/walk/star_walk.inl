@@ -18,6 +18,7 @@ void StarWalk<Isa>::guess_reach(std::size_t group) {
     for (int k = 0; k < 3; ++k) volume *= std::max(box.upper[k] - box.lower[k], 0.01 * longest);
     const double count = static_cast<double>(std::min(seeds, seeds_.size() - first / seeds * seeds));
     typical_reach_ = 5 * std::pow(volume / count, 2.0 / 3);
+    reach_margin_ = min_reach_margin;
 }
 
 template <class Isa>
@@ -130,7 +131,7 @@ bool StarWalk<Isa>::may_coincide() const {
 
 template <class Isa>
 bool StarWalk<Isa>::gather_candidates() {
-    double reach2 = reach_margin * typical_reach_;
+    double reach2 = reach_margin_ * typical_reach_;
     const std::size_t home = probing_ ? Window::no_home : seed_ / Window::home_seeds;
     if (window_home_ != home) open_window(home, reach2);
     if (!window_open_ || !(probing_ || window_.holds(seed_))) return false;
@@ -166,7 +167,7 @@ bool StarWalk<Isa>::gather_candidates() {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
-            if (tries > 0 && !weighted_) typical_reach_ = reach2 / reach_margin;  // seeds are denser than they were
+            if (tries > 0 && !weighted_) typical_reach_ = reach2 / reach_margin_;  // seeds are denser than they were
             break;
         }
         if (tries == 8) return false;
@@ -395,6 +396,83 @@ int StarWalk<Isa>::side_of(std::int32_t id, const std::int32_t* three, const Thi
                                  exact_plane(id));
 }
 
+// Visits the groups in boxes that pass a test, some boxes of a level at once: their tests overlap in the processor. The
+// lowest pending boxes come first, because the test may become stricter with a visit. test(level): the test of the
+// blocks of a level. visit(groups): returns false to stop.
+template <class Isa>
+template <class Test, class Visit>
+void StarWalk<Isa>::search_groups(Test test, Visit visit) {
+    const int root = std::max(0, hierarchy_.top_level() - 1);
+    pending_[root].count = 1;
+    pending_[root].at[0] = 0;
+    for (int level = root; level <= root;) {
+        Pending& from = pending_[level];
+        const int batch = std::min(from.count, max_batch);
+        from.count -= batch;
+        const std::uint32_t *index = from.at + from.count, *const end = index + batch;
+        std::uint32_t* const begin = level > 0 ? pending_[level - 1].at : groups_.data();
+        std::uint32_t* to = begin;
+        const auto near = test(level);
+        for (; index != end; ++index) to += Isa::list_bits(near(*index), *index * box_fan, to);
+        if (level == 0) {
+            if (!visit(std::span<const std::uint32_t>(begin, to))) return;
+        } else {
+            pending_[--level].count = static_cast<int>(to - begin);
+        }
+        while (level <= root && pending_[level].count == 0) ++level;
+    }
+}
+
+// Finds the seeds of some groups in the ball that are not done. Returns the number of groups that have any. Without
+// branches, which would be mispredicted.
+template <class Isa>
+int StarWalk<Isa>::find_all_inside(std::span<const std::uint32_t> groups, const GroupTest& test, Found* found) const {
+    int count = 0;
+    for (const std::uint32_t group : groups) {
+        const unsigned inside = find_inside(std::size_t{group} * group_size, test);
+        found[count] = {group, inside};
+        count += static_cast<int>(inside != 0) & static_cast<int>(!cells_.group_done(group));
+    }
+    return count;
+}
+
+// Removes the own seed and three others from those found. Returns the number of groups that have more.
+template <class Isa>
+int StarWalk<Isa>::leave_out(const std::int32_t* three, int count, Found* found) const {
+    const std::int32_t ids[4] = {own_id_, three[0], three[1], three[2]};
+    int kept = 0;
+    for (int i = 0; i < count; ++i) {
+        auto [group, inside] = found[i];
+        for (const std::int32_t id : ids) {
+            const std::uint32_t place = static_cast<std::uint32_t>(id) - group * static_cast<std::uint32_t>(group_size);
+            inside &= ~(static_cast<unsigned>(place < group_size) << (place % group_size));
+        }
+        found[kept] = {group, inside};
+        kept += static_cast<int>(inside != 0);
+    }
+    return kept;
+}
+
+// Visits the groups near a ball. The ball may shrink meanwhile.
+template <class Isa>
+template <class Visit>
+void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
+    if (weighted_) {
+        search_groups(
+            [&](int level) { return [&, level](std::uint32_t index) { return near_boxes(level, index, ball); }; },
+            visit);
+    } else {
+        search_groups(
+            [&](int level) {
+                const BoxBlock* const boxes = &hierarchy_.block(level, 0);
+                const Box center{ball.center.lower, ball.center.lower};
+                const double square = ball.radius * ball.radius;
+                return [=](std::uint32_t index) { return Isa::near_boxes(boxes[index], center, square); };
+            },
+            visit);
+    }
+}
+
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
 //
 // The edge is searched again only after max_new_seeds of them. It begins at a proven vertex, where n.x - h <= 0 for all
@@ -411,42 +489,38 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
             weighted_ ? 8 * margin * length2 + bounds::image_step * tilt_length_ * scale_ : 2 * margin * length2;
     };
     look_around(length2);
-    std::size_t nodes = 1;
-    nodes_[0] = {hierarchy_.top_level(), 0};
-    while (nodes > 0) {
-        const auto [level, index] = nodes_[--nodes];
-        unsigned near = near_boxes(level, index, ball);
-        if (level > 0) {
-            for (; near != 0; near &= near - 1)
-                nodes_[nodes++] = {level - 1, index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near))};
-            continue;
-        }
-        for (; near != 0; near &= near - 1) {
-            const std::uint32_t child = index * box_fan + static_cast<std::uint32_t>(std::countr_zero(near));
-            if (cells_.group_done(child)) continue;
-            const std::size_t begin = std::size_t{child} * group_size;
-            unsigned inside = find_inside(begin, test);
+    near_misses_ += 4 * length2 < missed_share * covered_ ? 1 : 0;
+    bool room = true;
+    const auto visit = [&](std::span<const std::uint32_t> groups) {
+        Found found[max_found];
+        const int count = leave_out(three, find_all_inside(groups, test, found), found);
+        bool moved = false;
+        for (int i = 0; i < count; ++i) {
+            const std::size_t begin = std::size_t{found[i].group} * group_size;
+            unsigned inside = found[i].inside;
+            if (moved) inside &= find_inside(begin, test);
             while (inside != 0) {
-                const int k = std::countr_zero(inside);
+                const auto id = static_cast<std::int32_t>(begin) + std::countr_zero(inside);
                 inside &= inside - 1;
-                const auto id = static_cast<std::int32_t>(begin) + k;
-                if (id == own_id_ || id == three[0] || id == three[1] || id == three[2]) continue;
                 Third third;
                 Four nearer;
                 plane_through(id, third.n, third.h, third.square);
                 if (is_candidate(id)) continue;  // not certainly inside
                 const double excess = dot(wide(third.n), wide(x)) - third.h;
-                if (!add_candidate(id)) return false;
-                if (++added == max_new_seeds) return true;
+                if (!add_candidate(id)) return room = false;
+                if (++added == max_new_seeds) return false;
                 if (excess > 0 && solve(line, third, nearer)) {
                     x = nearer;
                     look_around(error_length2(line, third, dot(wide(x), wide(x))));
                     inside &= find_inside(begin, test);
+                    moved = true;
                 }
             }
         }
-    }
-    return true;
+        return true;
+    };
+    search_ball(ball, visit);
+    return room;
 }
 
 // Adds seeds from beyond the candidates that cut off an edge far from the seed. Returns false if there are none.
@@ -575,6 +649,7 @@ bool StarWalk<Isa>::complete() {
         if (!read_known<Kept>()) return false;
     empty_ = false;
     reached_ = 0;
+    near_misses_ = 0;
     largest_power_ = min_power;
     if (vertices_ == 0 && !find_first<Kept>()) {
         if (empty_) faces_ = edges_ = 0;
@@ -601,13 +676,22 @@ bool StarWalk<Isa>::complete() {
     }
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
-        // Long cells may reach farther than seeds are worth a search.
-        if (needed < typical_reach_ || candidates_.count < enough_candidates)
-            typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
+        adapt_reach(needed);
         power_found_ = std::max(power_found_,
                                 weighted_ ? largest_power_ : bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
     }
     return collect_faces();
+}
+
+// Learns from a cell. needed: the largest squared security radius of the vertices found. Not inlined, which would cost
+// complete() registers.
+template <class Isa>
+void StarWalk<Isa>::adapt_reach(double needed) {
+    reach_margin_ =
+        std::clamp(reach_margin_ + margin_step * (near_misses_ - allowed_misses), min_reach_margin, max_reach_margin);
+    // Long cells may reach farther than seeds are worth a search.
+    if (needed < typical_reach_ || candidates_.count < enough_candidates)
+        typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
 }
 
 // Finds the first vertex of a cell that has none. The starting edge may have no end while seeds near it are not

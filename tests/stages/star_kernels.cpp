@@ -102,6 +102,19 @@ TEST_SUITE("stages") {
         }
     }
 
+    TEST_CASE("star kernels: list_bits") {
+        for (unsigned mask = 0; mask < 256; ++mask) {
+            std::vector<std::uint32_t> listed;
+            for (unsigned k = 0; k < box_fan; ++k)
+                if ((mask >> k) & 1) listed.push_back(4000000000 + k);
+            for_each_set([&](const StarKernels& kernels) {
+                std::array<std::uint32_t, box_fan> out;
+                const int count = kernels.list_bits(mask, 4000000000, out.data());
+                REQUIRE(std::vector(out.begin(), out.begin() + count) == listed);
+            });
+        }
+    }
+
     TEST_CASE("star kernels: inside_ball") {
         Random random(2);
         for (int round = 0; round < 4000; ++round) {
