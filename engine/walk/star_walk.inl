@@ -427,11 +427,16 @@ void StarWalk<Isa>::search_groups(Test test, Visit visit) {
 // branches, which would be mispredicted.
 template <class Isa>
 int StarWalk<Isa>::find_all_inside(std::span<const std::uint32_t> groups, const GroupTest& test, Found* found) const {
-    int count = 0;
+    int open = 0, count = 0;
     for (const std::uint32_t group : groups) {
+        found[open].group = group;
+        open += static_cast<int>(!cells_.group_done(group));
+    }
+    for (int i = 0; i < open; ++i) {
+        const std::uint32_t group = found[i].group;
         const unsigned inside = find_inside(std::size_t{group} * group_size, test);
         found[count] = {group, inside};
-        count += static_cast<int>(inside != 0) & static_cast<int>(!cells_.group_done(group));
+        count += static_cast<int>(inside != 0);
     }
     return count;
 }
