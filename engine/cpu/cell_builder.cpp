@@ -324,10 +324,10 @@ Cell& CellBuilder::build(std::size_t seed, std::span<const exact::Plane> guards)
     return *search(std::numeric_limits<std::size_t>::max());
 }
 
-Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guards) {
+Cell& CellBuilder::build(const Probe& probe) {
     own_ = static_cast<std::int32_t>(seeds_.places());
     probing_ = true;
-    guards_ = guards;
+    guards_ = {};
     coincident_ = -1;
     at_ = probe.place.at;
     base_ = {probe.x, probe.place.shift};
@@ -344,15 +344,6 @@ Cell& CellBuilder::build(const Probe& probe, std::span<const exact::Plane> guard
     }
     coincident_ = find_coincident();
     group_ = ~std::size_t{0};
-    if (!guards.empty()) {
-        // Few boxes are in reach of a cell that has been cut, while a window around the probe may hold most seeds.
-        tests_ = 0;
-        max_tests_ = std::numeric_limits<std::size_t>::max();
-        start();
-        clip_far(0);
-        if (seeds_.images != nullptr) clip_far_images();
-        return cell_;
-    }
     open_window({at_, at_});
     return *search(std::numeric_limits<std::size_t>::max());
 }

@@ -51,9 +51,7 @@ public:
     Cell& build(std::size_t seed, std::span<const exact::Plane> guards);
     // Builds the cell of a query, as if it were a seed. Its id, which faces with its own images have, is places() of
     // the seeds. Fastest near the last query.
-    Cell& build(const Probe& probe) { return build(probe, {}); }
-    // Does the same with guards, as for a seed.
-    Cell& build(const Probe& probe, std::span<const exact::Plane> guards);
+    Cell& build(const Probe& probe);
     // Returns the sorted seed at the place of the last probe, or -1. The probe has no cell unless that seed weighs
     // less.
     [[nodiscard]] std::int32_t coincident() const { return coincident_; }

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <ranges>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
@@ -573,7 +572,8 @@ bool Cell::clip(const CellPlane& plane) {
     const auto added = static_cast<std::int32_t>(planes_.size());
     planes_.push_back(plane);
     ring_.resize(planes_.size());
-    for (const std::int32_t v : killed_ | std::views::reverse) {  // horizon_ holds all that is needed of them
+    for (std::size_t k = killed_.size(); k-- > 0;) {  // horizon_ holds all that is needed of them
+        const std::int32_t v = killed_[k];
         x_[v] = y_[v] = z_[v] = tolerance_[v] = radius_[v] = 0;
         alive_[v / word_slots] &= ~(1ull << (v % word_slots));
         visited_[v] = 0;

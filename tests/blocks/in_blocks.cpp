@@ -66,10 +66,16 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
     InBlocks result;
     result.seeds = inside.size();
     std::vector<BlockCells> cells;
+    std::vector<std::vector<Message>> replies_to(count);
+    for (const Block& block : all) {
+        std::vector<Message> requests;
+        for (const Block& from : all)
+            requests.push_back(from.request_for(static_cast<std::size_t>(&block - all.data())));
+        const std::vector<Message> replies = block.reply(requests);
+        for (std::size_t b = 0; b < count; ++b) replies_to[b].push_back(replies[b]);
+    }
     for (std::size_t b = 0; b < count; ++b) {
-        std::vector<Message> replies;
-        for (std::size_t to = 0; to < count; ++to)
-            if (to != b) replies.push_back(all[to].reply(all[b].request_for(to)));
+        const std::vector<Message>& replies = replies_to[b];
         cells.push_back(all[b].finish(replies));
         const BlockCounts& counts = all[b].counts();
         result.counts.given += counts.given;

@@ -181,11 +181,13 @@ Message Block::request_for(std::size_t block) const {
     return with_memory([&] { return to_message(state_->block.requests().at(block)); });
 }
 
-Message Block::reply(const Message& request) {
+std::vector<Message> Block::reply(std::span<const Message> requests) const {
     return with_memory([&] {
-        blocks::Requests requests;
-        from_message(request, requests);
-        return to_message(state_->block.reply(requests));
+        std::vector<blocks::Requests> all(requests.size());
+        for (std::size_t b = 0; b < all.size(); ++b) from_message(requests[b], all[b]);
+        std::vector<Message> replies;
+        for (const Seeds& seeds : state_->block.reply(all)) replies.push_back(to_message(seeds));
+        return replies;
     });
 }
 

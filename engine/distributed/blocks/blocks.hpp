@@ -6,7 +6,7 @@
 //   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
 //   3. Block, with its seeds; send each outline() to all blocks
 //   4. send halo_for() each outline to its block; clip() with all halos
-//   5. send request_for() each block to it, and its reply() back; finish() with all replies
+//   5. send request_for() each block to it, and its reply() to all requests back; finish() with all replies
 //
 // Cells are found on the CPU. want.vertices, want.faces, min_face, min_area and duplicates = error are `unsupported`.
 // Errors are those of tessellate(). libvotess_mpi uses these classes of libvotess; neither is installed.
@@ -79,7 +79,8 @@ public:
     // outlines: of all blocks in order, this one's at `own`. halos: from the others for this block, in the same order.
     void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos);
     [[nodiscard]] Message request_for(std::size_t block) const;
-    [[nodiscard]] Message reply(const Message& request);
+    // Returns a reply for each request; those of no block are empty.
+    [[nodiscard]] std::vector<Message> reply(std::span<const Message> requests) const;
     [[nodiscard]] BlockCells finish(std::span<const Message> replies);
     [[nodiscard]] const BlockCounts& counts() const noexcept;
 

@@ -77,20 +77,17 @@ private:
 
 }  // namespace
 
-void Run::prepare(const Options& options) {
+void Run::clip(const Options& options, std::size_t first) {
+    row_order = places_by_id(seeds.ids, first);
     job = validate({seeds.points, {}}, options_for(seeds, options));
     job.row_order = row_order;
     clipper.begin(job);
     Progress progress(options.progress);
-    const Stoppable stoppable(progress);
-    clipper.sort();
-    clipper.build_search();
-}
-
-void Run::clip(const Options& options, std::size_t first) {
-    row_order = places_by_id(seeds.ids, first);
-    prepare(options);
-    Progress progress(options.progress);
+    {
+        const Stoppable stoppable(progress);
+        clipper.sort();
+        clipper.build_search();
+    }
     Job of_first = job;
     of_first.points.f64 = of_first.points.f64.first(3 * first);
     of_first.options.weights = {};
@@ -105,6 +102,16 @@ void Run::clip(const Options& options, std::size_t first) {
     const auto duplicate_of = clipper.duplicate_of();
     builder.set_duplicates(duplicate_of.first(std::min(first, duplicate_of.size())), pool);
     builder.finish(result, pool);
+}
+
+Seeds with_others(Seeds cells, const Seeds& others) {
+    const std::size_t count = cells.size();
+    const Seeds sorted = others.sorted();
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+        if (!std::ranges::binary_search(cells.ids.begin(), cells.ids.begin() + static_cast<std::ptrdiff_t>(count),
+                                        sorted.ids[i]))
+            cells.add(sorted, i);
+    return cells;
 }
 
 // All vertices count. Those that the cell did not find itself, a neighbor among the first seeds found.
@@ -229,12 +236,9 @@ PendingCells LocalBlock::pending_cells() const {
 // The neighbors of pending cells are among those that they had and those of the replies.
 void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run) {
     if (pending.cells.size() == 0) return;
-    run.seeds = pending.cells;
     Seeds others = pending.kept_neighbors;
     others.add(replies);
-    others = others.sorted();
-    for (std::size_t i = 0; i < others.size(); ++i)
-        if (!std::ranges::binary_search(pending.cells.ids, others.ids[i])) run.seeds.add(others, i);
+    run.seeds = with_others(pending.cells, others);
     run.clip(options, pending.cells.size());
 }
 

@@ -2,12 +2,12 @@
 //
 // Two seeds that are neighbors among all seeds are neighbors in any subset that holds both (Levy, arXiv 2406.04192,
 // 2024). So each block clips with its own seeds and a halo. If a cell reaches beyond the halo, the block sends its
-// faces once to the block concerned, which returns the seeds that still cut it. There is no second round, because
-// cells only shrink.
+// seed and neighbors once to the block concerned, which finds the cell among these and its own seeds, and returns its
+// own neighbors of it. There is no second round, because cells only shrink.
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
-// of others; finish(). A run that cannot hold all blocks at once keeps pending_cells() for finish_pending(), and a
-// Responder replies for a block from the seeds that mark_near() finds.
+// of others; finish(). A run that cannot hold all blocks at once keeps pending_cells() for finish_pending(), and calls
+// reply() with the seeds_near() requests.
 #pragma once
 
 #include <algorithm>
@@ -21,32 +21,29 @@
 #include "cpu/cpu_clipper.hpp"
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/blocks/outline.hpp"
-#include "domain/probe.hpp"
 #include "input/job.hpp"
 #include "input/seeds.hpp"
 #include "result/result.hpp"
 
 namespace votess::blocks {
 
-// Pending cells with their neighbors so far, for a block that may cut them further.
+// Pending cells of a block, for another one that may cut them further.
 struct Requests {
-    struct Cell {
-        cpu::Probe seed;  // times the scale of the job
-        double reach;     // no seed beyond this distance cuts the cell
-        std::uint64_t guards;
+    struct Reach {
+        exact::Point place;  // of the seed, times the scale of the job
+        double distance;     // no seed beyond this distance cuts the cell
     };
-    // The plane between the cell and a neighbor, relative to the seed.
-    struct Guard {
-        exact::Point q;
-        exact::Shift shift;
-        exact::DoubleDouble power;
-    };
-    std::vector<Cell> cells;
-    std::vector<Guard> guards;  // of all cells, one after the other
+    Seeds cells;
+    std::vector<Reach> reaches;  // of cells
+    Seeds neighbors;             // that they have so far
 };
 
-// Marks the tiles whose seeds may cut a cell of the requests.
-void mark_near(const Outline& outline, const Nearness& nearness, const Requests& requests, std::vector<bool>& near);
+// Returns the seeds of a block that may cut a cell of the requests.
+Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
+                 std::span<const Requests> requests);
+// Returns, for each of the requests, seeds of which all neighbors of its cells in the block are a part. near: of
+// seeds_near(), ascending by id. options: of the whole run, with its box and without weights.
+std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
 // weight by which other seeds may be heavier.
@@ -64,13 +61,13 @@ struct Run {
     std::vector<double> powers;  // see CpuClipper::clip_first()
     detail::Result result;
 
-    // Sorts the seeds and builds the search. options: of the whole run, with its box and without weights.
-    void prepare(const Options& options);
-    // Prepares, and finds the cells of the first seeds.
+    // Finds the cells of the first seeds. options: of the whole run, with its box and without weights.
     void clip(const Options& options, std::size_t first);
     // After clip(): returns a distance beyond which no seed of at most that weight cuts the cell.
     [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
 };
+// Returns the cells, which ascend by id, and then the others, each seed once and ascending.
+Seeds with_others(Seeds cells, const Seeds& others);
 
 // Cells that wait for replies, and the seeds that include all neighbors which they keep.
 struct PendingCells {
@@ -79,20 +76,6 @@ struct PendingCells {
 };
 // Finds the complete cells: the first ones of the run, in the order of pending.cells.
 void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run);
-
-// Replies for a block.
-class Responder {
-public:
-    // run: prepared.
-    Responder(const Options& options, Run& run) : options_(options), run_(run) {}
-    // Returns the seeds that cut cells of the requests.
-    [[nodiscard]] Seeds reply(const Requests& requests) const;
-
-private:
-    class Worker;
-    const Options& options_;
-    Run& run_;
-};
 
 class LocalBlock {
 public:
@@ -108,7 +91,8 @@ public:
     void clip(std::vector<Outline> outlines, std::size_t number, Seeds halo);
     // By block.
     [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
-    [[nodiscard]] Seeds reply(const Requests& requests);
+    // Returns a reply to each of the requests.
+    [[nodiscard]] std::vector<Seeds> reply(std::span<const Requests> requests) const;
     [[nodiscard]] BlockCells finish(const Seeds& replies);
     // After clip(): the cells so far, and which of them are pending, ascending.
     [[nodiscard]] Run& run() { return all_; }
@@ -130,7 +114,6 @@ private:
     [[nodiscard]] double weight_of(std::size_t cell) const;
     [[nodiscard]] double longest_reach(double heaviest) const;
     [[nodiscard]] bool any_near(std::size_t tile, double reach) const;
-    [[nodiscard]] cpu::Probe probe_of(std::size_t cell) const;
 
     Options options_;
     std::size_t count_;  // own seeds

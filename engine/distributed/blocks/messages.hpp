@@ -21,10 +21,11 @@ inline Message to_message(const Outline& outline) {
     return writer.take();
 }
 inline Message to_message(const Requests& requests) {
-    if (requests.cells.empty()) return {};
+    if (requests.cells.size() == 0) return {};
     Writer writer;
-    writer.put(requests.cells);
-    writer.put(requests.guards);
+    requests.cells.put_to(writer);
+    writer.put(requests.reaches);
+    requests.neighbors.put_to(writer);
     return writer.take();
 }
 
@@ -49,8 +50,9 @@ inline void from_message(const Message& message, Outline& outline) {
 inline void from_message(const Message& message, Requests& requests) {
     if (message.empty()) return;
     Reader reader(message);
-    reader.get(requests.cells);
-    reader.get(requests.guards);
+    requests.cells.get_from(reader);
+    reader.get(requests.reaches);
+    requests.neighbors.get_from(reader);
     reader.end();
 }
 

@@ -10,8 +10,6 @@
 namespace votess::blocks {
 namespace {
 
-constexpr std::size_t replies_at_once = 64;
-
 double distance_squared(const exact::Point& x, const Box& box) {
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -37,13 +35,11 @@ public:
     }
 
     std::uint64_t tested = 0, faces = 0;
-    std::vector<std::int32_t> kept_neighbors;
 
     struct Pending {
         std::uint32_t cell;
         std::vector<std::uint32_t> blocks;  // that get the request
-        Requests::Cell request;
-        std::vector<Requests::Guard> guards;
+        double reach;
     };
     std::vector<Pending> pending_of_tile(std::size_t tile) {
         if (!block_.any_near(tile, longest_)) return {};
@@ -114,14 +110,7 @@ private:
         one.blocks = std::move(blocks);
         cell.canonical_faces(faces_);
         faces += faces_.size();
-        const auto& input = block_.all_.clipper.seeds().input;
-        for (const std::int32_t p : faces_.planes) {
-            const cpu::CellPlane& plane = cell.planes()[static_cast<std::size_t>(p)];
-            if (plane.id < 0 || plane.id == own) continue;
-            kept_neighbors.push_back(input[static_cast<std::size_t>(plane.id)]);
-            one.guards.push_back({plane.source.seed, plane.source.shift, plane.source.power});
-        }
-        one.request = {block_.probe_of(number), reach, one.guards.size()};
+        one.reach = reach;
     }
 
     const LocalBlock& block_;
@@ -135,24 +124,6 @@ private:
     std::vector<const Unknown*> near_;
 };
 
-// Returns the seed of a cell in the coordinates of its planes.
-cpu::Probe LocalBlock::probe_of(std::size_t cell) const {
-    const auto position = static_cast<std::size_t>(positions_[cell]);
-    const auto& seeds = all_.clipper.seeds();
-    cpu::Probe probe;
-    probe.place.at = places_[cell];
-    probe.weight = weight_of(cell);
-    if (seeds.images == nullptr) {
-        probe.x = probe.place.at;
-        return probe;
-    }
-    const cpu::SeedImages::Base base = seeds.images->base(position);
-    probe.x = base.point;
-    probe.place.shift = base.shift;
-    probe.place.low = seeds.images->low(static_cast<std::int32_t>(position));
-    return probe;
-}
-
 void LocalBlock::make_requests() {
     const std::size_t tiles = tiled_.outline.tiles.size();
     requests_.assign(outlines_.size(), {});
@@ -165,96 +136,90 @@ void LocalBlock::make_requests() {
     for (const auto& of_tile : pending)
         for (const Requester::Pending& one : of_tile) {
             pending_.push_back(one.cell);
+            const std::size_t kept = kept_neighbors_.size();
+            for (auto e = all_.result.indptr[one.cell]; e < all_.result.indptr[one.cell + 1]; ++e)
+                if (const std::int32_t i = all_.result.indices[static_cast<std::size_t>(e)]; i >= 0)
+                    kept_neighbors_.push_back(i);
             for (const std::uint32_t b : one.blocks) {
-                requests_[b].cells.push_back(one.request);
-                requests_[b].guards.insert(requests_[b].guards.end(), one.guards.begin(), one.guards.end());
+                requests_[b].cells.add(all_.seeds, one.cell);
+                requests_[b].reaches.push_back({places_[one.cell], one.reach});
+                for (std::size_t k = kept; k < kept_neighbors_.size(); ++k)
+                    requests_[b].neighbors.add(all_.seeds, static_cast<std::size_t>(kept_neighbors_[k]));
                 ++counts_.questions;
             }
         }
+    for (Requests& some : requests_) some.neighbors = some.neighbors.sorted();
     std::ranges::sort(pending_);
     for (const Requester& requester : requesters) {
         counts_.tested += requester.tested;
         pending_faces_ += requester.faces;
-        kept_neighbors_.insert(kept_neighbors_.end(), requester.kept_neighbors.begin(), requester.kept_neighbors.end());
     }
 }
 
-// Cuts cells of other blocks. One per thread.
-class Responder::Worker {
-public:
-    explicit Worker(const Responder& responder)
-        : seeds_(responder.run_.clipper.seeds()),
-          domain_(*responder.run_.job.domain),
-          builder_(seeds_, responder.run_.clipper.hierarchy(), *cpu::find_kernels(responder.options_.instructions)) {
-        builder_.begin_job(domain_);
+Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
+                 std::span<const Requests> requests) {
+    std::vector<bool> near(tiled.outline.tiles.size()), taken(seeds.size());
+    for (const Requests& some : requests)
+        for (const Requests::Reach& reach : some.reaches)
+            tiled.outline.for_tiles(
+                [&](const Box& box) {
+                    return nearness.is_near(box, {reach.place, reach.place}, reach.distance);
+                },
+                [&](std::size_t tile) { near[tile] = true; });
+    for (std::size_t t = 0; t < near.size(); ++t)
+        for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1] && near[t]; ++k) taken[tiled.order[k]] = true;
+    Seeds found;
+    for (std::size_t i = 0; i < taken.size(); ++i)
+        if (taken[i]) found.add(seeds, i);
+    return found;
+}
+
+std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<const Requests> requests) {
+    std::vector<Seeds> replies(requests.size());
+    Seeds cells, others = near;
+    for (const Requests& some : requests) {
+        cells.add(some.cells);
+        others.add(some.neighbors);
     }
+    if (cells.size() == 0 || near.size() == 0) return replies;
+    cells = cells.sorted();
+    Run run;
+    run.seeds = with_others(cells, others);
+    Options lists = options;
+    lists.want = {};
+    run.clip(lists, cells.size());
 
-    std::vector<std::int32_t> found;  // seeds of the run
-
-    void cut(const Requests::Cell& request, std::span<const Requests::Guard> guards) {
-        planes_.clear();
-        for (const Requests::Guard& guard : guards) {
-            exact::Plane plane = exact::Plane::bisector(guard.q, guard.shift, domain_.lattice);
-            plane.power = guard.power;
-            planes_.push_back(plane);
+    // By cell: indices of seeds.
+    std::vector<std::vector<std::int32_t>> found(cells.size());
+    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(options.instructions));
+    builder.begin_job(*run.job.domain);
+    const auto& input = run.clipper.seeds().input;
+    for (std::size_t s = 0; s < input.size(); ++s) {
+        const auto cell = static_cast<std::size_t>(input[s]);
+        if (cell >= cells.size()) continue;
+        if (run.result.status[cell] != CellStatus::certified) {
+            // Any of its planes may be why the cell is empty.
+            for (const cpu::CellPlane& plane : builder.build(s).planes())
+                if (plane.id >= 0) found[cell].push_back(input[static_cast<std::size_t>(plane.id)]);
+            continue;
         }
-        cpu::Cell& cell = builder_.build(request.seed, planes_);
-        constexpr std::size_t min_faces = 4;
-        if (!cell.empty()) cell.canonical_faces(faces_);
-        if (cell.empty() || faces_.size() < min_faces) {
-            // The cell is empty or has no volume. Any of its planes may be why.
-            for (const cpu::CellPlane& plane : cell.planes()) add(plane.id);
-            return;
+        for (auto e = run.result.indptr[cell]; e < run.result.indptr[cell + 1]; ++e) {
+            const std::int32_t i = run.result.indices[static_cast<std::size_t>(e)];
+            if (i >= 0 && std::ranges::binary_search(near.ids, run.seeds.ids[static_cast<std::size_t>(i)]))
+                found[cell].push_back(i);
         }
-        for (const std::int32_t p : faces_.planes) add(cell.planes()[static_cast<std::size_t>(p)].id);
     }
-
-private:
-    void add(std::int32_t id) {
-        if (id >= 0 && static_cast<std::size_t>(id) < seeds_.size())
-            found.push_back(seeds_.input[static_cast<std::size_t>(id)]);
+    for (std::size_t r = 0; r < requests.size(); ++r) {
+        for (const std::int64_t id : requests[r].cells.ids)
+            for (const std::int32_t i : found[place_of(id, cells.ids)])
+                replies[r].add(run.seeds, static_cast<std::size_t>(i));
+        replies[r] = replies[r].sorted();
     }
-
-    const cpu::SortedSeeds& seeds_;
-    const Domain& domain_;
-    cpu::CellBuilder builder_;
-    std::vector<exact::Plane> planes_;
-    cpu::CellFaces faces_;
-};
-
-Seeds Responder::reply(const Requests& requests) const {
-    Seeds seeds;
-    if (requests.cells.empty()) return seeds;
-    std::vector<std::size_t> begin{0};
-    for (const Requests::Cell& cell : requests.cells) begin.push_back(begin.back() + cell.guards);
-    ThreadPool& pool = run_.clipper.pool();
-    std::deque<Worker> workers;
-    for (unsigned k = 0; k < pool.size(); ++k) workers.emplace_back(*this);
-    const std::size_t count = requests.cells.size();
-    pool.run(ceil_div(count, replies_at_once), [&](std::size_t task, unsigned worker) {
-        for (std::size_t q = task * replies_at_once; q < std::min(count, (task + 1) * replies_at_once); ++q)
-            workers[worker].cut(requests.cells[q],
-                                std::span(requests.guards).subspan(begin[q], begin[q + 1] - begin[q]));
-    });
-    std::vector<std::int32_t> found;
-    for (const Worker& worker : workers) found.insert(found.end(), worker.found.begin(), worker.found.end());
-    std::ranges::sort(found);
-    const auto [end, last] = std::ranges::unique(found);
-    found.erase(end, last);
-    for (const std::int32_t i : found) seeds.add(run_.seeds, static_cast<std::size_t>(i));
-    return seeds;
+    return replies;
 }
 
-Seeds LocalBlock::reply(const Requests& requests) {
-    return Responder(options_, all_).reply(requests);
-}
-
-void mark_near(const Outline& outline, const Nearness& nearness, const Requests& requests, std::vector<bool>& near) {
-    for (const Requests::Cell& cell : requests.cells) {
-        const Box home{cell.seed.place.at, cell.seed.place.at};
-        outline.for_tiles([&](const Box& box) { return nearness.is_near(box, home, cell.reach); },
-                          [&](std::size_t tile) { near[tile] = true; });
-    }
+std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
+    return blocks::reply(options_, seeds_near(all_.seeds, tiled_, nearness_, requests), requests);
 }
 
 }  // namespace votess::blocks

@@ -222,7 +222,8 @@ private:
         const auto halos = for_others([&](std::size_t r) { return block->halo_for(outlines[r]); });
         ranks_.together([&] { block->clip(outlines, static_cast<std::size_t>(ranks_.rank()), halos); });
         const auto requests = for_others([&](std::size_t r) { return block->request_for(r); });
-        const auto replies = for_others([&](std::size_t r) { return block->reply(requests[r]); });
+        ranks_.together([&] { to = block->reply(requests); });
+        const auto replies = ranks_.exchange(to);
         ranks_.together([&] { cells_ = block->finish(replies); });
         counts_.given = ranks_.sum(block->counts().given);
         counts_.needed = ranks_.sum(block->counts().needed);

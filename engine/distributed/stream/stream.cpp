@@ -220,8 +220,6 @@ private:
         stats.threads = some.threads;
     }
 
-    using RequestsFrom = std::vector<std::pair<std::size_t, Requests>>;
-
     // Only the seeds that may cut a cell of the requests are in memory.
     void reply() {
         stages_.begin(&StageSeconds::fallback, 0.76, "finishing cells that reach other blocks");
@@ -229,33 +227,17 @@ private:
             give_back_memory();
             stages_.at(b, count_);
             if (blocks_[b].requests.size() == 0) continue;
-            RequestsFrom all;
-            for_messages(blocks_[b].requests, [&](std::size_t from, const Message& message) {
-                from_message(message, all.emplace_back(from, Requests{}).second);
+            std::vector<std::size_t> from;
+            std::vector<Requests> all;
+            for_messages(blocks_[b].requests, [&](std::size_t block, const Message& message) {
+                from.push_back(block);
+                from_message(message, all.emplace_back());
             });
-            blocks::Run run;
-            run.seeds = seeds_near(b, all);
-            run.prepare(*settled_);
-            blocks::Responder responder(*settled_, run);
-            for (const auto& [from, requests] : all)
-                put(blocks_[from].replies, b, to_message(responder.reply(requests)));
+            const Job job = validate({}, *settled_);
+            const Seeds near = blocks::seeds_near(seeds_of(b), tiles_of(b), blocks::Nearness(*job.domain), all);
+            const std::vector<Seeds> replies = blocks::reply(*settled_, near, all);
+            for (std::size_t r = 0; r < all.size(); ++r) put(blocks_[from[r]].replies, b, to_message(replies[r]));
         }
-    }
-
-    [[nodiscard]] Seeds seeds_near(std::size_t b, const RequestsFrom& all_requests) {
-        const Seeds all = seeds_of(b);
-        const blocks::TiledSeeds tiled = tiles_of(b);
-        const Job job = validate({}, *settled_);
-        const blocks::Nearness nearness(*job.domain);
-        std::vector<bool> near(tiled.outline.tiles.size());
-        for (const auto& [from, requests] : all_requests) blocks::mark_near(tiled.outline, nearness, requests, near);
-        std::vector<bool> taken(all.size());
-        for (std::size_t t = 0; t < near.size(); ++t)
-            for (std::size_t k = tiled.begin[t]; k < tiled.begin[t + 1] && near[t]; ++k) taken[tiled.order[k]] = true;
-        Seeds seeds;
-        for (std::size_t i = 0; i < all.size(); ++i)
-            if (taken[i]) seeds.add(all, i);
-        return seeds;
     }
 
     void finish_pending() {
