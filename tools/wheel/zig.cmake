@@ -1,0 +1,14 @@
+# The toolchain of a system that zig compiles for. The environment names the system and the folder with its compiler.
+set(CMAKE_SYSTEM_NAME $ENV{ZIG_SYSTEM})
+set(CMAKE_SYSTEM_PROCESSOR $ENV{ZIG_PROCESSOR})
+set(folder $ENV{ZIG_FOLDER})
+set(CMAKE_C_COMPILER ${folder}/cc)
+set(CMAKE_CXX_COMPILER ${folder}/c++)
+set(CMAKE_AR ${folder}/ar)
+set(CMAKE_RANLIB ${folder}/ranlib)
+set(CMAKE_FIND_ROOT_PATH ${folder})
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+foreach(kind LIBRARY INCLUDE PACKAGE)
+  set(CMAKE_FIND_ROOT_PATH_MODE_${kind} ONLY)
+endforeach()
+set(CMAKE_BUILD_WITH_INSTALL_RPATH ON)  # no tool changes it afterwards
