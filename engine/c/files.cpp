@@ -13,8 +13,8 @@ namespace {
 
 namespace files = votess::files;
 
-constexpr std::size_t first_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
-static_assert(sizeof(votess_mesh) == first_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
+constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
+static_assert(sizeof(votess_mesh) == first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
 
 template <class Element>
 std::span<const Element> array(const Element* values, std::uint64_t count, const char* name) {
@@ -91,7 +91,7 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
         require(mesh, "mesh");
         require(format, "format");
         if (write == nullptr) refuse("write is NULL");
-        require_struct_size(mesh->struct_size, first_size, "mesh.struct_size", "give sizeof(votess_mesh)");
+        require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
         const files::Mesh arrays = checked(*mesh);
         files::ByteSink out([&](std::string_view bytes, std::uint64_t total) {
             const votess_bytes piece{bytes.data(), bytes.size(), total};

@@ -9,7 +9,7 @@ using namespace votess::c;
 
 namespace {
 
-votess_fit_options default_options() {
+votess_fit_options default_fit_options() {
     const votess::FitOptions defaults;
     votess_fit_options options{};
     options.struct_size = sizeof options;
@@ -20,7 +20,7 @@ votess_fit_options default_options() {
 }
 
 votess::FitOptions convert(const votess_fit_options* given) {
-    votess_fit_options all = default_options();
+    votess_fit_options all = default_fit_options();
     if (given != nullptr) {
         require_struct_size(given->struct_size, sizeof all, "fit_options.struct_size",
                             "call votess_fit_options_init first");
@@ -35,7 +35,7 @@ votess_status votess_fit_options_init(votess_fit_options* options, size_t size) 
     return guarded([&] {
         require(options, "options");
         require_struct_size(size, sizeof(votess_fit_options), "size", "give sizeof(votess_fit_options)");
-        *options = default_options();
+        *options = default_fit_options();
         options->struct_size = static_cast<uint32_t>(size);
     });
 }

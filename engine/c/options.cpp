@@ -30,8 +30,8 @@ constexpr WantBit want_bits[] = {
 };
 
 // The first version of the struct ends here. Fields added later follow.
-constexpr std::size_t first_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
-static_assert(sizeof(votess_options) >= first_size && sizeof(votess_options) <= VOTESS_LARGEST_STRUCT);
+constexpr std::size_t first_options_size = offsetof(votess_options, log_user) + sizeof(votess_options::log_user);
+static_assert(sizeof(votess_options) >= first_options_size && sizeof(votess_options) <= VOTESS_LARGEST_STRUCT);
 
 std::uint32_t bits_of(const Want& want) {
     std::uint32_t bits = 0;
@@ -105,7 +105,8 @@ Want convert_want(std::uint32_t bits, const std::string& name) {
 
 Options convert_options(const votess_options* given, std::size_t count) {
     if (given == nullptr) return {};
-    require_struct_size(given->struct_size, first_size, "options.struct_size", "call votess_options_init first");
+    require_struct_size(given->struct_size, first_options_size, "options.struct_size",
+                        "call votess_options_init first");
     votess_options c_options = default_options();
     std::memcpy(&c_options, given, std::min<std::size_t>(given->struct_size, sizeof c_options));
 
@@ -137,7 +138,7 @@ size_t votess_sizeof_options(void) {
 votess_status votess_options_init(votess_options* options, size_t size) {
     return guarded([&] {
         require(options, "options");
-        require_struct_size(size, first_size, "size", "give sizeof(votess_options)");
+        require_struct_size(size, first_options_size, "size", "give sizeof(votess_options)");
         votess_options defaults = default_options();
         defaults.struct_size = static_cast<std::uint32_t>(std::min(size, sizeof defaults));
         std::memcpy(options, &defaults, defaults.struct_size);

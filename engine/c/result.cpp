@@ -12,8 +12,8 @@ using namespace votess::c;
 namespace {
 
 // The first version of the struct ends here. Fields added later follow, without padding.
-constexpr std::size_t first_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
-static_assert(sizeof(votess_stats) >= first_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
+constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
+static_assert(sizeof(votess_stats) >= first_stats_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
 // Exposed as they lie in memory.
 static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t) && sizeof(votess::Wall) == 4 * sizeof(double));
 
@@ -185,7 +185,7 @@ votess_status votess_result_cell(const votess_result* result, int32_t* has_cell,
 }
 
 void votess::c::check_stats(const votess_stats& out) {
-    require_struct_size(out.struct_size, first_size, "stats.struct_size", "set it to sizeof(votess_stats)");
+    require_struct_size(out.struct_size, first_stats_size, "stats.struct_size", "set it to sizeof(votess_stats)");
 }
 
 void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {

@@ -1,10 +1,11 @@
-// Rounded division, and multiplication by powers of two.
+// Rounded division, multiplication by powers of two, and infinity.
 #pragma once
 
 #include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 #include <type_traits>
 
 namespace votess {
@@ -19,6 +20,7 @@ constexpr std::common_type_t<A, B> round_up(A length, B step) {
 }
 
 inline constexpr int double_bias = 1023;
+inline constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Returns 2^exponent, which must be normal.
 constexpr double power_of_two(int exponent) {

@@ -8,12 +8,12 @@
 #include <limits>
 #include <tuple>
 
+#include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t first_window = 160;        // seeds loaded around a group at once
 constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
 constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves

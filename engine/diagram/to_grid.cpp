@@ -11,7 +11,7 @@
 namespace votess::detail {
 namespace {
 
-constexpr double share_of_cells = 0.5;  // of a call that builds them
+constexpr double share_of_building = 0.5;  // of a call that builds them
 constexpr std::size_t max_along_axis = std::size_t{1} << 20, max_columns = std::size_t{1} << 20;
 constexpr std::size_t max_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
 
@@ -65,7 +65,7 @@ Result build(const DiagramState& state) {
     options.want = {};
     options.want.faces = true;
     options.list_walls = false;
-    options.progress = Stoppable::within({0, share_of_cells});
+    options.progress = Stoppable::within({0, share_of_building});
     Engines engines;
     return run_on(engines, {state.points, {}}, options);
 }
@@ -114,7 +114,7 @@ std::size_t to_grid(DiagramState& state, std::span<const double> values, const G
         const Tessellation cells(result);
         const fields::Built built{state.job, *result, cells};
         const CallGuard turn(state);
-        Stoppable::enter_stage({share_of_cells, 1});
+        Stoppable::enter_stage({share_of_building, 1});
         if (options.method == GridMethod::mean) fields::add_mean(task, built, state.clipper.pool());
         if (options.method == GridMethod::dtfe) without_place = fields::add_dtfe(task, built, state.clipper.pool());
     } else {

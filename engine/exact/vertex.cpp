@@ -18,7 +18,7 @@ constexpr int lowest_quantum = -1000;      // 2^1000 is still finite
 constexpr int coarse_bits = 6;             // differences of a lattice, in its quanta
 constexpr int exact_bits = 10;             // beyond them A <= 2^52 is rare
 constexpr int fine_bits = 57;              // leaves planes d up to 8 times longer within 61 bits
-constexpr int max_bits = 120;              // A < 2^700; finer planes are decided one by one
+constexpr int max_plane_bits = 120;        // A < 2^700; finer planes are decided one by one
 
 // True for planes that the fast ways can handle.
 bool in_two_doubles(const Point& p, const Plane& plane) {
@@ -116,7 +116,7 @@ bool ExactVertex::refine(const Plane& plane) {
     BitRange range;
     add_differences(range, p_, plane);
     if (range.span() == 0) return true;
-    if (range.low < std::max(lowest_quantum, exponent_ - max_bits)) return false;
+    if (range.low < std::max(lowest_quantum, exponent_ - max_plane_bits)) return false;
     quantum_ = std::min(quantum_, range.low);
     // Double is not exact here anyway, so a quantum so fine that few planes need a finer one.
     if (exponent_ - quantum_ > exact_bits)

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "core/arithmetic.hpp"
 #include "index/seed_images.hpp"
@@ -12,7 +11,6 @@
 namespace votess::cpu {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t task_blocks = 512;
 
 constexpr double slope_gain = 0.6;     // a slope must lower the span of the weights to this part

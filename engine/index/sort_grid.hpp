@@ -5,14 +5,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
+#include "core/arithmetic.hpp"
 #include "index/hilbert.hpp"
 
 namespace votess::cpu {
 
 struct Bounds {
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
     std::array<double, 3> lower{infinity, infinity, infinity};
     std::array<double, 3> upper{-infinity, -infinity, -infinity};
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "core/arithmetic.hpp"
 #include "core/text.hpp"
 #include "polytope/cell.hpp"
 
@@ -19,7 +19,6 @@ Box default_box(const Box& bounds, std::size_t count) {
     double margin = 0.5 * longest / std::cbrt(static_cast<double>(count));
     if (longest == 0) margin = largest == 0 ? 0.5 : 0.5 * largest;
     Box box;
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     for (int k = 0; k < 3; ++k) {
         box.lower[k] = std::min(bounds.lower[k] - margin, std::nextafter(bounds.lower[k], -infinity));
         box.upper[k] = std::max(bounds.upper[k] + margin, std::nextafter(bounds.upper[k], infinity));
@@ -64,7 +63,6 @@ Box bounds_of(const std::vector<Wall>& walls, const Box& otherwise) {
     if (!polyhedron.empty()) polyhedron.canonical_faces(faces);
     constexpr std::size_t min_faces = 4;
     if (faces.size() < min_faces) return otherwise;  // no room
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     // Only corners that may be outermost are solved exactly.
     Box inner = bounds;

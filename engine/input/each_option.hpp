@@ -4,8 +4,8 @@
 #include <votess/votess.h>
 
 #include <array>
-#include <limits>
 
+#include "core/arithmetic.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
@@ -21,7 +21,6 @@ constexpr struct {
 // greatest one, the words in the order of the enumerators, or anything. tools/options.py writes the calls.
 template <class Use>
 void each_option(const Use& use) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     use("outside", &Options::outside, &votess_options::outside, std::array{"error", "drop"});
     use("min_face", &Options::min_face, &votess_options::min_face, UpTo<double>{infinity});
     use("min_area", &Options::min_area, &votess_options::min_area, UpTo<double>{infinity});

@@ -9,6 +9,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -185,7 +186,6 @@ std::string in_parentheses(const exact::Point& x) {
     return "(" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 // Returns whether all coordinates are finite. Has no branches.

@@ -21,7 +21,7 @@ constexpr std::int64_t units = 256;
 constexpr std::int64_t sample_x[samples] = {-32, 96, 32, -96}, sample_y[samples] = {-96, -32, 96, 32};
 
 // A function that is linear over the picture, in pixels.
-struct Linear {
+struct LinearFunction {
     double at_origin = 0, by_x = 0, by_y = 0;
 
     [[nodiscard]] double at(double x, double y) const { return at_origin + by_x * x + by_y * y; }
@@ -29,8 +29,8 @@ struct Linear {
 
 struct Triangle {
     std::array<std::int64_t, 3> x{}, y{};  // units, counterclockwise in the sense of rising y
-    Linear nearness;                       // one over the distance from the camera; 0 in the flat part
-    Linear edge;                           // FillVertex::edge times nearness; in the flat part the edge itself
+    LinearFunction nearness;               // one over the distance from the camera; 0 in the flat part
+    LinearFunction edge;                   // FillVertex::edge times nearness; in the flat part the edge itself
     Vec3 normal{};                         // 0: not lit
     Color color = 0;
     bool has_lines = false;
@@ -71,7 +71,7 @@ double decode(unsigned byte) {
     return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-double encode(double c) {
+double encoded(double c) {
     return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055;
 }
 
@@ -80,9 +80,9 @@ unsigned byte_of(Color color, unsigned k) {
 }
 
 // The linear function with the values v at the corners.
-Linear through(const std::array<double, 3>& x, const std::array<double, 3>& y, const std::array<double, 3>& v,
-               double twice_area) {
-    Linear f;
+LinearFunction through(const std::array<double, 3>& x, const std::array<double, 3>& y, const std::array<double, 3>& v,
+                       double twice_area) {
+    LinearFunction f;
     f.by_x = ((v[1] - v[0]) * (y[2] - y[0]) - (v[2] - v[0]) * (y[1] - y[0])) / twice_area;
     f.by_y = ((v[2] - v[0]) * (x[1] - x[0]) - (v[1] - v[0]) * (x[2] - x[0])) / twice_area;
     f.at_origin = v[0] - f.by_x * x[0] - f.by_y * y[0];
@@ -395,7 +395,7 @@ private:
         std::array<double, 3> c{};
         for (unsigned k = 0; k < 3; ++k) {
             c[k] = byte_of(t.color, k) / 255.0;
-            if (nearness > 0) c[k] = encode(std::min(1.0, decode(byte_of(t.color, k)) * light));
+            if (nearness > 0) c[k] = encoded(std::min(1.0, decode(byte_of(t.color, k)) * light));
             c[k] *= darkened;
         }
         const double a = byte_of(t.color, 3) / 255.0;

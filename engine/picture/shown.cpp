@@ -1,7 +1,8 @@
 #include "picture/shown.hpp"
 
 #include <algorithm>
-#include <limits>
+
+#include "core/arithmetic.hpp"
 
 namespace votess::picture {
 namespace {
@@ -9,7 +10,6 @@ namespace {
 constexpr double dwarfing = 8;  // times the others' median volume
 
 Box bounds_of(const Mesh& mesh, std::size_t cell) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     Box box{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f) {
         for (const std::int32_t v : mesh.polygon(f)) {

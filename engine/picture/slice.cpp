@@ -52,9 +52,9 @@ std::vector<Vec3> images(std::span<const Vec3> periods) {
     return all;
 }
 
-class Builder {
+class SliceBuilder {
 public:
-    Builder(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const Vec3> images)
+    SliceBuilder(const SliceJob& job, const Plane& plane, const Slice& slice, std::span<const Vec3> images)
         : job_(job), plane_(plane), value_(slice.value), images_(images) {}
 
     void add_cell(std::size_t cell, std::vector<FillVertex>& out) {
@@ -111,7 +111,7 @@ Area build_slice(const SliceJob& job, const Sizes& sizes, ThreadPool& pool, Scen
     std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
     std::vector<char> met(n);
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
-        Builder builder(job, plane, slice, all);
+        SliceBuilder builder(job, plane, slice, all);
         for (std::size_t i = begin; i < end; ++i) {
             if (!job.shown.cells[i]) continue;
             const std::size_t before = blocks[block].size();

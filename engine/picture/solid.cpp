@@ -96,10 +96,10 @@ CutSpace cut_space(const PictureOptions& options, const View& view, const Box& b
 }
 
 // Makes the triangles of a block of cells.
-class Builder {
+class SolidBuilder {
 public:
-    Builder(const SolidJob& job, const Frame& frame, const CutSpace& space, const std::vector<char>& kept,
-            const Vec3& eye)
+    SolidBuilder(const SolidJob& job, const Frame& frame, const CutSpace& space, const std::vector<char>& kept,
+                 const Vec3& eye)
         : job_(job), frame_(frame), space_(space), kept_(kept), eye_(eye) {}
 
     void add_cell(std::size_t cell, std::vector<FillVertex>& out) {
@@ -277,7 +277,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     std::vector<std::vector<FillVertex>> blocks(ceil_div(n, block_cells));
     const Vec3 eye = view.distance * view.back;
     over_cells(n, pool, [&](std::size_t begin, std::size_t end, std::size_t block) {
-        Builder builder(job, frame, space, kept, eye);
+        SolidBuilder builder(job, frame, space, kept, eye);
         for (std::size_t i = begin; i < end; ++i)
             if (kept[i]) builder.add_cell(i, blocks[block]);
     });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
@@ -12,7 +11,6 @@ namespace votess::cpu {
 namespace {
 
 constexpr double unit = 0x1p-53;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Below these, underflow may spoil the error bounds. Such planes are always decided exactly.
 constexpr double smallest_square = 1e-240, smallest_product = 1e-200;
 // Shorter normals are multiplied by CellPlane::unit, unless a part of them may be subnormal.

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
+#include "core/arithmetic.hpp"
 #include "index/seed_images.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr double unit = 0x1p-53, infinity = std::numeric_limits<double>::infinity();
+constexpr double unit = 0x1p-53;
 constexpr double tiny = 1e-290;  // above the underflow of a square
 
 // Squared distance of a point from a box.

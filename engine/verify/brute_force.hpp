@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "input/job.hpp"
 #include "polytope/cell.hpp"
 
@@ -43,7 +43,6 @@ private:
         ShiftRange shifts;
     };
     static bool farther(const Images& a, const Images& b) { return a.distance_squared > b.distance_squared; }
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
 
     [[nodiscard]] exact::Point seed_of(std::size_t index) const;
     [[nodiscard]] double weight_of(std::size_t index) const;

@@ -11,8 +11,6 @@
 namespace votess {
 namespace {
 
-constexpr double least_double = std::numeric_limits<double>::denorm_min();
-
 // The job of some seeds, and cells that are clipped by them.
 class Clipper {
 public:
@@ -96,7 +94,7 @@ std::string row_difference(const CheckedRun& run, const ReportedCell& reported, 
         }
         ++matched;
         if (reported.has_areas && entry->area != face.area &&
-            !(std::abs(entry->area - face.area) <= allowed + least_double))
+            !(std::abs(entry->area - face.area) <= allowed + smallest_double))
             return "the face of cell " + std::to_string(reported.id) + " with " + std::to_string(face.id) +
                    " has area " + number(entry->area) + ", trying every seed gives " + number(face.area);
     }
@@ -131,7 +129,7 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
     if (!reported.volume) return {};
     const double volume = geometry.volume * unscale * unscale * unscale;
     if (volume == *reported.volume ||  // both may be infinite
-        std::abs(volume - *reported.volume) <= tolerance * volume + least_double)
+        std::abs(volume - *reported.volume) <= tolerance * volume + smallest_double)
         return {};
     return "cell " + std::to_string(reported.id) + " has volume " + number(*reported.volume) +
            ", trying every seed gives " + number(volume);

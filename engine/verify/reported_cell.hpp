@@ -23,6 +23,9 @@ inline bool takes_part(CellStatus status) {
     return status != CellStatus::duplicate && status != CellStatus::outside;
 }
 
+// An error that subnormal numbers may have.
+inline constexpr double smallest_double = std::numeric_limits<double>::denorm_min();
+
 // Relative errors of the volume of one cell and of the sum of all. The error of a face's area is relative to the cell's
 // surface, as that of the cell's volume.
 struct VolumeTolerance {

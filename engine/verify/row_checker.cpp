@@ -9,8 +9,6 @@
 namespace votess {
 namespace {
 
-constexpr double least_double = std::numeric_limits<double>::denorm_min();
-
 // splitmix64 (Steele, Lea, Flood 2014): the same on all machines.
 std::uint64_t mixed(std::uint64_t x) {
     std::uint64_t z = x + 0x9e3779b97f4a7c15ull;
@@ -84,7 +82,7 @@ void check_surface(const StreamRows& rows, std::size_t k, std::int64_t id, doubl
         for (std::size_t d = 0; d < 3; ++d) sum[d] += rows.areas[entry] * rows.normals[3 * entry + d];
     }
     const double open = std::hypot(sum[0], sum[1], sum[2]);
-    if (std::isfinite(surface) && !(open <= tolerance * surface + 64 * least_double))
+    if (std::isfinite(surface) && !(open <= tolerance * surface + 64 * smallest_double))
         fault.note(id, [&] {
             return "cell " + std::to_string(id) + " is not closed: area times normal sums to " + number(open) +
                    ", its surface is " + number(surface);
@@ -249,7 +247,8 @@ Fault RowChecker::first_of_ranks(const Fault& own) {
 // Without a seed inside no cell fills the domain. Subnormal volumes are rounded to a multiple of the least double.
 std::string RowChecker::check_volumes() const {
     const double expected = sums_.certified ? run_.domain_volume : 0;
-    const double allowed = run_.tolerance.sum * run_.domain_volume + static_cast<double>(run_.seeds + 1) * least_double;
+    const double allowed =
+        run_.tolerance.sum * run_.domain_volume + static_cast<double>(run_.seeds + 1) * smallest_double;
     if (sums_.volume == expected || std::abs(sums_.volume - expected) <= allowed) return {};
     return "volumes sum to " + number(sums_.volume) + ", the domain holds " + number(run_.domain_volume);
 }

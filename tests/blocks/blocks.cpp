@@ -13,7 +13,7 @@ namespace {
 
 using test::PointSet;
 
-votess::Options options_of(const PointSet& set) {
+votess::Options block_options(const PointSet& set) {
     votess::Options options;
     options.device = "cpu";
     options.threads = 1;
@@ -24,7 +24,7 @@ votess::Options options_of(const PointSet& set) {
     return options;
 }
 
-void check(const PointSet& set, const votess::Options& options) {
+void check_blocks(const PointSet& set, const votess::Options& options) {
     const auto whole = votess::tessellate(set.points, options);
     for (const std::size_t blocks : {1, 2, 3, 8}) {
         CAPTURE(set.name);
@@ -36,10 +36,10 @@ void check(const PointSet& set, const votess::Options& options) {
 }  // namespace
 
 TEST_CASE("blocks: the families have the lists of all seeds at once") {
-    for (const PointSet& set : test::families(test::by_size(600, 80), 5)) check(set, options_of(set));
-    check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
-          options_of({"", {}, test::unit_box()}));
-    check({"none", {}, test::unit_box()}, options_of({"", {}, test::unit_box()}));
+    for (const PointSet& set : test::families(test::by_size(600, 80), 5)) check_blocks(set, block_options(set));
+    check_blocks({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
+                 block_options({"", {}, test::unit_box()}));
+    check_blocks({"none", {}, test::unit_box()}, block_options({"", {}, test::unit_box()}));
 }
 
 TEST_CASE("blocks: periodic along each subset of the axes") {
@@ -47,9 +47,9 @@ TEST_CASE("blocks: periodic along each subset of the axes") {
     for (unsigned axes = 1; axes < 8; ++axes)
         for (const PointSet& set :
              {test::uniform(many, axes), test::clustered(many, axes), test::cubic(many > 1000 ? 10 : 5)}) {
-            votess::Options options = options_of(set);
+            votess::Options options = block_options(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
-            check(set, options);
+            check_blocks(set, options);
         }
 }
 
@@ -57,28 +57,28 @@ TEST_CASE("blocks: triclinic boxes, weights and walls") {
     test::Random random(3);
     const std::size_t many = test::by_size(1000, 200);
     for (const PointSet& set : {test::uniform(many, 1), test::clustered(many, 2)}) {
-        votess::Options options = options_of(set);
+        votess::Options options = block_options(set);
         options.box.reset();
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
-        check(set, options);
+        check_blocks(set, options);
         options.cell->c = {7.3, 5.2, 1};  // skewed
-        check(set, options);
+        check_blocks(set, options);
         options.cell->periodic = {true, false, true};
         options.outside = votess::Outside::drop;
-        check(set, options);
+        check_blocks(set, options);
 
         std::vector<double> radii(set.size());
         for (double& r : radii) r = random.uniform(0, 0.15);
-        options = options_of(set);
+        options = block_options(set);
         options.radii = radii;
-        check(set, options);
+        check_blocks(set, options);
         options.periodic = {true, true, true};
-        check(set, options);
+        check_blocks(set, options);
 
-        options = options_of(set);
+        options = block_options(set);
         options.outside = votess::Outside::drop;
         options.walls = test::octahedron(0.6);
-        check(set, options);
+        check_blocks(set, options);
     }
 }
 

@@ -19,7 +19,7 @@ using test::PointSet;
 
 constexpr std::uint64_t little = votess::StreamOptions::least_memory;  // some 1500 seeds a block
 
-votess::Options options_of(const PointSet& set) {
+votess::Options stream_options(const PointSet& set) {
     votess::Options options;
     options.device = "cpu";
     options.threads = 2;
@@ -28,7 +28,7 @@ votess::Options options_of(const PointSet& set) {
     return options;
 }
 
-void check(const PointSet& set, const votess::Options& options) {
+void check_stream(const PointSet& set, const votess::Options& options) {
     CAPTURE(set.name);
     const auto whole = votess::tessellate(set.points, options);
     const test::Streamed found = test::streamed(set.points, options, little, 777, false, true);
@@ -75,38 +75,38 @@ TEST_CASE("stream: the families have the lists of all seeds at once") {
           test::bcc(11), test::fcc(9), test::far_from_origin(3000, 4), test::on_walls(3000, 5),
           test::with_duplicates(2500, 500, 6), test::on_axis_plane(3000, 7), test::on_oblique_line(3000, 8),
           test::near_duplicates(3000, 9), test::reordered(test::clustered(3000, 2), test::Order::reversed)})
-        if (number++ % test::by_size(1, 3) == 0) check(set, options_of(set));
-    check({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
-          options_of({"", {}, test::unit_box()}));
-    votess::Options options = options_of({"", {}, test::unit_box()});
-    check({"none", {}, test::unit_box()}, options);
+        if (number++ % test::by_size(1, 3) == 0) check_stream(set, stream_options(set));
+    check_stream({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
+                 stream_options({"", {}, test::unit_box()}));
+    votess::Options options = stream_options({"", {}, test::unit_box()});
+    check_stream({"none", {}, test::unit_box()}, options);
     options.box.reset();
-    check({"none, without a box", {}, test::unit_box()}, options);
-    check({"one, without a box", {1, 2, 3}, test::unit_box()}, options);
+    check_stream({"none, without a box", {}, test::unit_box()}, options);
+    check_stream({"one, without a box", {1, 2, 3}, test::unit_box()}, options);
 }
 
 TEST_CASE("stream: everything that can be wanted, and nothing") {
     const PointSet set = test::clustered(3000, 7);
-    votess::Options options = options_of(set);
+    votess::Options options = stream_options(set);
     options.box.reset();  // so that the bounds of all seeds count
     options.list_walls = true;
     auto& want = options.want;
     want.areas = want.normals = want.surfaces = want.radii = true;
-    check(set, options);
+    check_stream(set, options);
     options.want = {};
     options.want.neighbors = options.want.volumes = false;
-    check(set, options);
+    check_stream(set, options);
     options.want.radii = true;
-    check(set, options);
+    check_stream(set, options);
 }
 
 TEST_CASE("stream: periodic along subsets of the axes") {
     for (const unsigned axes : {1u, 3u, 7u})
         for (const PointSet& set : {test::uniform(3000, axes), test::clustered(3000, axes), test::cubic(14)}) {
             if (test::reduced() && axes != 3 && set.name == "cubic") continue;
-            votess::Options options = options_of(set);
+            votess::Options options = stream_options(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
-            check(set, options);
+            check_stream(set, options);
         }
 }
 
@@ -114,38 +114,38 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
     test::Random random(3);
     for (const PointSet& set : {test::uniform(3000, 1), test::clustered(3000, 2)}) {
         if (test::reduced() && set.name == "uniform") continue;
-        votess::Options options = options_of(set);
+        votess::Options options = stream_options(set);
         options.box.reset();
         options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.2, 1}, {true, true, true}};
-        check(set, options);
+        check_stream(set, options);
         options.cell->periodic = {true, false, true};
         options.outside = votess::Outside::drop;
-        check(set, options);
+        check_stream(set, options);
 
         std::vector<double> radii(set.size());
         for (double& r : radii) r = random.uniform(0, 0.12);
-        options = options_of(set);
+        options = stream_options(set);
         options.radii = radii;
-        check(set, options);
+        check_stream(set, options);
         CHECK(test::difference(test::streamed(set.points, options, little, 1000, true),
                                votess::tessellate(set.points, options)) == "");
         options.radii = {};
         options.weights = radii;
         options.periodic = {true, true, true};
-        check(set, options);
+        check_stream(set, options);
 
-        options = options_of(set);
+        options = stream_options(set);
         options.box.reset();
         options.outside = votess::Outside::drop;
         options.walls = test::octahedron(0.6);
-        check(set, options);
+        check_stream(set, options);
     }
 }
 
 // Rows of a run in memory, damaged in one place and fed to the checker as a stream does.
 TEST_CASE("stream: damaged rows are found") {
     const PointSet set = test::uniform(300, 4);
-    votess::Options options = options_of(set);
+    votess::Options options = stream_options(set);
     options.periodic = {true, true, true};
     options.want.areas = options.list_walls = true;
     const auto whole = votess::tessellate(set.points, options);
@@ -203,7 +203,7 @@ TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give
     PointSet set = test::uniform(4000, 4);
     for (std::size_t i = 0; i < 300; ++i)  // duplicates, of earlier and later seeds
         std::copy_n(&set.points[3 * (11 * i)], 3, &set.points[3 * (3999 - 7 * i)]);
-    const votess::Options options = options_of(set);
+    const votess::Options options = stream_options(set);
     const auto whole = votess::tessellate(set.points, options);
     for (const std::size_t piece : {1, 100, 100000})
         for (const std::uint64_t memory : {little, 9 * little, 1000 * little}) {
@@ -224,7 +224,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
         points[at] = value;
         return points;
     };
-    votess::Options options = options_of(set);
+    votess::Options options = stream_options(set);
     CHECK(message([&] { test::streamed(with(3 * 3000 + 1, NAN), options, little); }) ==
           "point 3000: y = nan is not finite");
     CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
@@ -262,7 +262,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
 
 TEST_CASE("stream: log, progress, and stops") {
     const PointSet set = test::uniform(3000, 9);
-    votess::Options options = options_of(set);
+    votess::Options options = stream_options(set);
     std::vector<std::string> logged;
     std::vector<double> fractions;
     options.log = [&](std::string_view text) { logged.emplace_back(text); };

@@ -26,7 +26,7 @@ namespace {
 
 using Rational = std::array<mpq_class, 3>;
 
-Rational rational(const Point& p) {
+Rational rational_point(const Point& p) {
     return {mpq_class(p[0]), mpq_class(p[1]), mpq_class(p[2])};
 }
 
@@ -70,7 +70,7 @@ void check_predicates(const char* name, std::uint64_t seed, int sets, int min_ti
         Rational r[5];
         for (int i = 0; i < 5; ++i) {
             for (auto& x : p[i]) x = coordinate(random);
-            r[i] = rational(p[i]);
+            r[i] = rational_point(p[i]);
         }
         INFO(name, " set ", s);
         const int oriented = sgn(determinant(minus(r[0], r[3]), minus(r[1], r[3]), minus(r[2], r[3])));
@@ -121,7 +121,7 @@ bool triangulate(const std::vector<Point>& points, Triangulation& triangulation)
 // exactly the hull's volume; neighbors mutual.
 void check_triangulation(const std::vector<Point>& points, std::span<const Tetrahedron> cells) {
     std::vector<Rational> r;
-    for (const Point& p : points) r.push_back(rational(p));
+    for (const Point& p : points) r.push_back(rational_point(p));
     std::set<std::int32_t> met;
     mpq_class volume, hull;
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -13,6 +13,7 @@
 #include "cpu/cpu_clipper.hpp"
 #include "input/options.hpp"
 #include "support/check.hpp"
+#include "support/kernel_sets.hpp"
 #include "support/rational_planes.hpp"
 #include "walk/window.hpp"
 
@@ -43,12 +44,6 @@ double length_of(const Vector& v) {
 
 mpq_class square_of(const mpq_class& x) {
     return x * x;
-}
-
-template <class Test>
-void for_each_set(const Test& test) {
-    for (const Kernels* supported : supported_kernels())
-        if (std::string(supported->name) != "avx512") test(star_kernels(supported->name));
 }
 
 // A seed at the origin in a small cell among heavy seeds that are far away, and light ones that are not.
@@ -115,7 +110,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("star bounds: planes of seeds that the search skips are as far away as it says") {
         Random random(7);
-        for_each_set([&](const StarKernels& kernels) {
+        test::for_each_set([&](const StarKernels& kernels) {
             std::size_t skipped = 0;
             for (std::size_t i = 0; i < test::by_size(20000, 4000); ++i) {
                 const double extent = decades(random, 5, 8), distance = extent * decades(random, -3, -0.1);
@@ -239,7 +234,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("star bounds: no candidate plane that cuts a vertex off is passed over") {
         Random random(5);
-        for_each_set([&](const StarKernels& kernels) {
+        test::for_each_set([&](const StarKernels& kernels) {
             for (std::size_t i = 0; i < test::by_size(8000, 2000); ++i) {
                 const double longest = decades(random, 0.3, random.chance(0.5) ? 1.5 : 8.5);
                 const bool weighted = random.chance(0.4);
@@ -303,7 +298,7 @@ TEST_SUITE("stages") {
     TEST_CASE("star bounds: the rounding of images does not hide a seed in a ball") {
         Random random(6);
         const double r = 2 * std::sqrt(3.0) * bounds::image_rounding;
-        for_each_set([&](const StarKernels& kernels) {
+        test::for_each_set([&](const StarKernels& kernels) {
             const auto all_found = [&](double square) {
                 const double distance = std::sqrt(square);
                 bool all = true;

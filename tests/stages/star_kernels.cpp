@@ -13,26 +13,14 @@
 #include <vector>
 
 #include "support/check.hpp"
+#include "support/kernel_sets.hpp"
 #include "support/random.hpp"
 
 using namespace votess::cpu;
 using test::Random;
+using votess::infinity;
 
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-// Calls test(kernels) for each set of loops that this processor can run; avx512 has those of avx2.
-template <class Test>
-void for_each_set(const Test& test) {
-    for (const Kernels* supported : supported_kernels()) {
-        const StarKernels& kernels = star_kernels(supported->name);
-        if (std::string(supported->name) == "avx512") continue;
-        REQUIRE(std::string(kernels.name) == supported->name);
-        INFO(std::string(kernels.name));
-        test(kernels);
-    }
-}
 
 int round_up(int count, int multiple) {
     return (count + multiple - 1) / multiple * multiple;
@@ -95,7 +83,7 @@ TEST_SUITE("stages") {
                 near |= static_cast<unsigned>(sum < limit) << i;
                 if (!integers && std::abs(sum - limit) <= 1e-14 * limit) uncertain |= 1u << i;
             }
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 REQUIRE((kernels.near_boxes(block, home, limit) | uncertain) == (near | uncertain));
                 REQUIRE(kernels.near_boxes(block, home, 1e300) == (1u << existing) - 1);
             });
@@ -143,7 +131,7 @@ TEST_SUITE("stages") {
                 must |= static_cast<unsigned>(far_enough && along - 0.5 * square + test.slack >= 0) << i;
                 may |= static_cast<unsigned>(far_enough && along - 0.5 * square + test.slack >= -1e-7 * square) << i;
             }
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 const unsigned inside = kernels.inside_ball(q[0].data(), q[1].data(), q[2].data(), test, least);
                 REQUIRE((inside & must) == must);
                 REQUIRE((inside & ~may) == 0);
@@ -204,7 +192,7 @@ TEST_SUITE("stages") {
             const WindowFrame frame{home, 0, {}, 1024, &tilt, test.length};
             std::vector<std::uint32_t> groups(box_fan);
             std::iota(groups.begin(), groups.end(), 0u);
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 const unsigned near = kernels.near_heavier(block, bounds, home, tilt, test);
                 for (int i = 0; i < box_fan; ++i) {
                     double most = -infinity;
@@ -275,7 +263,7 @@ TEST_SUITE("stages") {
                 if (i / box_fan < kept || sum < frame.distance_squared) expected.push_back(static_cast<int>(seed));
                 if (!integers) REQUIRE(std::abs(sum - frame.distance_squared) > 1e-12);  // no matter of rounding
             }
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 // Exactly as long as the window makes them, for the address sanitizer.
                 const std::size_t room = groups.size() * box_fan + 16;
                 std::array<std::vector<std::int32_t>, 3> out;
@@ -352,7 +340,7 @@ TEST_SUITE("stages") {
             for (int i = 0; i < count; ++i)
                 if (x[0][i] == far_away) weights[i] = -std::numeric_limits<float>::infinity();
             std::fill(weights.begin() + count, weights.end(), -std::numeric_limits<float>::infinity());
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 const auto planes = std::make_unique<CandidatePlanes>();
                 CandidatePlanes& c = *planes;
                 const bool fits = kernels.select(
@@ -394,7 +382,7 @@ TEST_SUITE("stages") {
                 std::vector<std::int32_t> x(640, far_away), zero(640, 0), ids(640);
                 std::iota(ids.begin(), ids.end(), 7);
                 for (int i = 0; i < near; ++i) x[i * step] = 1 + i;
-                for_each_set([&](const StarKernels& kernels) {
+                test::for_each_set([&](const StarKernels& kernels) {
                     const auto c = std::make_unique<CandidatePlanes>();
                     const std::int32_t p[3] = {0, 0, 0};
                     const bool fits = kernels.select({x.data(), zero.data(), zero.data(), ids.data(), nullptr, 624}, p,
@@ -430,7 +418,7 @@ TEST_SUITE("stages") {
                 if (random.chance(0.1)) ray.d[0] = ray.d[1] = ray.d[2] = 0;
                 if (random.chance(0.1)) ray.limit = 1e6f;
             }
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 int hits[2] = {-7, -7};
                 kernels.first_hits(c, count, rays, hits);
                 for (int r = 0; r < 2; ++r) {
@@ -477,7 +465,7 @@ TEST_SUITE("stages") {
                 int expected = begin;
                 while (expected < count && !touches(expected)) ++expected;
                 if (expected == count) expected = -1;
-                for_each_set([&](const StarKernels& kernels) {
+                test::for_each_set([&](const StarKernels& kernels) {
                     REQUIRE(kernels.touching(c, count, v, three, begin) == expected);
                 });
                 begin += count > 40 ? static_cast<int>(random.below(20)) : 0;
@@ -502,7 +490,7 @@ TEST_SUITE("stages") {
                 const auto order = test::permutation(sorted.size(), random);
                 std::vector<std::int32_t> ids;
                 for (const std::size_t place : order) ids.push_back(sorted[place]);
-                for_each_set([&](const StarKernels& kernels) {
+                test::for_each_set([&](const StarKernels& kernels) {
                     std::vector<std::uint32_t> places(std::max<std::size_t>(order.size(), 32), 9999);
                     kernels.rank(ids.data(), count, places.data());
                     REQUIRE(std::equal(order.begin(), order.end(), places.begin()));
@@ -529,7 +517,7 @@ TEST_SUITE("stages") {
                 shape.add_corner(static_cast<unsigned>(slots[0]), static_cast<unsigned>(slots[1]),
                                  static_cast<unsigned>(slots[2]));
             }
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 CornerOrder found;
                 kernels.order_corners(shape, found);
                 std::size_t at = 0;

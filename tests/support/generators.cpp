@@ -10,7 +10,7 @@ namespace test {
 
 namespace {
 
-using Vec = std::array<double, 3>;
+using Vector = std::array<double, 3>;
 
 void add(PointSet& set, double x, double y, double z) {
     set.points.insert(set.points.end(), {x, y, z});
@@ -53,9 +53,9 @@ PointSet lattice(std::string name, const std::array<std::array<int, 3>, 3>& basi
     return set;
 }
 
-Vec on_unit_sphere(Random& random) {
+Vector on_unit_sphere(Random& random) {
     for (;;) {
-        const Vec v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+        const Vector v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         const double r = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
         if (r > 0.1 && r < 1) return {v[0] / r, v[1] / r, v[2] / r};
     }
@@ -88,7 +88,7 @@ PointSet uniform(std::size_t n, std::uint64_t seed) {
 
 PointSet clustered(std::size_t n, std::uint64_t seed) {
     Random random(seed);
-    std::array<Vec, 50> center;
+    std::array<Vector, 50> center;
     std::array<double, 50> sigma;
     for (std::size_t c = 0; c < 50; ++c) {
         center[c] = {random.uniform(), random.uniform(), random.uniform()};
@@ -97,7 +97,7 @@ PointSet clustered(std::size_t n, std::uint64_t seed) {
     PointSet set{"clustered", {}, unit_box()};
     while (set.size() < n) {
         const std::size_t c = random.below(50);
-        Vec p;
+        Vector p;
         for (std::size_t a = 0; a < 3; ++a) p[a] = center[c][a] + sigma[c] * random.gaussian();
         if (std::all_of(p.begin(), p.end(), [](double x) { return x >= 0 && x <= 1; })) add(set, p[0], p[1], p[2]);
     }
@@ -110,7 +110,7 @@ PointSet nested_clusters(std::size_t n, std::uint64_t seed) {
     for (std::size_t i = 0; i < n; ++i) {
         double size = 0.5;
         for (std::uint64_t level = random.below(13); level > 0; --level) size /= 10;
-        Vec p;
+        Vector p;
         for (auto& x : p) x = clamp_unit(0.375 + size * random.uniform(-0.5, 0.5));
         add(set, p[0], p[1], p[2]);
     }
@@ -120,7 +120,7 @@ PointSet nested_clusters(std::size_t n, std::uint64_t seed) {
 PointSet near_duplicates(std::size_t n, std::uint64_t seed) {
     Random random(seed);
     PointSet set{"near duplicates", {}, unit_box()};
-    Vec p{};
+    Vector p{};
     for (std::size_t i = 0; i < n; ++i) {
         if (i % 3 == 0) {
             p = {random.uniform(0.1, 0.9), random.uniform(0.1, 0.9), random.uniform(0.1, 0.9)};
@@ -144,7 +144,7 @@ PointSet on_walls(std::size_t n, std::uint64_t seed) {
     Random random(seed);
     PointSet set{"on walls", {}, unit_box()};
     for (std::size_t i = 0; i < n; ++i) {
-        Vec p{random.uniform(), random.uniform(), random.uniform()};
+        Vector p{random.uniform(), random.uniform(), random.uniform()};
         for (auto& x : p)
             if (random.chance(0.5)) x = static_cast<double>(random.below(2));
         add(set, p[0], p[1], p[2]);
@@ -250,7 +250,7 @@ PointSet on_sphere(std::size_t n, std::uint64_t seed) {
     Random random(seed);
     PointSet set{"on a sphere", {}, cube(-1.5, 1.5)};
     for (std::size_t i = 0; i < n; ++i) {
-        const Vec v = on_unit_sphere(random);
+        const Vector v = on_unit_sphere(random);
         add(set, v[0], v[1], v[2]);
     }
     return set;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "core/arithmetic.hpp"
 
 namespace votess::blocks {
 namespace {
@@ -10,7 +11,6 @@ namespace {
 constexpr std::size_t max_tile_seeds = 512;
 constexpr double halo_spacings = 2.5;  // nearly all cells at a border have a smaller reach
 constexpr std::size_t max_images = 512;
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 using Vector = std::array<double, 3>;
 

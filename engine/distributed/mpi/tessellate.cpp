@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <optional>
 #include <string>
 
+#include "core/arithmetic.hpp"
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/pack_cells.hpp"
@@ -142,7 +142,6 @@ private:
     }
 
     void split_domain() {
-        constexpr double infinity = std::numeric_limits<double>::infinity();
         Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
         for (std::size_t i = 0; i < points_.size(); ++i) {
             bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points_[i]);

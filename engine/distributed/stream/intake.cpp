@@ -12,7 +12,6 @@
 namespace votess::stream {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Box nothing{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::size_t task_seeds = 4096;
 constexpr std::uint32_t no_block = std::numeric_limits<std::uint32_t>::max();

@@ -9,7 +9,7 @@
 namespace votess::gpu {
 namespace {
 
-constexpr std::size_t block_cells = 4096;  // per task
+constexpr std::size_t cells_at_once = 4096;  // per task
 
 PendingCells::Reason reason_of(std::uint32_t status) {
     switch (status) {
@@ -40,8 +40,8 @@ PendingCells::Left PendingCells::add_left(std::span<const std::uint32_t> info, s
                                           std::span<const std::int32_t> members, ThreadPool& pool) {
     std::mutex mutex;  // of cells_, reasons_ and found
     Left found;
-    pool.run(ceil_div(info.size(), block_cells), [&](std::size_t block, unsigned) {
-        const std::size_t begin = block * block_cells, end = std::min(info.size(), begin + block_cells);
+    pool.run(ceil_div(info.size(), cells_at_once), [&](std::size_t block, unsigned) {
+        const std::size_t begin = block * cells_at_once, end = std::min(info.size(), begin + cells_at_once);
         std::vector<std::int32_t> cells;
         std::vector<Reason> reasons;
         std::size_t beside = 0;

@@ -11,7 +11,7 @@
 
 namespace {
 
-struct Call {
+struct Case {
     std::string name;
     test::Coordinates points;
     votess::Options options;
@@ -27,7 +27,7 @@ struct Call {
     }
 };
 
-Call call(const std::string& name, const test::Coordinates& points) {
+Case call(const std::string& name, const test::Coordinates& points) {
     return {name, points, test::all_options(test::unit_box()), {}};
 }
 
@@ -36,44 +36,44 @@ void copy_seed(test::Coordinates& points, std::size_t from, std::size_t to) {
 }
 
 // Mostly of the same seeds, so that what is left of another call would fit.
-std::vector<Call> all_kinds(std::size_t n) {
+std::vector<Case> all_kinds(std::size_t n) {
     const test::Coordinates seeds = test::uniform(n, 85).points;
     test::Random random(86);
-    std::vector<Call> calls{call("uniform", seeds), call("clustered", test::clustered(n, 87).points),
+    std::vector<Case> calls{call("uniform", seeds), call("clustered", test::clustered(n, 87).points),
                             call("fewer", test::uniform(n / 3, 88).points), call("none", {}),
                             call("one", {0.5, 0.25, 0.5})};
-    auto add = [&](const std::string& name) -> Call& { return calls.emplace_back(call(name, seeds)); };
+    auto add = [&](const std::string& name) -> Case& { return calls.emplace_back(call(name, seeds)); };
     for (double& x : add("moved").points) x = std::clamp(x + 1e-3 * random.uniform(-1, 1), 0.0, 1.0);
-    Call& some_equal = add("some are equal");
+    Case& some_equal = add("some are equal");
     for (std::size_t i = 0; i + 20 < n; i += 20) copy_seed(some_equal.points, i, i + 1 + random.below(19));
-    Call& equal = add("all are equal");
+    Case& equal = add("all are equal");
     for (std::size_t i = 1; i < n; ++i) copy_seed(equal.points, 0, i);
-    Call& dropped = add("some are dropped");
+    Case& dropped = add("some are dropped");
     dropped.options.outside = votess::Outside::drop;
     for (std::size_t i = 0; i < n; i += 7) dropped.points[3 * i + i % 3] += i % 2 == 0 ? 1 : -1;
-    Call& gone = add("all but one are dropped");
+    Case& gone = add("all but one are dropped");
     gone.options.outside = votess::Outside::drop;
     for (std::size_t i = 1; i < n; ++i) gone.points[3 * i] += 2;
-    Call& weighted = add("weights");
+    Case& weighted = add("weights");
     for (std::size_t i = 0; i < n; ++i) weighted.weights.push_back(1e-5 * random.uniform());
-    Call& buried = add("some are buried at their place or equal");
+    Case& buried = add("some are buried at their place or equal");
     for (std::size_t i = 0; i < n; ++i) buried.weights.push_back(1e-4 * static_cast<double>(i % 3));
     for (std::size_t i = 3; i < n; i += 5) copy_seed(buried.points, i - 1 - i % 3, i);
-    Call& one_heavy = add("one buries all others");
+    Case& one_heavy = add("one buries all others");
     one_heavy.weights.assign(n, 0);
     one_heavy.weights[n / 2] = 10;
     add("periodic").options.periodic = {true, false, true};
-    Call& wall = add("a wall, some are dropped");
+    Case& wall = add("a wall, some are dropped");
     wall.options.walls.push_back({{1, 1, 1}, 2});
     wall.options.outside = votess::Outside::drop;
     add("larger box").options.box = test::cube(-3, 40);  // another scale
     add("no box").options.box.reset();
     add("float32").narrow = true;
-    Call& baseline = add("other instructions and threads");
+    Case& baseline = add("other instructions and threads");
     baseline.options.instructions = "baseline";
     baseline.options.threads = 3;
     baseline.options.grid_resolution = 2;
-    Call& rows = add("rows of seeds alone");
+    Case& rows = add("rows of seeds alone");
     rows.options.want = {.volumes = false};
     rows.options.list_walls = false;
     add("volumes alone").options.want = {.neighbors = false};
@@ -84,9 +84,9 @@ std::vector<Call> all_kinds(std::size_t n) {
 
 TEST_SUITE("interface") {
     TEST_CASE("tessellator: any call after any other") {
-        const std::vector<Call> calls = all_kinds(test::by_size(150, 60));
+        const std::vector<Case> calls = all_kinds(test::by_size(150, 60));
         std::vector<votess::Tessellation> expected;
-        for (const Call& c : calls) {
+        for (const Case& c : calls) {
             votess::Tessellator fresh;
             expected.push_back(c.on(fresh));
         }
@@ -101,8 +101,8 @@ TEST_SUITE("interface") {
     }
 
     TEST_CASE("tessellator: the kinds of calls are what their names say") {
-        const std::vector<Call> calls = all_kinds(60);
-        for (const Call& c : calls) {
+        const std::vector<Case> calls = all_kinds(60);
+        for (const Case& c : calls) {
             CAPTURE(c.name);
             votess::Tessellator fresh;
             const auto t = c.on(fresh);
@@ -121,7 +121,7 @@ TEST_SUITE("interface") {
             for (const double distance : {0.0, 1e-12, 0.01, 1.0}) {
                 CAPTURE(distance);
                 test::Random random(71);
-                Call c = call("moving", test::uniform(n, 72).points);
+                Case c = call("moving", test::uniform(n, 72).points);
                 c.options.threads = threads;
                 votess::Tessellator kept;
                 for (int step = 0; step < 3; ++step) {

@@ -89,13 +89,13 @@ std::array<double, 3> hard_query(Random& random, const QueryCase& c) {
     return x;
 }
 
-struct Row {
+struct NaturalRow {
     std::vector<std::int32_t> seeds;
     std::vector<double> weights, gradients;
 };
-Row row_of(const votess::NaturalCoordinates& c, std::size_t q) {
+NaturalRow row_of(const votess::NaturalCoordinates& c, std::size_t q) {
     const auto begin = c.indptr[q], end = c.indptr[q + 1];
-    Row row;
+    NaturalRow row;
     row.seeds.assign(c.indices.begin() + begin, c.indices.begin() + end);
     row.weights.assign(c.weights.begin() + begin, c.weights.begin() + end);
     if (!c.gradients.empty()) row.gradients.assign(c.gradients.begin() + 3 * begin, c.gradients.begin() + 3 * end);
@@ -103,7 +103,7 @@ Row row_of(const votess::NaturalCoordinates& c, std::size_t q) {
 }
 
 // Returns what is wrong with a row; expected: by seed, those that are positive.
-std::string check_weights(const Row& row, const std::map<std::int32_t, double>& expected) {
+std::string check_weights(const NaturalRow& row, const std::map<std::int32_t, double>& expected) {
     double sum = 0;
     if (row.seeds.size() != expected.size())
         return std::to_string(row.seeds.size()) + " seeds for " + std::to_string(expected.size());
@@ -121,7 +121,7 @@ std::string check_weights(const Row& row, const std::map<std::int32_t, double>& 
     return "";
 }
 
-std::string check_sibson(const Row& row, const test::Shares& exact) {
+std::string check_sibson(const NaturalRow& row, const test::Shares& exact) {
     std::map<std::int32_t, double> expected;
     std::array<mpq_class, 3> sum;
     for (const auto& [seed, share] : exact.of) {
@@ -146,7 +146,7 @@ std::string check_sibson(const Row& row, const test::Shares& exact) {
     return "";
 }
 
-std::string check_laplace(const Row& row, const test::Shares& exact) {
+std::string check_laplace(const NaturalRow& row, const test::Shares& exact) {
     std::map<std::int32_t, double> expected;
     double sum = 0;
     for (const auto& [seed, share] : exact.of) sum += share.area;
@@ -232,7 +232,7 @@ TEST_SUITE("query") {
                 std::vector<double> weight;
                 if (!c.weights.empty()) weight.push_back(random.below(3) == 0 ? 0 : random.uniform(-0.2, 0.6));
                 sibson.weights = laplace.weights = weight;
-                Row row, areas;
+                NaturalRow row, areas;
                 bool refused = false;
                 try {
                     row = row_of(diagram.natural_neighbors(x, sibson), 0);
@@ -275,7 +275,7 @@ TEST_SUITE("query") {
         votess::Options options;
         options.box = test::unit_box();
         const votess::Diagram diagram(Coordinates{0, 0, 0, 0, 1, 0, 1, 1, 0}, options);
-        const Row row = row_of(diagram.natural_neighbors(Coordinates{0.6141, 0.1592, 0.8754}), 0);
+        const NaturalRow row = row_of(diagram.natural_neighbors(Coordinates{0.6141, 0.1592, 0.8754}), 0);
         REQUIRE(row.seeds.size() == 3);
         CHECK(row.weights[0] == doctest::Approx(0.451563).epsilon(1e-5));
         CHECK(row.weights[1] == doctest::Approx(0.167306).epsilon(1e-5));
