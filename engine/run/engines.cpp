@@ -20,7 +20,7 @@ namespace votess {
 
 #if VOTESS_HAVE_VULKAN
 
-namespace {
+namespace detail {
 
 // Finding out that there is no GPU takes 40 ms, as long as 10,000 cells take on one core; opening one takes longer.
 constexpr std::size_t min_seeds = 10000;
@@ -72,7 +72,7 @@ gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, E
     return engine_.get();
 }
 
-}  // namespace
+}  // namespace detail
 
 #endif
 
@@ -81,7 +81,7 @@ struct Engines::State {
     cpu::CpuEngine cpu{clipper};
     Snapshot snapshot;
 #if VOTESS_HAVE_VULKAN
-    OpenGpu gpu;
+    detail::OpenGpu gpu;
 #endif
 };
 

@@ -91,7 +91,6 @@ private:
 
     // Adds the cell when it reaches a box of unknown seeds.
     void test(std::size_t number, double reach, std::vector<Pending>& pending) {
-        const std::int32_t own = block_.positions_[number];
         cpu::Cell& cell = from_neighbors(number);
         ++tested;
         const double weight = block_.weight_of(number);

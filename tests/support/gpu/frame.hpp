@@ -28,11 +28,11 @@ struct Host {
     // The device has float64 enabled only if it is wanted.
     explicit Host(bool want_float64 = true) : float64(want_float64), gpu({.float64 = want_float64}) {}
 
-    [[nodiscard]] HostInstance instance() const {
+    [[nodiscard]] votess::vulkan::HostInstance instance() const {
         return {gpu.instance->handle(), loader.calls().vkGetInstanceProcAddr, gpu.instance->version()};
     }
-    [[nodiscard]] HostDevice device() {
-        HostDevice host;
+    [[nodiscard]] votess::vulkan::HostDevice device() {
+        votess::vulkan::HostDevice host;
         host.host = instance();
         host.physical_device = gpu.adapter.handle;
         host.device = gpu.device->handle();
