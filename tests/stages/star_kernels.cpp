@@ -12,6 +12,7 @@
 #include <set>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "support/check.hpp"
 #include "support/kernel_sets.hpp"
 #include "support/random.hpp"
