@@ -73,6 +73,14 @@ public:
         const auto doubled = static_cast<int>(product >> 127 == 0);  // the top bit is one of two
         return {product << doubled, x.exponent + y.exponent + 128 - doubled, x.negative != y.negative};
     }
+    // Returns a/b as a double, within 2^-51. b is not 0.
+    friend double ratio(const Quad& a, const Quad& b) {
+        const double size = static_cast<double>(a.bits_.high) / static_cast<double>(b.bits_.high);
+        const double quotient = a.bits_.negative == b.bits_.negative ? size : -size;
+        const int exponent = a.bits_.exponent - b.bits_.exponent;
+        if (std::abs(exponent) > 1000) return std::ldexp(quotient, exponent);
+        return quotient * std::bit_cast<double>(static_cast<std::uint64_t>(exponent + 1023) << 52);
+    }
     // b is not 0. Two steps of Newton's iteration, from a quotient of 51 bits.
     friend Quad operator/(const Quad& a, const Quad& b) {
         Quad divisor = b;

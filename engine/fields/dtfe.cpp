@@ -219,8 +219,7 @@ public:
             const auto& [begin, count] = corners[k];
             for (std::size_t i = begin; i < begin + count; ++i) {
                 const std::size_t seed = triangulation_.seed(i);
-                const auto share =
-                    static_cast<double>(triangulation_.volume(number) / around_[seed]) / static_cast<double>(count);
+                const double share = ratio(triangulation_.volume(number), around_[seed]) / static_cast<double>(count);
                 for (std::size_t c = 0; c < m; ++c) at_corners_[k * m + c] += share * masses_.values[seed * m + c];
             }
         }
@@ -249,10 +248,13 @@ private:
 std::vector<Volume> volumes_around(const Triangulation& triangulation, std::size_t seeds) {
     std::vector<Volume> around(seeds, 0);
     in_pieces(triangulation.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t number = first; number < last; ++number)
-            for (const auto& [begin, count] : triangulation.corners(number))
-                for (std::size_t i = begin; i < begin + count; ++i)
-                    around[triangulation.seed(i)] += triangulation.volume(number) / static_cast<Volume>(count);
+        for (std::size_t number = first; number < last; ++number) {
+            const Volume volume = triangulation.volume(number);
+            for (const auto& [begin, count] : triangulation.corners(number)) {
+                const Volume share = count == 1 ? volume : volume / static_cast<double>(count);
+                for (std::size_t i = begin; i < begin + count; ++i) around[triangulation.seed(i)] += share;
+            }
+        }
     });
     return around;
 }

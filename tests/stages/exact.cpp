@@ -256,6 +256,7 @@ TEST_SUITE("stages") {
             REQUIRE(abs(value(a + b, 0) - sum) * mpq_class(0x1p126) <= abs(sum));
             REQUIRE(abs(value(a * b, 0) - product) * mpq_class(0x1p124) <= abs(product));
             REQUIRE(abs(value(a / b, 0) - quotient) * mpq_class(0x1p122) <= abs(quotient));
+            REQUIRE(abs(mpq_class(ratio(a, b)) - quotient) * mpq_class(0x1p51) <= abs(quotient));
             REQUIRE((a < b) == (x < y));
             REQUIRE((a == b) == (x == y));
             // Far beyond the exponents of double.
