@@ -181,10 +181,10 @@ TEST_SUITE("stages") {
     TEST_CASE("exact: wide integers multiply, shift and compare like GMP") {
         Random random(8);
         const auto value = [](const auto& w) {
-            mpz_class z = static_cast<long>(static_cast<std::int64_t>(w.limb.back()));
-            for (std::size_t k = w.limb.size() - 1; k-- > 0;)
-                z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
-            return z;
+            mpz_class z, modulus = 1;
+            mpz_import(z.get_mpz_t(), w.limb.size(), -1, sizeof w.limb[0], 0, 0, w.limb.data());
+            modulus <<= 64 * w.limb.size();
+            return mpz_class(w.negative() ? z - modulus : z);
         };
         // Sparse limbs exercise carries and signs.
         const auto fill = [&](auto& w) {
