@@ -1,27 +1,15 @@
 // Ctrl-C and similar signals, checked where it is safe to stop.
 #pragma once
 
-#include <array>
-#include <csignal>
 #include <exception>
+
+#include "core/system.hpp"
 
 namespace clvotess {
 
-// During its lifetime SIGINT, SIGTERM and SIGHUP set a flag. A second signal ends the program at once.
-class InterruptGuard {
-public:
-    InterruptGuard();
-    ~InterruptGuard();
-    InterruptGuard(const InterruptGuard&) = delete;
-    InterruptGuard& operator=(const InterruptGuard&) = delete;
+using InterruptGuard = votess::system::SignalGuard;
 
-    static constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
-
-private:
-    std::array<struct sigaction, signals.size()> old_{};
-};
-
-// Thrown after a signal, and with SIGPIPE when the reader of stdout closed it.
+// Thrown after a signal, and with that of a closed pipe when the reader of stdout closed it.
 class Interrupted : public std::exception {
 public:
     explicit Interrupted(int signal) : signal_(signal) {}
@@ -33,7 +21,12 @@ private:
 };
 
 // Returns the received signal, or 0.
-[[nodiscard]] int interrupting_signal() noexcept;
-void throw_if_interrupted();
+[[nodiscard]] inline int interrupting_signal() noexcept {
+    return votess::system::received_signal();
+}
+
+inline void throw_if_interrupted() {
+    if (const int signal = interrupting_signal()) throw Interrupted(signal);
+}
 
 }  // namespace clvotess

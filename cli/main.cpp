@@ -1,10 +1,7 @@
 // clvotess: reads, tessellates, verifies, writes, prints a summary.
-#include <fcntl.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -18,6 +15,7 @@
 
 #include "arguments/arguments.hpp"
 #include "arguments/carried.hpp"
+#include "core/system.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/output_file.hpp"
@@ -42,7 +40,7 @@ double seconds_since(Clock::time_point begin) {
 void print(const std::string& text) {
     errno = 0;
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
-        if (errno == EPIPE) throw Interrupted(SIGPIPE);
+        if (errno == EPIPE) throw Interrupted(votess::system::closed_pipe);
         throw runtime_failure(std::string("cannot write to stdout: ") + std::strerror(errno));
     }
 }
@@ -201,7 +199,7 @@ int main_inside(int count, const char* const* values) {
     } catch (const Interrupted& interrupted) {
         // A reader that closes stdout early, such as head, is not an error.
         const int code = exit_code::signal_base + interrupted.signal();
-        return interrupted.signal() == SIGPIPE ? code : complain(code, interrupted.what());
+        return interrupted.signal() == votess::system::closed_pipe ? code : complain(code, interrupted.what());
     } catch (const votess::Error& error) {
         return complain(exit_code_of(error.code()), error.what());
     } catch (const std::bad_alloc&) {
@@ -211,19 +209,12 @@ int main_inside(int count, const char* const* values) {
     }
 }
 
-// Opens /dev/null for each standard stream that the parent closed. Otherwise the first file opened here would get its
-// number, and messages would go into it. Read-only, so that writing still fails.
-void fill_standard_streams() {
-    for (int descriptor = 0; descriptor <= 2; ++descriptor) {
-        if (fcntl(descriptor, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
-    }
-}
-
 }  // namespace
 }  // namespace clvotess
 
 int main(int argc, char** argv) {
-    clvotess::fill_standard_streams();
-    std::signal(SIGPIPE, SIG_IGN);  // a closed pipe becomes a write error, so that temporary files are removed
-    return clvotess::main_inside(argc, argv);
+    const std::vector<std::string> arguments = votess::system::begin_program(argc, argv);
+    std::vector<const char*> values;
+    for (const std::string& argument : arguments) values.push_back(argument.c_str());
+    return clvotess::main_inside(static_cast<int>(values.size()), values.data());
 }

@@ -1,16 +1,16 @@
 #include "progress.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <string>
 
+#include "core/system.hpp"
+
 namespace clvotess {
 
 Progress::Progress(bool enabled, Clock::time_point run_began)
-    : quiet_(!enabled), enabled_(enabled && isatty(STDERR_FILENO) == 1), run_began_(run_began) {}
+    : quiet_(!enabled), enabled_(enabled && votess::system::stderr_is_terminal()), run_began_(run_began) {}
 
 Progress::~Progress() {
     if (drawn_) std::fputs("\r\x1b[K", stderr);

@@ -82,14 +82,15 @@ zig_libraries() {  # folder
     cp "$sources"/zlib-*/{zlib,zconf}.h "$sources"/libpng*/{png,pngconf,pnglibconf}.h "$1/include/"
 }
 
-# -fno-sanitize: by default zig stops programs at undefined behavior.
+# -fno-sanitize: by default zig stops programs at undefined behavior. -g0: it always adds debug information.
 zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
-    local folder=$work/$3 name options
+    local folder=$work/$3 zig name options
+    zig=$(python -c 'import ziglang; print(ziglang.__path__[0])')/zig
     mkdir -p "$folder/include" "$folder/lib"
     for name in cc c++ ar ranlib; do
-        options=$name
-        [[ $name != c* ]] || options+=" -target $3 -fno-sanitize=undefined"
-        printf '#!/bin/sh\nexec "%s" -m ziglang %s "$@"\n' "$work/tools/bin/python" "$options" >"$folder/$name"
+        options='"$@"'
+        [[ $name != c* ]] || options="-target $3 -fno-sanitize=undefined $options -g0"
+        printf '#!/bin/sh\nexec "%s" %s %s\n' "$zig" "$name" "$options" >"$folder/$name"
         chmod +x "$folder/$name"
     done
     for name in CLI eigen3 glm vk_video vulkan volk.h volk.c; do ln -s "/usr/include/$name" "$folder/include/"; done

@@ -1,12 +1,9 @@
 #include "files/input_file.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <span>
 
 #include "failure.hpp"
 #include "files/limits.hpp"
@@ -15,12 +12,14 @@
 namespace clvotess {
 namespace {
 
+using votess::system::File;
+
 // Opens a file. A signal interrupts the wait for the writer of a FIFO.
-int open_file(const std::string& path) {
+File open_file(const std::string& path) {
     for (;;) {
         throw_if_interrupted();
-        const int descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-        if (descriptor >= 0) return descriptor;
+        File file = File::open_to_read(votess::system::path_of(path));
+        if (file.is_open()) return file;
         if (errno != EINTR) throw bad_input("cannot open " + in_quotes(path) + ": " + std::strerror(errno));
     }
 }
@@ -28,14 +27,8 @@ int open_file(const std::string& path) {
 }  // namespace
 
 InputFile::InputFile(const std::string& path)
-    : name_(path == "-" ? "stdin" : path), descriptor_(path == "-" ? STDIN_FILENO : open_file(path)) {
-    struct stat facts {};
-    regular_ = path != "-" && fstat(descriptor_, &facts) == 0 && S_ISREG(facts.st_mode);
-    if (regular_) size_ = static_cast<std::uint64_t>(facts.st_size);
-}
-
-InputFile::~InputFile() {
-    if (descriptor_ != STDIN_FILENO) close(descriptor_);
+    : name_(path == "-" ? "stdin" : path), file_(path == "-" ? File::standard_input() : open_file(path)) {
+    if (path != "-") regular_size_ = file_.regular_size();
 }
 
 std::size_t InputFile::read(char* to, std::size_t count) {
@@ -43,17 +36,18 @@ std::size_t InputFile::read(char* to, std::size_t count) {
     std::size_t done = 0;
     while (done < count) {
         throw_if_interrupted();
-        const ssize_t got = ::read(descriptor_, to + done, std::min(piece, count - done));
+        const std::ptrdiff_t got =
+            file_.read(std::as_writable_bytes(std::span(to + done, std::min(piece, count - done))));
         if (got < 0 && errno == EINTR) continue;
         if (got < 0) {
-            throw bad_input("cannot read " + (descriptor_ == STDIN_FILENO ? name_ : in_quotes(name_)) + ": " +
+            throw bad_input("cannot read " + (file_.is_standard() ? name_ : in_quotes(name_)) + ": " +
                             std::strerror(errno));
         }
         if (got == 0) break;
         done += static_cast<std::size_t>(got);
     }
     done_ += done;
-    if (done < count && done_ < size_) throw runtime_failure(name_ + ": the file was made shorter while it was read");
+    if (done < count && done_ < size()) throw runtime_failure(name_ + ": the file was made shorter while it was read");
     return done;
 }
 
@@ -66,8 +60,7 @@ bool InputFile::append(std::string& to, std::size_t count) {
 }
 
 void InputFile::skip(std::uint64_t count) {
-    if (lseek(descriptor_, static_cast<off_t>(count), SEEK_CUR) < 0)
-        throw runtime_failure("cannot read " + in_quotes(name_) + ": " + std::strerror(errno));
+    if (!file_.skip(count)) throw runtime_failure("cannot read " + in_quotes(name_) + ": " + std::strerror(errno));
     done_ += count;
 }
 

@@ -4,8 +4,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "core/system.hpp"
 
 namespace clvotess {
 
@@ -14,7 +17,6 @@ public:
     explicit InputFile(const std::string& path);  // "-" is stdin. Throws Failure
     InputFile(const InputFile&) = delete;
     InputFile& operator=(const InputFile&) = delete;
-    ~InputFile();
 
     // Reads the next bytes and returns their number, less than `count` only at the end. Throws Interrupted soon after a
     // signal, and Failure when the file ends before its size at opening.
@@ -24,15 +26,16 @@ public:
     // Skips bytes of a regular file.
     void skip(std::uint64_t count);
 
-    [[nodiscard]] bool is_regular() const noexcept { return regular_; }
-    [[nodiscard]] std::uint64_t size() const noexcept { return size_; }  // at opening; 0 unless the file is regular
+    [[nodiscard]] bool is_regular() const noexcept { return regular_size_.has_value(); }
+    // At opening; 0 unless the file is regular.
+    [[nodiscard]] std::uint64_t size() const noexcept { return regular_size_.value_or(0); }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:
     std::string name_;  // for messages
-    int descriptor_;
-    bool regular_ = false;
-    std::uint64_t size_ = 0, done_ = 0;
+    votess::system::File file_;
+    std::optional<std::uint64_t> regular_size_;
+    std::uint64_t done_ = 0;
 };
 
 // Returns all bytes of a file. lines: refuse a line that is too long as soon as it is read.

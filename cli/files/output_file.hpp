@@ -11,6 +11,7 @@
 #include <string_view>
 #include <type_traits>
 
+#include "core/system.hpp"
 #include "failure.hpp"
 
 namespace clvotess {
@@ -52,12 +53,11 @@ public:
 
 private:
     void open_temporary(Temporary temporary);
-    void close_quietly() noexcept;
 
     std::string name_;       // as given by the user, for messages
     std::string target_;     // links resolved; empty when written to directly
     std::string temporary_;  // name until publish(); may be empty
-    int descriptor_ = -1;
+    votess::system::File file_;
 };
 
 // Text and binary numbers for a file.

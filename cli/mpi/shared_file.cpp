@@ -1,11 +1,12 @@
 #include "mpi/shared_file.hpp"
 
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 #include "failure.hpp"
@@ -25,8 +26,8 @@ static_assert(std::atomic<int>::is_always_lock_free);
 void remove_and_end(int signal) {
     int expected = making;
     if (state.compare_exchange_strong(expected, signal)) return;
-    if (temporary_of_handler[0] != '\0') unlink(temporary_of_handler.data());
-    _exit(exit_code::signal_base + signal);
+    if (temporary_of_handler[0] != '\0') std::remove(temporary_of_handler.data());
+    std::_Exit(exit_code::signal_base + signal);
 }
 
 class MakingFile {
@@ -60,7 +61,8 @@ SharedFile::SharedFile(const Ranks& ranks, const std::string& path) : ranks_(ran
     temporary_.assign(bytes.begin(), bytes.end());
     remember(temporary_);
     ranks.together([&] {
-        if (access(temporary_.c_str(), F_OK) != 0)
+        std::error_code problem;
+        if (!std::filesystem::exists(votess::system::path_of(temporary_), problem))
             throw runtime_failure("cannot see " + in_quotes(temporary_) +
                                   ", which rank 0 created: name a folder that all machines share");
     });

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 
+#include "core/system.hpp"
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
 #include "files/inflate.hpp"
@@ -12,6 +13,9 @@
 
 namespace clvotess {
 namespace {
+
+using votess::system::path_of;
+using votess::system::text_of;
 
 constexpr const char* known =
     "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply, POSCAR, "
@@ -42,7 +46,7 @@ std::string kind_of(const std::string& path) {
                                                           ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
                                                           ".data", ".lmp", ".ply",  ".vasp"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
-    const std::string name = std::filesystem::path(path).filename().string();
+    const std::string name = text_of(path_of(path).filename());
     if (name.starts_with("data.")) return ".data";
     if (name.starts_with("dump.")) return ".dump";
     if (name.starts_with("POSCAR") || name.starts_with("CONTCAR")) return ".vasp";
@@ -52,8 +56,9 @@ std::string kind_of(const std::string& path) {
 // Returns whether the path is the base of a snapshot in several files, without extension.
 bool is_snapshot_base(const std::string& path) {
     std::error_code problem;
-    if (std::filesystem::exists(path, problem)) return false;
-    return std::filesystem::exists(path + ".0.hdf5", problem) || std::filesystem::exists(path + ".0.h5", problem);
+    if (std::filesystem::exists(path_of(path), problem)) return false;
+    return std::filesystem::exists(path_of(path + ".0.hdf5"), problem) ||
+           std::filesystem::exists(path_of(path + ".0.h5"), problem);
 }
 
 bool is_hdf5(const std::string& path, const ReadRequest& request) {
@@ -89,7 +94,7 @@ std::string conversion(std::string_view extension) {
 }
 
 std::string extension_of(const std::string& path) {
-    return lower_case(std::filesystem::path(path).extension().string());
+    return lower_case(text_of(path_of(path).extension()));
 }
 
 FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,

@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/system.hpp"
 #include "failure.hpp"
 #include "files/formats/npy_array.hpp"
 #include "files/input_file.hpp"
@@ -14,7 +15,8 @@ public:
     // Refuses a FIFO before opening it, which would wait for a writer.
     explicit NpyFile(const std::string& path) {
         std::error_code problem;
-        if (std::filesystem::exists(path, problem) && !std::filesystem::is_regular_file(path, problem))
+        const auto status = std::filesystem::status(votess::system::path_of(path), problem);
+        if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
             throw bad_input(path + ": not a regular file");
         file_.emplace(path);
         const auto read = [this](void* to, std::uint64_t count) {

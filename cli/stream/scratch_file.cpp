@@ -1,11 +1,8 @@
 #include "stream/scratch_file.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
+#include <span>
 
 #include "failure.hpp"
 
@@ -19,24 +16,14 @@ namespace {
 
 }  // namespace
 
-ScratchFile::ScratchFile(const std::string& folder) : folder_(folder) {
-#ifdef O_TMPFILE
-    descriptor_ = open(folder.c_str(), O_TMPFILE | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
-    if (descriptor_ >= 0) return;
-#endif
-    std::string name = folder + "/.clvotess-XXXXXX";
-    descriptor_ = mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor_ < 0) throw failed(folder_);
-    unlink(name.c_str());
-}
-
-ScratchFile::~ScratchFile() {
-    close(descriptor_);
+ScratchFile::ScratchFile(const std::string& folder)
+    : folder_(folder), file_(votess::system::File::temporary(votess::system::path_of(folder))) {
+    if (!file_.is_open()) throw failed(folder_);
 }
 
 void ScratchFile::write(std::string_view bytes) {
     while (!bytes.empty()) {
-        const ssize_t done = ::write(descriptor_, bytes.data(), bytes.size());
+        const std::ptrdiff_t done = file_.write(std::as_bytes(std::span(bytes)));
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0) throw failed(folder_);
         size_ += static_cast<std::uint64_t>(done);
@@ -45,26 +32,26 @@ void ScratchFile::write(std::string_view bytes) {
 }
 
 void ScratchFile::rewind() {
-    if (lseek(descriptor_, 0, SEEK_SET) < 0) throw failed(folder_);
+    if (!file_.rewind()) throw failed(folder_);
 }
 
 void ScratchFile::read(void* to, std::size_t bytes) {
-    auto* at = static_cast<char*>(to);
-    while (bytes > 0) {
-        const ssize_t done = ::read(descriptor_, at, bytes);
+    std::span left(static_cast<std::byte*>(to), bytes);
+    while (!left.empty()) {
+        const std::ptrdiff_t done = file_.read(left);
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0) throw failed(folder_);
-        at += done;
-        bytes -= static_cast<std::size_t>(done);
+        left = left.subspan(static_cast<std::size_t>(done));
     }
 }
 
 void ScratchFile::add_to(std::uint64_t place, double value) {
     double sum = 0;
-    const auto at = static_cast<off_t>(place);
-    if (pread(descriptor_, &sum, sizeof sum, at) != sizeof sum) throw failed(folder_);
+    const std::span bytes = std::as_writable_bytes(std::span(&sum, 1));
+    constexpr std::ptrdiff_t all = sizeof sum;
+    if (file_.read_at(place, bytes) != all) throw failed(folder_);
     sum += value;
-    if (pwrite(descriptor_, &sum, sizeof sum, at) != sizeof sum) throw failed(folder_);
+    if (file_.write_at(place, bytes) != all) throw failed(folder_);
 }
 
 }  // namespace clvotess

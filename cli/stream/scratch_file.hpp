@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/system.hpp"
+
 namespace clvotess {
 
 class ScratchFile {
@@ -12,7 +14,6 @@ public:
     explicit ScratchFile(const std::string& folder);
     ScratchFile(const ScratchFile&) = delete;
     ScratchFile& operator=(const ScratchFile&) = delete;
-    ~ScratchFile();
 
     void write(std::string_view bytes);
     void rewind();
@@ -23,7 +24,7 @@ public:
 
 private:
     std::string folder_;
-    int descriptor_ = -1;
+    votess::system::File file_;
     std::uint64_t size_ = 0;
 };
 

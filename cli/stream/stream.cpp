@@ -1,13 +1,10 @@
 #include "stream/stream.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -50,19 +47,12 @@ std::uint64_t bytes_of(std::string text) {
     return static_cast<std::uint64_t>(*number * unit);
 }
 
-// Returns the resident bytes of the process; 0 if unknown.
-std::uint64_t resident_bytes() {
-    std::ifstream statm("/proc/self/statm");
-    std::uint64_t size = 0, resident = 0;
-    statm >> size >> resident;
-    return resident * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
 // Returns the folder of temporary files: by default that of the first output, else the system's.
 std::string scratch_folder(const Arguments& arguments) {
     if (!arguments.temporary.empty()) return arguments.temporary;
-    if (arguments.outputs.empty()) return std::filesystem::temp_directory_path().string();
-    return std::filesystem::path(identity_of(arguments.outputs[0])).parent_path().string();
+    using votess::system::text_of;
+    if (arguments.outputs.empty()) return text_of(std::filesystem::temp_directory_path());
+    return text_of(votess::system::path_of(identity_of(arguments.outputs[0])).parent_path());
 }
 
 // Stores ids and columns in temporary files until their rows are written.
@@ -324,7 +314,7 @@ private:
 };
 
 std::uint64_t memory_for_library(std::uint64_t memory) {
-    const std::uint64_t taken = resident_bytes() + bytes_for_pieces,
+    const std::uint64_t taken = votess::system::resident_memory() + bytes_for_pieces,
                         least = taken + votess::StreamOptions::least_memory;
     if (memory >= least) return memory - taken;
     throw bad_input("--memory " + std::to_string(memory) + " is too little: clvotess needs about " +

@@ -13,11 +13,8 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/system.hpp"
 #include "core/thread_pool.hpp"
-
-#if defined(__linux__)
-#include <sys/mman.h>
-#endif
 
 namespace votess {
 
@@ -55,86 +52,52 @@ public:
 
     // Makes the pages of elements first .. end - 1 present, on all threads: cheaper than a fault for each page. No two
     // threads share a huge page, which both would clear.
-    void touch([[maybe_unused]] std::size_t first, [[maybe_unused]] std::size_t end,
-               [[maybe_unused]] ThreadPool& pool) {
-#if defined(__linux__) && defined(MADV_POPULATE_WRITE)
+    void touch(std::size_t first, std::size_t end, ThreadPool& pool) {
         constexpr std::uintptr_t page = 4096;
         const auto from = reinterpret_cast<std::uintptr_t>(data() + first) / page * page;
         const auto to = reinterpret_cast<std::uintptr_t>(data() + end), base = from / huge_page * huge_page;
         if (to < from + 4 * page) return;
         const auto touch_piece = [&](std::size_t piece, unsigned) {
             const std::uintptr_t begin = std::max(from, base + piece * huge_page);
-            madvise(reinterpret_cast<void*>(begin), std::min(to, base + (piece + 1) * huge_page) - begin,
-                    MADV_POPULATE_WRITE);
+            system::touch_pages(reinterpret_cast<void*>(begin), std::min(to, base + (piece + 1) * huge_page) - begin);
         };
         const std::size_t pieces = ceil_div(to - base, huge_page);
         pieces == 1 ? touch_piece(0, 0) : pool.run(pieces, std::cref(touch_piece));  // by reference: no allocation
-#endif
     }
 
     static constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
 
     // Returns the memory of a large buffer to the system but keeps its addresses. The contents are lost.
-    void release_pages([[maybe_unused]] std::size_t least = min_released) {
-#if defined(__linux__)
+    void release_pages(std::size_t least = min_released) {
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());
         const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
         if (bytes >= least && bytes >= before + huge_page)
-            madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_DONTNEED);
-#endif
+            system::release_pages(memory + before, (bytes - before) / huge_page * huge_page);
     }
 
-    operator std::span<T>() {
-        return {data(), size_};
-    }
-    operator std::span<const T>() const {
-        return {data(), size_};
-    }
-    [[nodiscard]] std::size_t size() const {
-        return size_;
-    }
-    [[nodiscard]] std::size_t capacity() const {
-        return capacity_;
-    }
-    [[nodiscard]] bool empty() const {
-        return size_ == 0;
-    }
-    [[nodiscard]] T* data() {
-        return memory_.get();
-    }
-    [[nodiscard]] const T* data() const {
-        return memory_.get();
-    }
-    [[nodiscard]] T* begin() {
-        return data();
-    }
-    [[nodiscard]] T* end() {
-        return data() + size_;
-    }
-    [[nodiscard]] const T* begin() const {
-        return data();
-    }
-    [[nodiscard]] const T* end() const {
-        return data() + size_;
-    }
-    [[nodiscard]] T& operator[](std::size_t i) {
-        return memory_[i];
-    }
-    [[nodiscard]] const T& operator[](std::size_t i) const {
-        return memory_.get()[i];
-    }
+    operator std::span<T>() { return {data(), size_}; }
+    operator std::span<const T>() const { return {data(), size_}; }
+    [[nodiscard]] std::size_t size() const { return size_; }
+    [[nodiscard]] std::size_t capacity() const { return capacity_; }
+    [[nodiscard]] bool empty() const { return size_ == 0; }
+    [[nodiscard]] T* data() { return memory_.get(); }
+    [[nodiscard]] const T* data() const { return memory_.get(); }
+    [[nodiscard]] T* begin() { return data(); }
+    [[nodiscard]] T* end() { return data() + size_; }
+    [[nodiscard]] const T* begin() const { return data(); }
+    [[nodiscard]] const T* end() const { return data() + size_; }
+    [[nodiscard]] T& operator[](std::size_t i) { return memory_[i]; }
+    [[nodiscard]] const T& operator[](std::size_t i) const { return memory_.get()[i]; }
 
 private:
     static constexpr std::size_t alignment = 64;
     static constexpr std::size_t huge_page = std::size_t{2} << 20;
 
-    static T* allocate(std::size_t bytes, [[maybe_unused]] Pages pages) {
+    static T* allocate(std::size_t bytes, Pages pages) {
         auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));
-#if defined(__linux__)
         const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
         if (pages == Pages::huge && bytes >= before + huge_page)
-            madvise(memory + before, (bytes - before) / huge_page * huge_page, MADV_HUGEPAGE);
-#endif
+            system::prefer_huge_pages(memory + before, (bytes - before) / huge_page * huge_page);
         return reinterpret_cast<T*>(memory);
     }
 

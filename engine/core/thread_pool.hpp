@@ -5,7 +5,7 @@
 #include <functional>
 #include <memory>
 
-#include "core/process.hpp"
+#include "core/system.hpp"
 
 namespace votess {
 
@@ -35,7 +35,7 @@ private:
     struct Crew;
 
     unsigned requested_, size_ = 1;
-    HomeProcess home_;
+    system::HomeProcess home_;
     std::unique_ptr<Crew> crew_;
 };
 

@@ -1,7 +1,9 @@
 // Vectors of three numbers.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace votess {
 
@@ -19,6 +21,14 @@ auto cross(const std::array<T, 3>& a, const std::array<T, 3>& b) {
 
 inline Vector3 minus(const Vector3& a, const Vector3& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+// Returns the length, from 0 to infinity. std::hypot() has other last digits in each library.
+inline double length3(double x, double y, double z) {
+    const double largest = std::max({std::abs(x), std::abs(y), std::abs(z)});
+    if (largest == 0) return 0;
+    x /= largest, y /= largest, z /= largest;
+    return largest * std::sqrt(x * x + y * y + z * z);
 }
 
 }  // namespace votess

@@ -5,6 +5,7 @@
 
 #include "core/vector3.hpp"
 #include "exact/integer/rows.hpp"
+#include "exact/quad.hpp"
 
 namespace votess {
 namespace {

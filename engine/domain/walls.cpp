@@ -39,7 +39,7 @@ Vector direction(const char* what, const Vector& x) {
     if (largest == 0) refuse(std::string(what) + " is 0: give a direction");
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     const Vector scaled{x[0] * scale, x[1] * scale, x[2] * scale};
-    const double length = std::hypot(scaled[0], scaled[1], scaled[2]);
+    const double length = length3(scaled[0], scaled[1], scaled[2]);
     return {scaled[0] / length, scaled[1] / length, scaled[2] / length};
 }
 

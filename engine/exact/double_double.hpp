@@ -3,17 +3,7 @@
 // of double-word arithmetic (ACM TOMS 44(2), 2017). Wrong if the compiler contracts a*b+c.
 #pragma once
 
-#include <limits>
-
 namespace votess::exact {
-
-// Floating point of 113 bits.
-#ifdef __SIZEOF_FLOAT128__
-using Quad = __float128;
-#else  // as on ARM
-using Quad = long double;
-static_assert(std::numeric_limits<Quad>::digits == 113);
-#endif
 
 struct DoubleDouble {
     double high = 0, low = 0;

@@ -94,7 +94,9 @@ std::optional<Point> refine(const Point& p, const std::array<const Plane*, 3>& p
 
 Point near_vertex(const Point& p, const Plane& a, const Plane& b, const Plane& c) {
     if (const auto x = refine(p, {&a, &b, &c})) return *x;
-    return vertex_position<double>(p, a, b, c);
+    // In double it would be rounded three times.
+    const auto [x, y, z] = vertex_position<Quad>(p, a, b, c);
+    return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
 }
 
 }  // namespace votess::exact

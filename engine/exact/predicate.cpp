@@ -95,13 +95,13 @@ Row<N, S> row_of(const WordRow& words, const Plane& plane) {
 
 template <class Real>
 Real scale_by_power(Real x, int exponent) {
-    if constexpr (std::is_same_v<Real, WideFloat>) {
+    if constexpr (!std::is_same_v<Real, double>) {
         return ldexp(x, exponent);
     } else {
         // In steps that neither overflow nor underflow.
-        while (exponent > 500) x *= static_cast<Real>(0x1p500), exponent -= 500;
-        while (exponent < -500) x *= static_cast<Real>(0x1p-500), exponent += 500;
-        return x * static_cast<Real>(power_of_two(exponent));
+        while (exponent > 500) x *= 0x1p500, exponent -= 500;
+        while (exponent < -500) x *= 0x1p-500, exponent += 500;
+        return x * power_of_two(exponent);
     }
 }
 
@@ -109,8 +109,10 @@ template <class Real, int W>
 Scaled<Real> scaled(const WideInt<W>& a) {
     if constexpr (std::is_same_v<Real, WideFloat>) {
         return {WideFloat(a, 0), 0};
+    } else if constexpr (std::is_same_v<Real, Quad>) {
+        return {Quad(a), 0};
     } else {
-        return to_scaled<Real>(a);
+        return to_scaled(a);
     }
 }
 
@@ -135,8 +137,8 @@ std::array<Real, 3> position(const WideRow<W>& a, const WideRow<W>& b, const Wid
     const Fractions<W> vertex = fractions<W>(a, b, c);
     const auto determinant = scaled<Real>(vertex.determinant);
     std::array<Real, 3> x{};
-    if constexpr (std::is_same_v<Real, WideFloat>) {  // division takes most of the time
-        const WideFloat inverse = 1 / determinant.mantissa;
+    if constexpr (!std::is_same_v<Real, double>) {  // division takes most of the time
+        const Real inverse = 1 / determinant.mantissa;
         for (int k = 0; k < 3; ++k) x[k] = ldexp(scaled<Real>(vertex.numerator[k]).mantissa * inverse, quantum - 1);
         return x;
     }

@@ -16,6 +16,7 @@
 #include <cstdint>
 
 #include "exact/double_double.hpp"
+#include "exact/quad.hpp"
 
 namespace votess::exact {
 
@@ -121,7 +122,7 @@ bool longer_normal(const Point& p, const Plane& a, const Plane& b);
 // farther from p than b's, -1 when it is nearer, 0 when they are equally far.
 int farther(const Point& p, const Plane& a, const Plane& b);
 
-// Returns the vertex relative to p in a floating-point type: double, Quad or WideFloat (wide_float.hpp). Each component
+// Returns the vertex relative to p in a floating-point type: double, Quad (quad.hpp) or WideFloat. Each component
 // has a relative error of a few units in the last place, whatever cancels.
 template <class Real>
 std::array<Real, 3> vertex_position(const Point& p, const Plane& a, const Plane& b, const Plane& c);

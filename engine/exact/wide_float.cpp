@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "exact/double_double.hpp"
-
 namespace votess::exact {
 
 WideFloat::WideFloat(double x) {
@@ -11,14 +9,6 @@ WideFloat::WideFloat(double x) {
     const double fraction = std::frexp(x, &exponent);
     *this = WideFloat(from_int128<1>(static_cast<std::int64_t>(std::ldexp(fraction, 53))), exponent - 53);
 }
-
-template <class Real>
-Real WideFloat::to_real() const {
-    const auto [mantissa, exponent] = to_scaled<Quad>(mantissa_);
-    return std::ldexp(static_cast<Real>(mantissa), exponent + exponent_);
-}
-template double WideFloat::to_real() const;
-template long double WideFloat::to_real() const;
 
 WideFloat WideFloat::operator-() const {
     WideFloat result = *this;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "exact/integer/wide_int.hpp"
+#include "exact/quad.hpp"
 
 namespace votess::exact {
 
@@ -25,8 +26,8 @@ public:
         exponent_ = exponent - shift + 64 * (width - limbs);
     }
 
-    explicit operator double() const { return to_real<double>(); }
-    explicit operator long double() const { return to_real<long double>(); }  // has more exponents
+    explicit operator Quad() const { return ldexp(Quad(mantissa_), exponent_); }
+    explicit operator double() const { return static_cast<double>(static_cast<Quad>(*this)); }
 
     WideFloat operator-() const;
     friend WideFloat operator+(const WideFloat& a, const WideFloat& b);
@@ -42,8 +43,6 @@ public:
 
 private:
     static constexpr int limbs = 37;
-    template <class Real>
-    [[nodiscard]] Real to_real() const;
     // Rounds down to the leading limbs.
     [[nodiscard]] WideFloat truncated(int kept) const;
 

@@ -15,9 +15,7 @@
 namespace votess::fields {
 namespace {
 
-// Seeds 1e-323 apart span volumes of 1e-969.
-using Volume = long double;
-static_assert(std::numeric_limits<Volume>::max_exponent >= 16384);
+using Volume = exact::Quad;  // seeds 1e-323 apart span volumes of 1e-969
 
 constexpr std::size_t of_task = 4096;  // seeds or tetrahedra
 
@@ -161,13 +159,12 @@ private:
         std::size_t most = 1;
         for (const Corner& corner : corners) most = std::max(most, corner.count);
         const double errors = most == 1 ? 64 : 300 * static_cast<double>(most + 3);
-        Volume m = 1;
-        for (const double extent : extents(corners)) m *= Volume{extent};
-        const Volume rounded = determinant(edges_of<double>(corners));
-        if (rounded * 1e-12L > Volume{errors * 0x1p-53} * m && rounded > 0x1p-900L) return rounded;
-        const auto better = static_cast<Volume>(determinant(edges_of<exact::Quad>(corners)));
-        if (better * 1e-12L > Volume{errors * 0x1p-112} * m) return better;
-        return std::max(Volume{0}, static_cast<Volume>(determinant(edges_of<exact::WideFloat>(corners))));
+        const auto [x, y, z] = extents(corners);
+        const double rounded = determinant(edges_of<double>(corners));
+        if (rounded * 1e-12 > errors * 0x1p-53 * (x * y * z) && rounded > 0x1p-900) return rounded;
+        const Volume m = Volume(x) * y * z, better = determinant(edges_of<exact::Quad>(corners));
+        if (better * 1e-12 > errors * 0x1p-122 * m) return better;
+        return std::max(Volume(0), static_cast<Volume>(determinant(edges_of<exact::WideFloat>(corners))));
     }
     // Along each axis, how far the members of the corners are from one of them at most.
     [[nodiscard]] Vector extents(const Corners& corners) const {
@@ -222,8 +219,7 @@ public:
             const auto& [begin, count] = corners[k];
             for (std::size_t i = begin; i < begin + count; ++i) {
                 const std::size_t seed = triangulation_.seed(i);
-                const auto share =
-                    static_cast<double>(triangulation_.volume(number) / around_[seed]) / static_cast<double>(count);
+                const double share = ratio(triangulation_.volume(number), around_[seed]) / static_cast<double>(count);
                 for (std::size_t c = 0; c < m; ++c) at_corners_[k * m + c] += share * masses_.values[seed * m + c];
             }
         }
@@ -252,10 +248,13 @@ private:
 std::vector<Volume> volumes_around(const Triangulation& triangulation, std::size_t seeds) {
     std::vector<Volume> around(seeds, 0);
     in_pieces(triangulation.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t number = first; number < last; ++number)
-            for (const auto& [begin, count] : triangulation.corners(number))
-                for (std::size_t i = begin; i < begin + count; ++i)
-                    around[triangulation.seed(i)] += triangulation.volume(number) / static_cast<Volume>(count);
+        for (std::size_t number = first; number < last; ++number) {
+            const Volume volume = triangulation.volume(number);
+            for (const auto& [begin, count] : triangulation.corners(number)) {
+                const Volume share = count == 1 ? volume : volume / static_cast<double>(count);
+                for (std::size_t i = begin; i < begin + count; ++i) around[triangulation.seed(i)] += share;
+            }
+        }
     });
     return around;
 }

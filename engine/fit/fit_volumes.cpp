@@ -41,14 +41,16 @@ std::vector<double> checked_targets(std::span<const double> given, std::size_t c
         refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
                " points: give one for each");
     std::vector<double> targets(given.begin(), given.end());
-    long double sum = 0;
+    double sum = 0, rest = 0;  // the rest is that of each addition (Knuth)
     for (std::size_t i = 0; i < count; ++i) {
         if (!(targets[i] > 0) || !std::isfinite(targets[i]))
             refuse("the target volume of point " + std::to_string(i) + " is " + number(targets[i]) +
                    ": it must be positive and finite; leave out points that shall have no cell");
-        sum += targets[i];
+        const double larger = sum + targets[i], added = larger - sum;
+        rest += (sum - (larger - added)) + (targets[i] - added);
+        sum = larger;
     }
-    const auto total = static_cast<double>(sum);
+    const double total = std::isfinite(sum) ? sum + rest : sum;
     if (!normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
         refuse("the target volumes sum to " + number(total) + ", but the domain has " + number(volume) +
                ": correct them, or set normalize to scale them to that sum");

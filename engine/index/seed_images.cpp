@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/arithmetic.hpp"
+#include "core/vector3.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -50,7 +51,7 @@ double distance_of_cells(const SortedSeeds& seeds, const std::vector<double>& we
     const auto weight = [&](std::size_t s) { return weights[static_cast<std::size_t>(seeds.input[s])]; };
     for (std::size_t s = 0; s + 1 < seeds.size(); s += ceil_div(seeds.size(), max_samples)) {
         const double apart =
-            std::hypot(seeds.x[s + 1] - seeds.x[s], seeds.y[s + 1] - seeds.y[s], seeds.z[s + 1] - seeds.z[s]);
+            length3(seeds.x[s + 1] - seeds.x[s], seeds.y[s + 1] - seeds.y[s], seeds.z[s + 1] - seeds.z[s]);
         if (apart > 0) sample.push_back(std::abs(weight(s + 1) - weight(s)) / (2 * apart));
     }
     if (sample.empty()) return 0;

@@ -257,7 +257,7 @@ std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact:
         excess += plane.seed[k] * x[k];
         size += std::abs(plane.seed[k] * x[k]);
     }
-    const double length = std::hypot(plane.seed[0], plane.seed[1], plane.seed[2]);
+    const double length = length3(plane.seed[0], plane.seed[1], plane.seed[2]);
     const auto& n = walls[w].normal;
     return " is outside wall " + std::to_string(w) + " (" + number(n[0]) + " x + " + number(n[1]) + " y + " +
            number(n[2]) + " z <= " + number(walls[w].offset) + ", " + std::to_string(-7 - static_cast<int>(w)) +
@@ -325,7 +325,7 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
         if (cell.periodic[k]) continue;
         const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
         const Vector3 normal = cross(u, v);
-        const double length = std::hypot(normal[0], normal[1], normal[2]);
+        const double length = length3(normal[0], normal[1], normal[2]);
         double place = 0, height = 0;
         for (int axis = 0; axis < 3; ++axis) {
             place += normal[axis] / length * (x[axis] - cell.origin[axis]);

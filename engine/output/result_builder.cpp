@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
-#include "core/process.hpp"
+#include "core/system.hpp"
 #include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
 
@@ -452,7 +452,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
     if (faces_.cells() == cells && !result_.probed) count_tiny_faces(stats);
     stats.box_volume = box_volume_;
     stats.threads = pool.size();
-    stats.peak_memory_bytes = peak_memory();
+    stats.peak_memory_bytes = system::peak_memory();
 }
 
 }  // namespace votess

@@ -115,7 +115,7 @@ struct AreaScale {
                       std::abs(static_cast<double>(normal[2]))});
         const auto scale = static_cast<Real>(std::ldexp(1.0, -std::max(std::ilogb(largest), -1000)));
         for (int k = 0; k < 3; ++k) n[k] = normal[k] * scale;
-        factor = 0.5 / std::hypot(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        factor = 0.5 / length3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
         error_factor = factor * length_bound(n);
     }
     [[nodiscard]] double area(const Vector<Real>& doubled) const {

@@ -147,10 +147,25 @@ VOTESS_KERNELS(avx512, VOTESS_TARGET_512("avx512f,avx512dq,avx512vl"), select_ba
 #endif
 
 #if defined(__x86_64__)
-// Clang 14 has no name for it.
-bool has_lzcnt() {
-    unsigned a = 0, b = 0, c = 0, d = 0;
-    return __get_cpuid(0x80000001, &a, &b, &c, &d) != 0 && (c & bit_LZCNT) != 0;
+struct Instructions {
+    bool avx2 = false, avx512 = false;
+};
+
+// All instructions that any code of a set is compiled for. A virtual machine may hide some, and the system must save
+// the registers. Not __builtin_cpu_supports(), which some run-time libraries answer with no.
+Instructions find_instructions() {
+    unsigned a = 0, b = 0, c = 0, d = 0, registers = 0;
+    if (__get_cpuid(1, &a, &b, &c, &d) == 0) return {};
+    constexpr unsigned first = bit_FMA | bit_POPCNT | bit_OSXSAVE;
+    if ((c & first) != first) return {};
+    asm("xgetbv" : "=a"(registers), "=d"(d) : "c"(0));
+    if (__get_cpuid(0x80000001, &a, &b, &c, &d) == 0 || (c & bit_LZCNT) == 0) return {};
+    if (__get_cpuid_count(7, 0, &a, &b, &c, &d) == 0) return {};
+    constexpr unsigned second = bit_AVX2 | bit_BMI | bit_BMI2;
+    constexpr unsigned third = bit_AVX512F | bit_AVX512DQ | bit_AVX512VL | bit_AVX512BW;
+    constexpr unsigned ymm = 0x6, zmm = 0xe6;  // and the narrower ones
+    const bool avx2 = (b & second) == second && (registers & ymm) == ymm;
+    return {avx2, avx2 && (b & third) == third && (registers & zmm) == zmm};
 }
 #endif
 
@@ -161,14 +176,9 @@ const Kernels* best = nullptr;  // set by set_best_kernels()
 std::vector<const Kernels*> supported_kernels() {
     std::vector<const Kernels*> supported;
 #if defined(__x86_64__)
-    // All instructions that any code of the set is compiled for. A virtual machine may hide some.
-    const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                          __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") && has_lzcnt() &&
-                          __builtin_cpu_supports("popcnt");
-    if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-        supported.push_back(&kernels_avx512);
-    if (has_avx2) supported.push_back(&kernels_avx2);
+    static const Instructions instructions = find_instructions();
+    if (instructions.avx512) supported.push_back(&kernels_avx512);
+    if (instructions.avx2) supported.push_back(&kernels_avx2);
 #endif
     supported.push_back(&kernels_baseline);
     if (best != nullptr) supported.erase(supported.begin(), std::ranges::find(supported, best));

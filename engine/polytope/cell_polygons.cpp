@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/vector3.hpp"
 #include "polytope/cell.hpp"
 
 namespace votess::cpu {
@@ -11,7 +12,7 @@ namespace {
 
 // Lengthens subnormal vectors first, because their length would be rounded to few bits.
 std::array<double, 3> unit_vector(const std::array<double, 3>& n) {
-    const double length = std::hypot(n[0], n[1], n[2]);
+    const double length = length3(n[0], n[1], n[2]);
     if (length < 0x1p-900) return unit_vector({n[0] * 0x1p500, n[1] * 0x1p500, n[2] * 0x1p500});
     return {n[0] / length, n[1] / length, n[2] / length};
 }

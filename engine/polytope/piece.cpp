@@ -79,7 +79,7 @@ FaceMeasure face_in(const Cell& cell, const CellFaces& faces, std::size_t face) 
     const double longest = std::max({std::abs(given[0]), std::abs(given[1]), std::abs(given[2])});
     std::array<double, 3> n{};
     for (std::size_t k = 0; k < 3; ++k) n[k] = given[k] / longest;
-    const double length = std::hypot(n[0], n[1], n[2]);
+    const double length = length3(n[0], n[1], n[2]);
     FaceMeasure sum;
     for (std::size_t c = 2; c < slots.size(); ++c) {
         const Corner<Real> next = seen_from(apex, corner_at<Real>(cell, slots[c]));

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "core/vector3.hpp"
-#include "exact/double_double.hpp"
+#include "exact/quad.hpp"
 #include "exact/wide_float.hpp"
 
 namespace votess::cpu {
@@ -14,7 +14,7 @@ namespace votess::cpu {
 template <class Real>
 inline constexpr double roundoff = 0x1p-53;
 template <>
-inline constexpr double roundoff<exact::Quad> = 0x1p-112;
+inline constexpr double roundoff<exact::Quad> = 0x1p-122;
 template <>
 inline constexpr double roundoff<exact::WideFloat> = 0;
 

@@ -11,7 +11,7 @@
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
-#include "core/process.hpp"
+#include "core/system.hpp"
 #include "gpu/device_choice.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif
@@ -44,7 +44,7 @@ public:
 private:
     std::unique_ptr<gpu::GpuEngine> engine_;
     std::string name_;
-    HomeProcess home_;  // where it was opened
+    system::HomeProcess home_;  // where it was opened
 };
 
 gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, ExactClipper& clipper,

@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/text.hpp"
+#include "core/vector3.hpp"
 
 namespace votess {
 namespace {
@@ -81,7 +82,7 @@ void check_surface(const StreamRows& rows, std::size_t k, std::int64_t id, doubl
         surface += rows.areas[entry];
         for (std::size_t d = 0; d < 3; ++d) sum[d] += rows.areas[entry] * rows.normals[3 * entry + d];
     }
-    const double open = std::hypot(sum[0], sum[1], sum[2]);
+    const double open = length3(sum[0], sum[1], sum[2]);
     if (std::isfinite(surface) && !(open <= tolerance * surface + 64 * smallest_double))
         fault.note(id, [&] {
             return "cell " + std::to_string(id) + " is not closed: area times normal sums to " + number(open) +

@@ -57,7 +57,7 @@ typedef struct votess_stream {
     uint32_t struct_size;   // set it to sizeof(votess_stream)
     int32_t verify;         // 1: check all rows on their way to the caller; or 0
     uint64_t memory;        // bytes, see StreamOptions in stream.hpp
-    const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp
+    const char* temporary;  // folder of temporary files; NULL or "": that of TMPDIR, or /tmp; on Windows the user's
     // Goes back to the first seed; called first and once more. NULL: the seeds can be read only once.
     int (*restart)(void* user);
     // Writes the next seeds to *seeds, which is all 0.

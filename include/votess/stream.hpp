@@ -71,7 +71,7 @@ struct StreamOptions {
     // block, so very many of them may need more.
     std::uint64_t memory = 0;
     static constexpr std::uint64_t least_memory = 1'000'000;
-    // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp.
+    // Folder of the temporary files. "": that of the environment's TMPDIR, or /tmp; on Windows the user's.
     std::string temporary;
     // Checks all rows as verify() does, on their way to the sink. The verdict arrives after the last row.
     bool verify = false;

@@ -374,9 +374,9 @@ class ArrayOutput(CliTest):
                 file.finish();
                 file.publish();
             }""")
-        sources = [ROOT / "cli" / name for name in ["files/formats/zip_writer.cpp", "files/output_file.cpp",
-                                                    "interrupt.cpp", "files/numbers.cpp"]]
-        subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", "driver.cpp", *map(str, sources), "-lz", "-o",
+        sources = [ROOT / name for name in ["cli/files/formats/zip_writer.cpp", "cli/files/output_file.cpp",
+                                            "cli/files/numbers.cpp", "engine/core/system.cpp"]]
+        subprocess.run([compiler, "-std=c++20", f"-I{ROOT / 'cli'}", f"-I{ROOT / 'engine'}", "driver.cpp", *map(str, sources), "-lz", "-o",
                         "driver"],
                        cwd=self.folder, check=True)
         subprocess.run(["./driver"], cwd=self.folder, check=True)

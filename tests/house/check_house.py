@@ -4,7 +4,8 @@
     check_house.py SOURCE [--include FILE=HEADER]...
 
 The table of folders in engine/README.md lists which folders a folder of the engine may include: only folders above it, so
-that no include runs up. The modules of pyvotess import each other in no circle. cli/ and bindings/ include nothing of the engine. All files that state the version state the same.
+that no include runs up. The modules of pyvotess import each other in no circle. cli/ and bindings/ include nothing of the
+engine except core/system.hpp. No other file asks which system it is on. All files that state the version state the same.
 --include adds an include that does not exist, to see the check fail.
 """
 import argparse
@@ -21,6 +22,11 @@ VERSIONS = {
     "CITATION.cff": r"^version: (\S+)",
     "tools/recipes/vcpkg/votess/vcpkg.json": r'"version": "(.+)"',
 }
+# Only these files ask which system they are on: one for its calls, one for the marks of symbols in public headers.
+SYSTEM = {"engine/core/system.cpp", "include/votess/export.hpp"}
+NAMES = re.compile(r"\b(_WIN32|_WIN64|__MINGW32__|__APPLE__|__linux__|__unix__|__GLIBC__)\b")
+# Tests include headers of POSIX where they are built only there.
+HEADERS = re.compile(r"#\s*include <(unistd|fcntl|dlfcn|windows|io|signal|poll|sched|pthread|sys/\w+|mach\S*)\.h>")
 TREES = ("engine", "shaders", "cli", "bindings", "tests", "tools", "include")
 
 
@@ -94,14 +100,22 @@ def main():
         if not (engine / header).is_file():
             continue
         if file.parts[0] == "cli":
-            if not (source / "cli" / header).is_file():
-                wrong.append(f"{file}: includes {header} of the engine; cli/ uses include/ alone")
+            if header != "core/system.hpp" and not (source / "cli" / header).is_file():
+                wrong.append(f"{file}: includes {header} of the engine; cli/ uses include/ and core/system.hpp alone")
             continue
         room, target = file.parts[1], header.split("/")[0]
         if room not in table:
             wrong.append(f"{file}: engine/README.md does not list {room}/")
         elif target != room and target not in table[room]:
             wrong.append(f"{file}: {room}/ may not include {header}")
+
+    for file in files:
+        if str(file) in SYSTEM or file.suffix in {".py", ".sh"} or file.parts[0] == "tools":
+            continue
+        text = (source / file).read_text()
+        found = NAMES.search(text) or (file.parts[0] != "tests" and HEADERS.search(text))
+        if found:
+            wrong.append(f"{file}: asks which system it is on ({found[0]}): that belongs into engine/core/system.cpp")
 
     package = source / "bindings/python/pyvotess"
     arrows = {file: imports(package, file) for file in (p.relative_to(package) for p in package.rglob("*.py"))}

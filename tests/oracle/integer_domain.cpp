@@ -22,7 +22,7 @@ mpz_class whole(double x, int quantum) {
     mpz_class result;
     if (x == 0) return result;
     int exponent = 0;
-    result = static_cast<long>(std::ldexp(std::frexp(x, &exponent), 53));
+    result = std::ldexp(std::frexp(x, &exponent), 53);
     exponent -= 53 + quantum;
     if (exponent >= 0)
         result <<= static_cast<mp_bitcnt_t>(exponent);

@@ -7,6 +7,7 @@
 #include "exact/double_double.hpp"
 #include "exact/integer/wide_int.hpp"
 #include "exact/predicate.hpp"
+#include "exact/quad.hpp"
 #include "exact/vertex.hpp"
 #include "exact/wide_float.hpp"
 #include "support/random.hpp"
@@ -180,10 +181,10 @@ TEST_SUITE("stages") {
     TEST_CASE("exact: wide integers multiply, shift and compare like GMP") {
         Random random(8);
         const auto value = [](const auto& w) {
-            mpz_class z = static_cast<long>(static_cast<std::int64_t>(w.limb.back()));
-            for (std::size_t k = w.limb.size() - 1; k-- > 0;)
-                z = (z << 64) + mpz_class(static_cast<unsigned long>(w.limb[k]));
-            return z;
+            mpz_class z, modulus = 1;
+            mpz_import(z.get_mpz_t(), w.limb.size(), -1, sizeof w.limb[0], 0, 0, w.limb.data());
+            modulus <<= 64 * w.limb.size();
+            return mpz_class(w.negative() ? z - modulus : z);
         };
         // Sparse limbs exercise carries and signs.
         const auto fill = [&](auto& w) {
@@ -200,7 +201,7 @@ TEST_SUITE("stages") {
             REQUIRE(value(shift_left(votess::exact::resize<6>(a), shift)) == value(a) << shift);
             REQUIRE(value(votess::exact::resize<6>(a) - votess::exact::resize<6>(b)) == value(a) - value(b));
             if (value(a) != 0) {
-                const auto scaled = votess::exact::to_scaled<double>(a);
+                const auto scaled = votess::exact::to_scaled(a);
                 REQUIRE(std::abs(scaled.mantissa) >= 0.5);
                 REQUIRE(std::abs(std::ldexp(scaled.mantissa, scaled.exponent) / value(a).get_d() - 1) < 0x1p-50);
             }
@@ -225,6 +226,47 @@ TEST_SUITE("stages") {
             const WideFloat a = random.uniform(-1, 1), error = a / b * b - a;
             REQUIRE(std::abs(static_cast<double>(ldexp(error, 2300))) < 1);
         }
+    }
+
+    TEST_CASE("exact: quad keeps its bounds, also where leading bits cancel, and compares exactly") {
+        using votess::exact::Quad;
+        Random random(10);
+        const auto value = [](Quad x, int exponent) -> mpq_class {  // x * 2^exponent, from three doubles
+            mpq_class sum;
+            x = ldexp(x, exponent);
+            for (int k = 0; k < 3; ++k) {
+                const auto part = static_cast<double>(x);
+                sum += mpq_class(part), x = x - part;
+            }
+            REQUIRE(x == 0);
+            return sum;
+        };
+        const auto draw = [&] {
+            Quad x = random.uniform(-1, 1);
+            for (int k = 1; k < 3; ++k) x += ldexp(Quad(random.uniform(-1, 1)), -53 * k);
+            return x;
+        };
+        for (int i = 0; i < 20000; ++i) {
+            const Quad a = draw();
+            Quad b = draw();
+            if (random.chance(0.5)) b = a + ldexp(b, -static_cast<int>(random.below(140)));
+            if (random.chance(0.5)) b = ldexp(-b, static_cast<int>(random.below(5)) - 2);
+            if (b == 0) continue;
+            const mpq_class x = value(a, 0), y = value(b, 0), sum = x + y, product = x * y, quotient = x / y;
+            REQUIRE(abs(value(a + b, 0) - sum) * mpq_class(0x1p126) <= abs(sum));
+            REQUIRE(abs(value(a * b, 0) - product) * mpq_class(0x1p124) <= abs(product));
+            REQUIRE(abs(value(a / b, 0) - quotient) * mpq_class(0x1p122) <= abs(quotient));
+            REQUIRE(abs(mpq_class(ratio(a, b)) - quotient) * mpq_class(0x1p51) <= abs(quotient));
+            REQUIRE((a < b) == (x < y));
+            REQUIRE((a == b) == (x == y));
+            // Far beyond the exponents of double.
+            REQUIRE(value(ldexp(a, 9000) * ldexp(b, -19000), 10000) == value(a * b, 0));
+        }
+        for (const double x : {0.0, 1.0, -3.0, 0x1p-1074, 0x1.fffffffffffffp1023, -0x1.8p-1030})
+            REQUIRE(static_cast<double>(Quad(x)) == x);
+        REQUIRE(static_cast<double>(Quad(1) + 0x1p-53) == 1);  // ties to even
+        REQUIRE(static_cast<double>(Quad(1) + 0x1p-53 + 0x1p-110) == 1 + 0x1p-52);
+        REQUIRE(static_cast<double>(ldexp(Quad(1), 2000)) == HUGE_VAL);
     }
 
     TEST_CASE("exact: double-double sum and product keep 100 bits") {

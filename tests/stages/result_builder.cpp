@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "domain/domain.hpp"
+#include "exact/quad.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
@@ -149,8 +150,8 @@ TEST_SUITE("stages") {
         job.options.want = {.neighbors = false, .volumes = true};
         test::Random random(3);
         std::vector<double> volumes(count);
-        long double exact = 0;
-        for (double& v : volumes) exact += v = std::exp(random.uniform(-30, 30));
+        votess::exact::Quad exact = 0;
+        for (double& v : volumes) exact += (v = std::exp(random.uniform(-30, 30)));
         double first = 0;
         for (const unsigned threads : {1u, 2u, 5u}) {
             ThreadPool pool(threads);

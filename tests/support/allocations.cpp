@@ -1,6 +1,8 @@
 #include "support/allocations.hpp"
 
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 
@@ -31,8 +33,13 @@ void* operator new(std::size_t bytes) {
     return counted(std::malloc(bytes == 0 ? 1 : bytes));
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    // Not every system has aligned_alloc(). The word before the memory is where malloc() began: both are multiples
+    // of 16.
     const auto step = static_cast<std::size_t>(alignment);
-    return counted(std::aligned_alloc(step, (bytes + step) / step * step));
+    auto* const begin = static_cast<std::byte*>(counted(std::malloc(bytes + step)));
+    auto* const memory = begin + (step - reinterpret_cast<std::uintptr_t>(begin) % step);
+    reinterpret_cast<void**>(memory)[-1] = begin;
+    return memory;
 }
 void operator delete(void* memory) noexcept {
     std::free(memory);
@@ -41,10 +48,10 @@ void operator delete(void* memory, std::size_t) noexcept {
     std::free(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    if (memory != nullptr) std::free(static_cast<void**>(memory)[-1]);
 }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+void operator delete(void* memory, std::size_t, std::align_val_t alignment) noexcept {
+    operator delete(memory, alignment);
 }
 
 std::optional<std::size_t> test::allocations() {

@@ -14,7 +14,9 @@ from . import _c_api
 #: Version of this package. It needs the library of the same version, see :func:`check`.
 VERSION = "0.1.0"
 
+_FOLDER = "lib"
 if sys.platform == "win32":
+    _FOLDER = "bin"  # beside the program
     _FILE_NAMES: Tuple[str, ...] = ("votess.dll", "libvotess.dll")
 elif sys.platform == "darwin":
     _FILE_NAMES = ("libvotess.dylib",)
@@ -30,12 +32,12 @@ _SKIPPED_BUILDS = ("asan", "tsan")
 def _folders() -> List[Path]:
     """Returns the folders to search: this package, then the builds of a source tree, release first."""
     package = Path(__file__).resolve().parent
-    folders = [package / "lib"]
+    folders = [package / _FOLDER]
     source = package.parents[2] if len(package.parents) > 2 else package
     if (source / "include" / "votess" / "votess.h").is_file():
         builds = [source / "build" / "release"]
         builds += sorted(p for p in (source / "build").glob("*") if p.name not in ("release", *_SKIPPED_BUILDS))
-        folders += [build / "lib" for build in builds]
+        folders += [build / _FOLDER for build in builds]
     return folders
 
 

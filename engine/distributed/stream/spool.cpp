@@ -1,11 +1,7 @@
 #include "distributed/stream/spool.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
-#include <cstdlib>
 #include <cstring>
 #include <filesystem>
 
@@ -14,8 +10,6 @@
 namespace votess::stream {
 namespace {
 
-namespace fs = std::filesystem;
-
 [[noreturn]] void fail(const std::string& what) {
     throw Error(ErrorCode::storage, "temporary file: " + what + ": " + std::strerror(errno));
 }
@@ -23,39 +17,27 @@ namespace fs = std::filesystem;
 }  // namespace
 
 std::string temporary_folder(const std::string& folder) {
-    if (!folder.empty()) return folder;
-    const char* const named = std::getenv("TMPDIR");
-    return named != nullptr && *named != '\0' ? named : "/tmp";
+    return folder.empty() ? system::text_of(system::temporary_folder()) : folder;
 }
 
 std::uint64_t free_bytes(const std::string& folder) {
     std::error_code problem;
-    const fs::space_info space = fs::space(folder, problem);
+    const std::filesystem::space_info space = std::filesystem::space(system::path_of(folder), problem);
     if (problem)
         throw Error(ErrorCode::invalid_argument,
                     "the folder of temporary files '" + folder + "' cannot be used: " + problem.message());
     return space.available;
 }
 
-TemporaryFile::TemporaryFile(const std::string& folder) {
-#ifdef O_TMPFILE
-    descriptor_ = ::open(temporary_folder(folder).c_str(), O_TMPFILE | O_EXCL | O_RDWR | O_CLOEXEC, 0600);
-    if (descriptor_ >= 0) return;
-#endif
-    std::string name = (fs::path(temporary_folder(folder)) / ".votess-XXXXXX").string();
-    descriptor_ = ::mkostemp(name.data(), O_CLOEXEC);
-    if (descriptor_ < 0) fail("it cannot be made in '" + temporary_folder(folder) + "'");
-    ::unlink(name.c_str());
-}
-
-TemporaryFile::~TemporaryFile() {
-    ::close(descriptor_);
+TemporaryFile::TemporaryFile(const std::string& folder)
+    : file_(system::File::temporary(system::path_of(temporary_folder(folder)))) {
+    if (!file_.is_open()) fail("it cannot be made in '" + temporary_folder(folder) + "'");
 }
 
 std::uint64_t TemporaryFile::append(std::span<const std::byte> bytes) {
     const std::uint64_t begin = size_;
     while (!bytes.empty()) {
-        const ssize_t done = ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+        const std::ptrdiff_t done = file_.write_at(size_, bytes);
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0) fail("it cannot grow beyond " + std::to_string(size_) + " bytes");
         size_ += static_cast<std::uint64_t>(done);
@@ -66,7 +48,7 @@ std::uint64_t TemporaryFile::append(std::span<const std::byte> bytes) {
 
 void TemporaryFile::read(std::uint64_t at, std::span<std::byte> to) const {
     while (!to.empty()) {
-        const ssize_t done = ::pread(descriptor_, to.data(), to.size(), static_cast<off_t>(at));
+        const std::ptrdiff_t done = file_.read_at(at, to);
         if (done < 0 && errno == EINTR) continue;
         if (done <= 0) fail("it cannot be read at " + std::to_string(at));
         at += static_cast<std::uint64_t>(done);

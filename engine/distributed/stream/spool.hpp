@@ -7,6 +7,8 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/system.hpp"
+
 namespace votess::stream {
 
 // A file that only grows. It has no name, so it ends with the process. Throws Error(storage).
@@ -16,7 +18,6 @@ public:
     explicit TemporaryFile(const std::string& folder);
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
-    ~TemporaryFile();
 
     // Returns the position of the bytes.
     std::uint64_t append(std::span<const std::byte> bytes);
@@ -25,11 +26,11 @@ public:
     [[nodiscard]] std::uint64_t size() const { return size_; }
 
 private:
-    int descriptor_ = -1;
+    system::File file_;
     std::uint64_t size_ = 0;
 };
 
-// Returns the folder, or TMPDIR or /tmp for "".
+// Returns the folder, or system::temporary_folder() for "".
 [[nodiscard]] std::string temporary_folder(const std::string& folder);
 // Throws invalid_argument when the folder cannot be used.
 [[nodiscard]] std::uint64_t free_bytes(const std::string& folder);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "core/process.hpp"
+#include "core/system.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "distributed/blocks/messages.hpp"
 #include "distributed/stream/assembler.hpp"
@@ -171,7 +171,7 @@ private:
         stages_.begin(&StageSeconds::sort, 0.2, "making halos between blocks");
         for (std::size_t b = 0; b < count_; ++b) {
             stages_.at(b, count_);
-            give_back_memory();
+            system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             const blocks::LocalBlock block(*settled_, seeds_of(b));
             put_tiles(b, block.tiled());
@@ -183,7 +183,7 @@ private:
     void clip() {
         stages_.begin(&StageSeconds::clip, 0.72, "");
         for (std::size_t b = 0; b < count_; ++b) {
-            give_back_memory();
+            system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
             Options options = *settled_;
@@ -224,7 +224,7 @@ private:
     void reply() {
         stages_.begin(&StageSeconds::fallback, 0.76, "finishing cells that reach other blocks");
         for (std::size_t b = 0; b < count_; ++b) {
-            give_back_memory();
+            system::give_back_memory();
             stages_.at(b, count_);
             if (blocks_[b].requests.size() == 0) continue;
             std::vector<std::size_t> from;
@@ -267,7 +267,7 @@ private:
             spools_.reset();
             seeds_.reset();
         }
-        give_back_memory();
+        system::give_back_memory();
     }
 
     void write_rows() {
@@ -308,7 +308,7 @@ private:
         stats.device = "cpu";
         const std::uint64_t cells = stats.points - stats.empty_cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
-        stats.peak_memory_bytes = peak_memory();
+        stats.peak_memory_bytes = system::peak_memory();
     }
 
     // Blocks are read for each round of the sample, so there is one: as many cells as the usual budget pays for, and no
@@ -333,7 +333,7 @@ private:
     void for_blocks(const std::function<void(Seeds)>& task) override {
         for (std::size_t b = 0; b < count_; ++b) {
             stages_.at(blocks_checked_++, 2 * count_);
-            give_back_memory();
+            system::give_back_memory();
             const Seeds all = seeds_of(b);
             Spool& spool = blocks_[b].rows.of(Array::status);
             spool.rewind();

@@ -150,15 +150,18 @@ int bit_length(const WideInt<W>& a) {
     return 0;
 }
 
-// a = mantissa * 2^exponent with |mantissa| in [0.5, 1), truncated to the precision of Real (at most 128 bits).
-template <class Real>
-struct Scaled {
-    Real mantissa = 0;
+// (high * 2^64 + low) * 2^exponent, or minus that. The top bit of `high` is set unless the number is 0.
+struct LeadingBits {
+    std::uint64_t high = 0, low = 0;
     int exponent = 0;
+    bool negative = false;
+
+    friend bool operator==(const LeadingBits&, const LeadingBits&) = default;
 };
 
-template <class Real, int W>
-Scaled<Real> to_scaled(const WideInt<W>& a) {
+// Truncates.
+template <int W>
+LeadingBits leading_bits(const WideInt<W>& a) {
     const bool negative = a.negative();
     const WideInt<W> m = negative ? -a : a;
     int top = W - 1;
@@ -167,10 +170,22 @@ Scaled<Real> to_scaled(const WideInt<W>& a) {
     const int zeros = std::countl_zero(m.limb[top]);
     auto word = [&](int i) { return i >= 0 ? m.limb[i] : 0; };
     auto shifted = [&](int i) { return zeros == 0 ? word(i) : (word(i) << zeros) | (word(i - 1) >> (64 - zeros)); };
-    constexpr Real two_to_minus_64 = static_cast<Real>(5.42101086242752217003726400434970855712890625e-20);
-    Real r =
-        (static_cast<Real>(shifted(top)) + static_cast<Real>(shifted(top - 1)) * two_to_minus_64) * two_to_minus_64;
-    return {negative ? -r : r, 64 * (top + 1) - zeros};
+    return {shifted(top), shifted(top - 1), 64 * (top - 1) - zeros, negative};
+}
+
+// A number is mantissa * 2^exponent.
+template <class Real>
+struct Scaled {
+    Real mantissa = 0;
+    int exponent = 0;
+};
+
+// The mantissa is in [0.5, 1], or 0.
+template <int W>
+Scaled<double> to_scaled(const WideInt<W>& a) {
+    const LeadingBits bits = leading_bits(a);
+    const double r = (static_cast<double>(bits.high) + static_cast<double>(bits.low) * 0x1p-64) * 0x1p-64;
+    return {bits.negative ? -r : r, r == 0 ? 0 : bits.exponent + 128};
 }
 
 }  // namespace votess::exact

@@ -1,7 +1,5 @@
 #include "gpu/vulkan/instance.hpp"
 
-#include <dlfcn.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <string>
@@ -54,13 +52,6 @@ bool has_layer(const LoaderCalls& calls, std::string_view name) {
     return std::any_of(list.begin(), list.end(), [&](const auto& l) { return l.layerName == name; });
 }
 
-// On Apple's systems the loader, or the driver itself.
-#ifdef __APPLE__
-constexpr const char* loader_names[] = {"libvulkan.1.dylib", "libvulkan.dylib", "libMoltenVK.dylib"};
-#else
-constexpr const char* loader_names[] = {"libvulkan.so.1"};
-#endif
-
 }  // namespace
 
 bool validation_wanted() {
@@ -72,30 +63,19 @@ bool synchronization_validation_wanted() {
 }
 
 Loader::Loader() {
-    // NODELETE: drivers leave threads and thread-local destructors behind, so unmapping their code is not safe.
-    const char* name = nullptr;
-    for (const char* candidate : loader_names) {
-        name = candidate;
-        library_ = dlopen(name, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-        if (library_) break;
-    }
-    if (!library_)
-        throw Error(ErrorCode::unsupported, "no Vulkan loader (" + std::string(loader_names[0]) + ") on this machine");
-    const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library_, "vkGetInstanceProcAddr"));
-    if (!get) {
-        dlclose(library_);
-        throw Error(ErrorCode::unsupported,
-                    std::string(name) + " is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
-    }
+    const std::vector<std::string> names = system::vulkan_loaders();
+    std::string failure;
+    auto name = names.begin();
+    while (name != names.end() && !(library_ = system::SharedLibrary::open(*name, failure)).is_open()) ++name;
+    if (name == names.end())
+        throw Error(ErrorCode::unsupported, "no Vulkan loader (" + names.front() + ") on this machine");
+    const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(library_.symbol("vkGetInstanceProcAddr"));
+    if (!get) throw Error(ErrorCode::unsupported, *name + " is not a Vulkan loader: it lacks vkGetInstanceProcAddr");
     calls_.vkGetInstanceProcAddr = get;
     load(calls_.vkEnumerateInstanceVersion, get, nullptr, "vkEnumerateInstanceVersion");
     load(calls_.vkEnumerateInstanceExtensionProperties, get, nullptr, "vkEnumerateInstanceExtensionProperties");
     load(calls_.vkEnumerateInstanceLayerProperties, get, nullptr, "vkEnumerateInstanceLayerProperties");
     load(calls_.vkCreateInstance, get, nullptr, "vkCreateInstance");
-}
-
-Loader::~Loader() {
-    dlclose(library_);
 }
 
 std::shared_ptr<Instance> Instance::create(const InstanceOptions& options) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/system.hpp"
 #include "gpu/vulkan/adapter.hpp"
 #include "gpu/vulkan/api.hpp"
 
@@ -20,14 +21,13 @@ namespace votess::gpu::vulkan {
 class Loader {
 public:
     Loader();
-    ~Loader();
     Loader(const Loader&) = delete;
     Loader& operator=(const Loader&) = delete;
 
     [[nodiscard]] const LoaderCalls& calls() const { return calls_; }
 
 private:
-    void* library_ = nullptr;
+    system::SharedLibrary library_;
     LoaderCalls calls_;
 };
 

@@ -1,7 +1,5 @@
 #include "gpu/vulkan/pipeline_cache.hpp"
 
-#include <unistd.h>
-
 #include <array>
 #include <cstdint>
 #include <cstdlib>
@@ -9,6 +7,8 @@
 #include <fstream>
 #include <string>
 #include <system_error>
+
+#include "core/system.hpp"
 
 namespace votess::gpu::vulkan {
 namespace {
@@ -60,6 +60,7 @@ fs::path cache_directory() {
     if (const char* own = std::getenv("VOTESS_CACHE_DIR")) return own;
     if (const fs::path base = directory_from("XDG_CACHE_HOME"); !base.empty()) return base / "votess";
     if (const fs::path home = directory_from("HOME"); !home.empty()) return home / ".cache" / "votess";
+    if (const fs::path windows = directory_from("LOCALAPPDATA"); !windows.empty()) return windows / "votess";
     return {};
 }
 
@@ -96,7 +97,8 @@ bool write_cache(const fs::path& file, std::span<const std::byte> data) noexcept
         fs::create_directories(file.parent_path(), error);
         // The process id makes the name unique among processes, the address of the data among devices.
         fs::path temporary = file;
-        temporary += ".tmp" + std::to_string(getpid()) + "-" + hex(reinterpret_cast<std::uintptr_t>(data.data()), 16);
+        temporary += ".tmp" + std::to_string(system::process_id()) + "-" +
+                     hex(reinterpret_cast<std::uintptr_t>(data.data()), 16);
         bool good = false;
         {
             std::ofstream out(temporary, std::ios::binary | std::ios::trunc);

@@ -1,8 +1,10 @@
 // What a child made by fork() does with the Tessellators and results of its parent, whose threads it has not.
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -102,4 +104,30 @@ TEST_SUITE("forks") {
         }
         CHECK(failure == "");
     }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take all addresses
+    TEST_CASE("forks: threads that the system does not give are named, and fewer do where none were requested") {
+        const test::PointSet set = test::uniform(50, 87);
+        const std::string failure = test::in_child([&]() -> std::string {
+            const rlimit room{rlim_t{1} << 30, rlim_t{1} << 30};  // stacks of 8 MB each
+            setrlimit(RLIMIT_AS, &room);
+            std::string message;
+            votess::Options options;
+            options.device = "cpu";
+            options.threads = 1024;
+            votess::Tessellator tessellator;
+            for (int repeat = 0; repeat < 2; ++repeat) {
+                const auto code = test::error_of([&] { (void)tessellator.tessellate(set.points, options); }, &message);
+                if (code != votess::ErrorCode::no_threads) return "no error: " + message;
+            }
+            if (!message.starts_with("threads = 1024, but the system gives only ")) return message;
+            for (const unsigned threads : {2u, 0u}) {
+                options.threads = threads;
+                if (tessellator.tessellate(set.points, options).size() != 50) return "no cells";
+            }
+            return "";
+        });
+        CHECK(failure == "");
+    }
+#endif
 }

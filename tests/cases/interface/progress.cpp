@@ -3,9 +3,6 @@
 #include "core/progress.hpp"
 
 #include <doctest/doctest.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #include <votess/votess.h>
 
 #include <algorithm>
@@ -244,44 +241,6 @@ TEST_SUITE("interface") {
         pool.run(5, [&](std::size_t, unsigned) { ++done; });
         CHECK(done == 5);
     }
-
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they take all addresses
-    TEST_CASE("progress: threads that the system does not give are named, and fewer do where none were requested") {
-        const test::PointSet set = test::uniform(50, 87);
-        int ends[2];
-        REQUIRE(pipe(ends) == 0);
-        const pid_t child = fork();
-        if (child == 0) {
-            const rlimit room{rlim_t{1} << 30, rlim_t{1} << 30};  // stacks of 8 MB each
-            setrlimit(RLIMIT_AS, &room);
-            std::string message;
-            votess::Options options;
-            options.device = "cpu";
-            options.threads = 1024;
-            votess::Tessellator tessellator;
-            for (int repeat = 0; repeat < 2; ++repeat)
-                if (test::error_of([&] { (void)tessellator.tessellate(set.points, options); }, &message) !=
-                    votess::ErrorCode::no_threads)
-                    message = "no error: " + message;
-            for (const unsigned threads : {2u, 0u}) {
-                options.threads = threads;
-                if (tessellator.tessellate(set.points, options).size() != 50) message = "no cells";
-            }
-            (void)!write(ends[1], message.data(), message.size());
-            _exit(0);
-        }
-        close(ends[1]);
-        std::string message(1000, ' ');
-        const ssize_t size = read(ends[0], message.data(), message.size());
-        close(ends[0]);
-        int status = 0;
-        CHECK(waitpid(child, &status, 0) == child);
-        CHECK(status == 0);
-        message.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
-        CAPTURE(message);
-        CHECK(message.starts_with("threads = 1024, but the system gives only "));
-    }
-#endif
 
     TEST_CASE("progress: C reports what a callback throws") {
         const test::PointSet set = test::uniform(50, 88);
