@@ -96,7 +96,7 @@ TEST_SUITE("stages") {
             std::vector<std::uint32_t> listed;
             for (unsigned k = 0; k < box_fan; ++k)
                 if ((mask >> k) & 1) listed.push_back(4000000000 + k);
-            for_each_set([&](const StarKernels& kernels) {
+            test::for_each_set([&](const StarKernels& kernels) {
                 std::array<std::uint32_t, box_fan> out;
                 const int count = kernels.list_bits(mask, 4000000000, out.data());
                 REQUIRE(std::vector(out.begin(), out.begin() + count) == listed);
