@@ -7,7 +7,7 @@
 namespace votess {
 namespace {
 
-constexpr double unit = 0x1p-53;
+constexpr double unit_roundoff = 0x1p-53;
 
 // Returns how many nodes of a complete tree of `count` lie below its first child.
 std::size_t count_of_first(std::size_t count) {
@@ -32,7 +32,7 @@ WallTree::WallTree(std::span<const exact::Plane> walls, const exact::Point& midd
         }
         units.push_back(
             {{n[0] / length, n[1] / length, n[2] / length}, offset / length, static_cast<std::uint32_t>(units.size())});
-        error_ = std::max(error_, 16 * unit * size / length);
+        error_ = std::max(error_, 16 * unit_roundoff * size / length);
     }
     build(units, 0);
 }
@@ -67,7 +67,7 @@ bool WallTree::may_exclude(std::size_t node, const exact::Point& x, double toler
         most += std::max(n.lower[k] * from, n.upper[k] * from);
         size += std::abs(x[k]) + std::abs(middle_[k]);
     }
-    return !(most < -(2 * tolerance + error_ + 16 * unit * size));  // also if a number is not finite
+    return !(most < -(2 * tolerance + error_ + 16 * unit_roundoff * size));  // also if a number is not finite
 }
 
 }  // namespace votess

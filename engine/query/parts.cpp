@@ -10,7 +10,7 @@ namespace votess::cpu {
 namespace {
 
 // Accepted error of a volume, relative to the sum. Bounds are some hundred times larger than errors.
-constexpr double accepted_error = 0x1p-37;
+constexpr double accepted_sum_error = 0x1p-37;
 constexpr double accepted_of_moments = 0x1p-34;  // of a volume and an area, of themselves, where moments are wanted
 constexpr std::size_t min_faces = 4;
 
@@ -138,7 +138,7 @@ std::span<const Part> Parts::divide(const Probe& probe, std::span<const Member> 
             if (moments && !(known.error <= accepted_of_moments * known.part.volume &&
                              known.area.error <= accepted_of_moments * known.area.value))
                 return false;
-            return known.error <= accepted_error * whole && known.part.volume > 2 * known.error;
+            return known.error <= accepted_sum_error * whole && known.part.volume > 2 * known.error;
         };
         for (const Precision precision : {Precision::quad, Precision::wide}) {
             if (is_known(precision == Precision::quad ? total : known.part.volume)) break;

@@ -15,10 +15,10 @@ using Vector = Vector3;
 using Two __attribute__((vector_size(16), aligned(16), may_alias)) = double;  // as wide as any processor has
 
 constexpr std::size_t max_vertices = 128, none = ~std::size_t{0};
-constexpr double never = 1e300;                // h of a plane that is not there
-constexpr double residual_rounding = 0x1p-47;  // 64 u
-constexpr double min_determinant = 0x1p-30;    // of N^3: the sign of a smaller one may be rounding
-constexpr double min_apart = 0x1p-8;           // of N: bisectors of nearer neighbors have lost digits
+constexpr double never = 1e300;                 // h of a plane that is not there
+constexpr double residual_rounding = 0x1p-47;   // 64 u
+constexpr double min_determinant = 0x1p-30;     // of N^3: the sign of a smaller one may be rounding
+constexpr double min_bisectors_apart = 0x1p-8;  // of N: bisectors of nearer neighbors have lost digits
 
 const Two& two(const double* all, std::size_t i) {
     return reinterpret_cast<const Two&>(all[i]);
@@ -126,7 +126,7 @@ bool Sibson::neighbors_are_apart(std::size_t neighbors) const {
             if (i <= a) square[a - i] = never;
             least = square < least ? square : least;
         }
-    return std::min(least[0], least[1]) >= min_apart * min_apart * longest_squared_;
+    return std::min(least[0], least[1]) >= min_bisectors_apart * min_bisectors_apart * longest_squared_;
 }
 
 // Returns the vertex from number `begin` on that is as near to three neighbors.

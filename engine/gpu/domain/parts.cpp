@@ -8,7 +8,7 @@ namespace votess::gpu {
 namespace {
 
 // The margin in mean distances between the part's seeds: twice the security radius of most cells.
-constexpr double margin_spacings = 5;
+constexpr double part_margin_spacings = 5;
 
 }  // namespace
 
@@ -78,7 +78,7 @@ Part Parts::get(std::size_t index) const {
     const Box own = bounds(begin, end);
     double volume = 1;
     for (int k = 0; k < 3; ++k) volume *= own.upper[k] * job_.scale - own.lower[k] * job_.scale;
-    double margin = margin_spacings * std::cbrt(volume / static_cast<double>(end - begin));
+    double margin = part_margin_spacings * std::cbrt(volume / static_cast<double>(end - begin));
     if (job_.domain->has_weights()) {  // the farthest seed that cuts such a cell, if it is not much heavier than most
         const double heavier = job_.domain->largest_weight - *std::ranges::min_element(job_.domain->weights);
         margin = 0.5 * margin + std::sqrt(0.25 * margin * margin + std::min(heavier, 2 * margin * margin));

@@ -12,7 +12,7 @@ namespace {
 
 // This share of a vector exceeds the error of fractions. Places are right to 2^-52 of the box, which spans at most
 // max_shifts of the vectors.
-constexpr double slack = 0.01;
+constexpr double fraction_slack = 0.01;
 constexpr std::int64_t largest_shift = 63;  // so that differences of two of them fit into rows
 
 // Numbers of units with 64 fractional bits, modulo 2^128. Coordinates and vectors are right to 2^-64, sums with 2^31
@@ -226,8 +226,8 @@ void Images::add_images(std::size_t first, std::size_t end, Block& block) const 
         std::array<int, 3> least{}, last{};
         for (std::size_t j = 0; j < 3; ++j) {
             if (!domain_.periodic[j]) continue;
-            least[j] = static_cast<int>(std::ceil(range_.fractions.lower[j] - f[j] - slack));
-            last[j] = static_cast<int>(std::floor(range_.fractions.upper[j] - f[j] + slack));
+            least[j] = static_cast<int>(std::ceil(range_.fractions.lower[j] - f[j] - fraction_slack));
+            last[j] = static_cast<int>(std::floor(range_.fractions.upper[j] - f[j] + fraction_slack));
         }
         const auto try_image = [&](const std::array<int, 3>& steps) {
             if (steps == std::array<int, 3>{}) return;
