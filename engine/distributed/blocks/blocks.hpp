@@ -79,7 +79,7 @@ public:
     // outlines: of all blocks in order, this one's at `own`. halos: from the others for this block, in the same order.
     void clip(std::span<const Message> outlines, std::size_t own, std::span<const Message> halos);
     [[nodiscard]] Message request_for(std::size_t block) const;
-    // Returns a reply for each request; those of no block are empty.
+    // Returns a reply for each request. That to an empty request is empty.
     [[nodiscard]] std::vector<Message> reply(std::span<const Message> requests) const;
     [[nodiscard]] BlockCells finish(std::span<const Message> replies);
     [[nodiscard]] const BlockCounts& counts() const noexcept;

@@ -41,8 +41,8 @@ struct Requests {
 // Returns the seeds of a block that may cut a cell of the requests.
 Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
                  std::span<const Requests> requests);
-// Returns, for each of the requests, seeds of which all neighbors of its cells in the block are a part. near: of
-// seeds_near(), ascending by id. options: of the whole run, with its box and without weights.
+// Returns seeds for each of the requests: they include the neighbors of its cells in the block. near: of seeds_near(),
+// ascending by id. options: of the whole run, with its box and without weights.
 std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
