@@ -66,7 +66,8 @@ zig_libraries() {  # folder
         local apt=(apt-get -qq -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$sources/parts"
                    -o "Dir::State::Lists=$sources/lists")
         quietly "${apt[@]}" update
-        (cd "$sources" && quietly "${apt[@]}" source --download-only zlib libpng1.6)
+        # Without Debian's patches, which a mirror may lack.
+        (cd "$sources" && "${apt[@]}" source --download-only zlib libpng1.6 >"$log" 2>&1 || true)
         for file in "$sources"/*.orig.tar.*; do tar -xf "$file" -C "$sources"; done
         cp "$sources"/libpng*/scripts/pnglibconf.h.prebuilt "$(echo "$sources"/libpng*/)pnglibconf.h"
     fi
