@@ -3,7 +3,7 @@
 # environment: the package, clvotess, tests of Python, and a C++ program that finds the library in it.
 #   ./tools/wheel.sh [TARGET...]     on Debian for x86_64
 # TARGET: linux-x86_64 (default), linux-aarch64, windows-x86_64, macos-aarch64, macos-x86_64, or all. The last three are
-# cross-compiled by zig.
+# cross-compiled by zig. Nobody has run a wheel for ARM or macOS yet.
 # A wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
 # h5py handles .h5 files there.
 set -euo pipefail
