@@ -2,14 +2,14 @@
 # Builds wheels and the source distribution of pyvotess into dist/. Then tries the wheel of this machine in a fresh
 # environment: the package, clvotess, tests of Python, and a C++ program that finds the library in it.
 #   ./tools/wheel.sh [TARGET...]     on Debian for x86_64
-# TARGET: linux-x86_64 (default), linux-aarch64, windows-x86_64, macos-aarch64, macos-x86_64, or all. The last three are
-# cross-compiled by zig. Nobody has run a wheel for ARM or macOS yet.
+# TARGET: linux-x86_64 (default), windows-x86_64, macos-aarch64, macos-x86_64, or all. The last three are cross-compiled
+# by zig. Nobody has made a wheel for macOS yet.
 # A wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
 # h5py handles .h5 files there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [[ $# -gt 0 ]] || set -- linux-x86_64
-[[ $* != all ]] || set -- linux-x86_64 linux-aarch64 windows-x86_64 macos-aarch64 macos-x86_64
+[[ $* != all ]] || set -- linux-x86_64 windows-x86_64 macos-aarch64 macos-x86_64
 tools/setup.sh run wheel
 
 work=$PWD/build/wheel
@@ -31,22 +31,14 @@ quietly python -m build --sdist --outdir dist
 tar -xf dist/*.tar.gz -C "$work"
 source=$(echo "$work"/pyvotess-*)
 
-# Static libraries for a system, from the packages of Debian for it.
-debian_libraries() {  # architecture
-    local apt=(apt-get -qq -o "Dir::State::Lists=$work/lists" -o APT::Architectures::="$1")
-    mkdir -p "$work/lists/partial" "$work/$1"
-    quietly "${apt[@]}" update
-    (cd "$work/$1" && quietly "${apt[@]}" download "libpng-dev:$1" "zlib1g-dev:$1")
-    for package in "$work/$1"/*.deb; do dpkg -x "$package" "$work/$1"; done
-}
-
 # GCC links for an older Linux (old_linux.py): clang would take its own C++ library, whose std::string is another than
 # that of the program that uses libvotess.
-linux() {  # machine, GCC's prefix, folder of static libraries
-    local folder=$work/old-$1 libraries=$3
-    quietly python tools/wheel/old_linux.py "$folder" "$2g++" "$1"
-    echo "wheel: building for Linux on $1"
-    CC=${2:+$2gcc} CXX=${2:+$2g++} LDFLAGS=-B$folder build "linux_$1" \
+linux() {
+    local folder=$work/old-linux libraries
+    libraries=$(dirname "$(gcc -print-file-name=libz.a)")
+    quietly python tools/wheel/old_linux.py "$folder" g++ x86_64
+    echo "wheel: building for Linux on x86_64"
+    LDFLAGS=-B$folder build linux_x86_64 \
         -Ccmake.define.VOTESS_ZLIB_LIBRARY_z="$libraries/libz.a" \
         -Ccmake.define.VOTESS_PNG_LIBRARY_png="$libraries/libpng.a;$libraries/libz.a"
     quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
@@ -115,13 +107,7 @@ build() {  # platform of the wheel, settings
 
 for target in "$@"; do
     case $target in
-        linux-x86_64)
-            linux x86_64 "" "$(dirname "$(gcc -print-file-name=libz.a)")"
-            ;;
-        linux-aarch64)
-            debian_libraries arm64
-            linux aarch64 aarch64-linux-gnu- "$work/arm64/usr/lib/aarch64-linux-gnu"
-            ;;
+        linux-x86_64) linux ;;
         windows-x86_64) zig Windows x86_64 x86_64-windows-gnu win_amd64 ;;
         macos-aarch64) zig Darwin arm64 aarch64-macos.11.0 macosx_11_0_arm64 ;;
         macos-x86_64) zig Darwin x86_64 x86_64-macos.11.0 macosx_11_0_x86_64 ;;

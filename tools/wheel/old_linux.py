@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Makes a folder from which GCC links for an older Linux than this one: g++ -B FOLDER.
 
-old_linux.py FOLDER g++ x86_64      or with aarch64-linux-gnu-g++ aarch64; needs readelf and the ziglang package
+old_linux.py FOLDER g++ x86_64      needs readelf and the ziglang package
 
 Start files and stubs of glibc 2.28 come from zig. Stubs of libstdc++ and libgcc_s hold the symbols that these libraries
 had in 2018, as manylinux_2_28 demands (PEP 600). What is newer in libstdc++ is linked statically, so a C++ program and
