@@ -58,7 +58,7 @@ public:
     // Leaves standard streams open. Returns false on an error, for some devices that of a write.
     bool close() noexcept;
 
-    // Of a nameless file: a path for this process, and a name in its file system. EEXIST: the name is taken.
+    // Returns a path of a nameless file, for this process; gives it a name in its file system (EEXIST: it is taken).
     [[nodiscard]] std::filesystem::path path() const;
     [[nodiscard]] bool give_name(const std::filesystem::path& name) const;
 

@@ -2,8 +2,8 @@
 //
 // Two seeds that are neighbors among all seeds are neighbors in any subset that holds both (Levy, arXiv 2406.04192,
 // 2024). So each block clips with its own seeds and a halo. If a cell reaches beyond the halo, the block sends its
-// seed and neighbors once to the block concerned, which finds the cell among these and its own seeds, and returns its
-// own neighbors of it. There is no second round, because cells only shrink.
+// seed and neighbors once to the block concerned, which finds the cell among these and its own seeds, and returns the
+// neighbors that it owns. One round is enough, because cells only shrink.
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
 // of others; finish(). A run that cannot hold all blocks at once keeps pending_cells() for finish_pending(), and calls
