@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
-#   ./tools/setup.sh [run|quick|test|bench|wheel|ccache]...     default: run test bench
-# run: clvotess. quick: the tests of tools/test.sh. test: all tests. It needs no network when nothing is missing.
+#   ./tools/setup.sh [run|quick|test|bench|wheel|arm|ccache]...     default: run test bench
+# run: clvotess. quick: the tests of tools/test.sh. test: all tests. arm: a compiler for ARM, and qemu. It needs no
+# network when nothing is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -67,11 +68,15 @@ for part in "$@"; do
         wheel)
             python3 -c 'import ensurepip' 2>/dev/null || wanted+=(python3-venv)
             ;;
+        arm)
+            need g++-aarch64-linux-gnu
+            need_command qemu-user qemu-aarch64
+            ;;
         ccache)
             need_command ccache ccache
             ;;
         *)
-            echo "setup: unknown part '$part'; use run, quick, test, bench, wheel or ccache" >&2
+            echo "setup: unknown part '$part'; use run, quick, test, bench, wheel, arm or ccache" >&2
             exit 2
             ;;
     esac

@@ -2,15 +2,15 @@
 # Builds wheels and the source distribution of pyvotess into dist/. Then tries the wheel of this machine in a fresh
 # environment: the package, clvotess, tests of Python, and a C++ program that finds the library in it.
 #   ./tools/wheel.sh [TARGET...]     on Debian for x86_64
-# TARGET: linux-x86_64 (default), windows-x86_64, macos-aarch64, macos-x86_64, or all. The last three are cross-compiled
-# by zig. Nobody has made a wheel for macOS yet.
+# TARGET: linux-x86_64 (default), linux-aarch64, windows-x86_64, macos-aarch64, macos-x86_64, or all. GCC makes those for
+# Linux, zig the others. Nobody has run those for macOS yet.
 # A wheel needs only Python and NumPy, without Vulkan, HDF5 or a compiler. Debian's HDF5 would add forty libraries, so
 # h5py handles .h5 files there.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 [[ $# -gt 0 ]] || set -- linux-x86_64
-[[ $* != all ]] || set -- linux-x86_64 windows-x86_64 macos-aarch64 macos-x86_64
-tools/setup.sh run wheel
+[[ $* != all ]] || set -- linux-x86_64 linux-aarch64 windows-x86_64 macos-aarch64 macos-x86_64
+if [[ $* == *linux-aarch64* ]]; then tools/setup.sh run wheel arm; else tools/setup.sh run wheel; fi
 
 work=$PWD/build/wheel
 rm -rf "$work" dist
@@ -44,8 +44,51 @@ linux() {
     quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
 }
 
-# Builds zlib and libpng as static libraries in a folder with the compiler of a system, from Debian's sources.
-zig_libraries() {  # folder
+linux_arm() {
+    local folder=$work/aarch64-linux-gnu name
+    quietly python tools/wheel/old_linux.py "$folder/old-linux" aarch64-linux-gnu-g++ aarch64
+    program "$folder/cc" aarch64-linux-gnu-gcc -B"$folder/old-linux"
+    program "$folder/c++" aarch64-linux-gnu-g++ -B"$folder/old-linux"
+    for name in ar ranlib; do program "$folder/$name" aarch64-linux-gnu-$name; done
+    cross Linux aarch64 "$folder" linux_aarch64
+    quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
+}
+
+# -fno-sanitize: by default zig stops programs at undefined behavior. -g0: it always adds debug information.
+zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
+    local folder=$work/$3 zig name
+    zig=$(python -c 'import ziglang; print(ziglang.__path__[0])')/zig
+    mkdir -p "$folder"
+    for name in cc c++; do program "$folder/$name" "$zig" $name -target "$3" -fno-sanitize=undefined -g0; done
+    for name in ar ranlib; do program "$folder/$name" "$zig" $name; done
+    cross "$1" "$2" "$folder" "$4"
+    cp "$work"/built/*.whl dist/
+}
+
+program() {  # file, and the command with options that it runs
+    local file=$1
+    shift
+    printf '#!/bin/sh\nexec %s "$@"\n' "$(printf '"%s" ' "$@")" >"$file"
+    chmod +x "$file"
+}
+
+cross() {  # CMake's names of the system and processor, folder with cc, c++, ar and ranlib, platform of the wheel
+    local name
+    mkdir "$3/include" "$3/lib"
+    for name in CLI eigen3 glm vk_video vulkan volk.h volk.c; do ln -s "/usr/include/$name" "$3/include/"; done
+    libraries "$3"
+    echo "wheel: building for $1 on $2"
+    (
+        unset CC CXX
+        export CROSS_SYSTEM=$1 CROSS_PROCESSOR=$2 CROSS_FOLDER=$3 LDFLAGS=-s
+        build "$4" -Cinstall.strip=false -Ccmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/tools/wheel/cross.cmake" \
+            -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
+            -Ccmake.define.VOTESS_PNG_LIBRARY_png="$3/lib/libpng.a;$3/lib/libz.a"
+    )
+}
+
+# Builds zlib and libpng as static libraries in a folder with its compiler, from Debian's sources.
+libraries() {  # folder
     local sources=$work/sources file
     if [[ ! -d $sources ]]; then
         mkdir -p "$sources/lists/partial" "$sources/parts"
@@ -64,7 +107,8 @@ zig_libraries() {  # folder
         cp "$sources"/libpng*/scripts/pnglibconf.h.prebuilt "$(echo "$sources"/libpng*/)pnglibconf.h"
     fi
     for file in adler32 compress crc32 deflate inffast inflate inftrees trees uncompr zutil; do
-        "$1/cc" -O2 -w -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
+        # For macOS zlib would define fdopen, which breaks the system's headers.
+        "$1/cc" -O2 -w -Dfdopen=fdopen -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
     done
     for file in "$sources"/libpng*/png*.c; do
         [[ $file == */pngtest.c ]] ||
@@ -73,29 +117,6 @@ zig_libraries() {  # folder
     "$1/ar" rcs "$1/lib/libz.a" "$1"/{adler32,compress,crc32,deflate,inf*,trees,uncompr,zutil}.o
     "$1/ar" rcs "$1/lib/libpng.a" "$1"/png*.o
     cp "$sources"/zlib-*/{zlib,zconf}.h "$sources"/libpng*/{png,pngconf,pnglibconf}.h "$1/include/"
-}
-
-# -fno-sanitize: by default zig stops programs at undefined behavior. -g0: it always adds debug information.
-zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
-    local folder=$work/$3 zig name options
-    zig=$(python -c 'import ziglang; print(ziglang.__path__[0])')/zig
-    mkdir -p "$folder/include" "$folder/lib"
-    for name in cc c++ ar ranlib; do
-        options='"$@"'
-        [[ $name != c* ]] || options="-target $3 -fno-sanitize=undefined $options -g0"
-        printf '#!/bin/sh\nexec "%s" %s %s\n' "$zig" "$name" "$options" >"$folder/$name"
-        chmod +x "$folder/$name"
-    done
-    for name in CLI eigen3 glm vk_video vulkan volk.h volk.c; do ln -s "/usr/include/$name" "$folder/include/"; done
-    zig_libraries "$folder"
-    echo "wheel: building for $1 on $2"
-    (
-        unset CC CXX
-        export ZIG_SYSTEM=$1 ZIG_PROCESSOR=$2 ZIG_FOLDER=$folder LDFLAGS=-s
-        build "$4" -Cinstall.strip=false -Ccmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/tools/wheel/zig.cmake" \
-            -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON
-    )
-    cp "$work"/built/*.whl dist/
 }
 
 build() {  # platform of the wheel, settings
@@ -108,6 +129,7 @@ build() {  # platform of the wheel, settings
 for target in "$@"; do
     case $target in
         linux-x86_64) linux ;;
+        linux-aarch64) linux_arm ;;
         windows-x86_64) zig Windows x86_64 x86_64-windows-gnu win_amd64 ;;
         macos-aarch64) zig Darwin arm64 aarch64-macos.11.0 macosx_11_0_arm64 ;;
         macos-x86_64) zig Darwin x86_64 x86_64-macos.11.0 macosx_11_0_x86_64 ;;

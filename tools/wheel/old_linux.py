@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Makes a folder from which GCC links for an older Linux than this one: g++ -B FOLDER.
 
-old_linux.py FOLDER g++ x86_64      needs readelf and the ziglang package
+old_linux.py FOLDER g++ x86_64                          needs readelf and the ziglang package
+old_linux.py FOLDER aarch64-linux-gnu-g++ aarch64
 
 Start files and stubs of glibc 2.28 come from zig. Stubs of libstdc++ and libgcc_s hold the symbols that these libraries
 had in 2018, as manylinux_2_28 demands (PEP 600). What is newer in libstdc++ is linked statically, so a C++ program and
@@ -105,7 +106,8 @@ def main():
         return output(compiler, f"-print-file-name={name}").strip()
 
     gcc = write_stub(of_compiler("libgcc_s.so.1"), folder, compiler)
-    (folder / "libgcc_s.so").symlink_to(gcc)
+    # ARM's atomics are functions of the static part. Code of libstdc++.a calls them.
+    (folder / "libgcc_s.so").write_text(f"GROUP({folder}/{gcc} -lgcc)\n")
     cxx = write_stub(of_compiler("libstdc++.so.6"), folder, compiler)
     (folder / "libstdc++.so").write_text(f"INPUT({folder}/{cxx} {of_compiler('libstdc++.a')})\n")
 

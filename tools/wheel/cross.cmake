@@ -1,7 +1,7 @@
-# The toolchain of a system that zig compiles for. The environment names the system and the folder with its compiler.
-set(CMAKE_SYSTEM_NAME $ENV{ZIG_SYSTEM})
-set(CMAKE_SYSTEM_PROCESSOR $ENV{ZIG_PROCESSOR})
-set(folder $ENV{ZIG_FOLDER})
+# The toolchain of another system. The environment names the system and the folder with the compiler's programs.
+set(CMAKE_SYSTEM_NAME $ENV{CROSS_SYSTEM})
+set(CMAKE_SYSTEM_PROCESSOR $ENV{CROSS_PROCESSOR})
+set(folder $ENV{CROSS_FOLDER})
 set(CMAKE_C_COMPILER ${folder}/cc)
 set(CMAKE_CXX_COMPILER ${folder}/c++)
 set(CMAKE_AR ${folder}/ar)
