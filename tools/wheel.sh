@@ -55,11 +55,13 @@ linux_arm() {
 }
 
 # -fno-sanitize: by default zig stops programs at undefined behavior. -g0: it always adds debug information.
+# -fno-define-target-os-macros: zlib and libpng take them for a Macintosh of old.
 zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
     local folder=$work/$3 zig name
     zig=$(python -c 'import ziglang; print(ziglang.__path__[0])')/zig
     mkdir -p "$folder"
-    for name in cc c++; do program "$folder/$name" "$zig" $name -target "$3" -fno-sanitize=undefined -g0; done
+    local options=(-target "$3" -fno-sanitize=undefined -g0 -fno-define-target-os-macros)
+    for name in cc c++; do program "$folder/$name" "$zig" $name "${options[@]}"; done
     for name in ar ranlib; do program "$folder/$name" "$zig" $name; done
     cross "$1" "$2" "$folder" "$4"
     cp "$work"/built/*.whl dist/
@@ -107,8 +109,7 @@ libraries() {  # folder
         cp "$sources"/libpng*/scripts/pnglibconf.h.prebuilt "$(echo "$sources"/libpng*/)pnglibconf.h"
     fi
     for file in adler32 compress crc32 deflate inffast inflate inftrees trees uncompr zutil; do
-        # For macOS zlib would define fdopen, which breaks the system's headers.
-        "$1/cc" -O2 -w -Dfdopen=fdopen -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
+        "$1/cc" -O2 -w -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
     done
     for file in "$sources"/libpng*/png*.c; do
         [[ $file == */pngtest.c ]] ||
@@ -149,7 +150,7 @@ import re
 import sys
 import zipfile
 
-COMPILED_IN = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11", "libpng", "zlib"]
+COMPILED_IN = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11", "libpng", "zlib", "LLVM", "mingw-w64"]
 
 
 def check(wheel):
