@@ -7,12 +7,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-for program in aarch64-linux-gnu-g++ qemu-aarch64 ninja; do
-    if ! command -v "$program" >/dev/null; then
-        echo "test_arm: $program is missing: apt install g++-aarch64-linux-gnu qemu-user ninja-build" >&2
-        exit 2
-    fi
-done
+tools/setup.sh arm
 build=$PWD/build/arm
 root=$build/root
 if [[ ! -d $root ]]; then
@@ -24,7 +19,7 @@ if [[ ! -d $root ]]; then
     for package in "$build"/packages/*.deb; do dpkg -x "$package" "$root.part"; done
     mv "$root.part" "$root"
 fi
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
     -DCMAKE_C_COMPILER=aarch64-linux-gnu-gcc -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ \
     -DCMAKE_FIND_ROOT_PATH="/usr/aarch64-linux-gnu;$root" -DCMAKE_FIND_ROOT_PATH_MODE_PROGRAM=NEVER \
     -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY \
