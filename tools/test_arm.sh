@@ -15,11 +15,12 @@ if [[ ! -d $root ]]; then
     apt=(apt-get -qq -o "Dir::State::Lists=$build/lists" -o APT::Architectures::=amd64 -o APT::Architectures::=arm64)
     "${apt[@]}" update
     (cd "$build/packages" && "${apt[@]}" download libgmp-dev:arm64 libgmp10:arm64 libgmpxx4ldbl:arm64 libqhull-dev:arm64 \
-        libqhull-r8.0:arm64 voro++-dev:arm64 doctest-dev)
+        libqhull-r8.0:arm64 voro++-dev:arm64 doctest-dev libeigen3-dev)
     for package in "$build"/packages/*.deb; do dpkg -x "$package" "$root.part"; done
     mv "$root.part" "$root"
 fi
-cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
+cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON \
+    -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=aarch64 \
     -DCMAKE_C_COMPILER=aarch64-linux-gnu-gcc -DCMAKE_CXX_COMPILER=aarch64-linux-gnu-g++ \
     -DCMAKE_FIND_ROOT_PATH="/usr/aarch64-linux-gnu;$root" -DCMAKE_FIND_ROOT_PATH_MODE_PROGRAM=NEVER \
     -DCMAKE_FIND_ROOT_PATH_MODE_LIBRARY=ONLY -DCMAKE_FIND_ROOT_PATH_MODE_INCLUDE=ONLY \
