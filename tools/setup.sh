@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # Installs what a part of votess needs and the machine lacks, on Debian and Ubuntu.
-#   ./tools/setup.sh [run|quick|test|bench|wheel|arm|ccache]...     default: run test bench
-# run: clvotess. quick: the tests of tools/test.sh. test: all tests. arm: a compiler for ARM, and qemu. It needs no
-# network when nothing is missing.
+#   ./tools/setup.sh [run|quick|test|bench|wheel|arm|wine|ccache]...     default: run test bench
+# run: clvotess. quick: the tests of tools/test.sh. test: all tests. arm: a compiler for ARM, and qemu.
+# It needs no network when nothing is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -70,13 +70,18 @@ for part in "$@"; do
             ;;
         arm)
             need g++-aarch64-linux-gnu
+            need_command m4 m4
             need_command qemu-user qemu-aarch64
+            ;;
+        wine)
+            need_command wine wine
+            need_command m4 m4
             ;;
         ccache)
             need_command ccache ccache
             ;;
         *)
-            echo "setup: unknown part '$part'; use run, quick, test, bench, wheel, arm or ccache" >&2
+            echo "setup: unknown part '$part'; use run, quick, test, bench, wheel, arm, wine or ccache" >&2
             exit 2
             ;;
     esac

