@@ -81,6 +81,8 @@ zlib_and_libpng() {
 gmp_qhull_and_voropp() {
     local folder=$work/sources-tests file
     [[ -d $folder ]] || sources "$folder" gmp qhull voro++
+    mkdir -p "$(echo "$folder"/gmp-*)/doc"
+    printf 'all install:\n' >"$(echo "$folder"/gmp-*)/doc/Makefile.in"  # Debian removes the manual
     (
         mkdir -p "$CROSS_FOLDER/gmp"
         cd "$CROSS_FOLDER/gmp"
