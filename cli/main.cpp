@@ -19,6 +19,7 @@
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/output_file.hpp"
+#include "frames/frames.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "queries/point_queries.hpp"
@@ -95,11 +96,11 @@ void print_summary(const Summary& summary, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
-    if (arguments.memory > 0) {
-        Summary streamed = run_streamed(arguments, run_began);
-        streamed.seconds_total = seconds_since(run_began);
-        print_summary(streamed, arguments);
-        if (!streamed.failure().empty()) throw Failure(exit_code::verification_failed, streamed.failure());
+    if (arguments.memory > 0 || arguments.frames) {
+        Summary summary = arguments.frames ? run_frames(arguments, run_began) : run_streamed(arguments, run_began);
+        summary.seconds_total = seconds_since(run_began);
+        print_summary(summary, arguments);
+        if (!summary.failure().empty()) throw Failure(exit_code::verification_failed, summary.failure());
         return exit_code::done;
     }
     Summary summary;

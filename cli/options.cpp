@@ -32,7 +32,12 @@ NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
          {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR; - is stdin"}},
         {"--dataset NAME", R"(dataset of .h5 or array of .npz; default: the only one that fits)"},
-        {"--frame N", R"(frame of a LAMMPS dump or .xyz, from 0; default: the first)"},
+        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5 (H5MD, MDTraj), from 0; default: the first)"},
+        {"--frames all|last|a:b:c",
+         R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
+output holds them one after the other: .h5 a group frame_NUMBER for each,
+text a header line, .csv a column `frame`, .xyz and .dump frames)",
+         {.needs = Needs::all_cells}},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT.
 The domain is that box unless --box is given)",

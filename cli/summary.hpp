@@ -32,6 +32,11 @@ struct Summary {
         std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
     };
     std::optional<Streamed> streamed;  // with --memory
+    struct Frames {
+        std::uint64_t count = 0, first = 0, last = 0, min_points = 0, max_points = 0;
+        bool moving_domain = false;  // whether the domain differs between them
+    };
+    std::optional<Frames> frames;  // with --frames; the other numbers are sums
 
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;

@@ -7,9 +7,10 @@
 #include "core/system.hpp"
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
-#include "files/inflate.hpp"
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
+#include "files/text_source.hpp"
+#include "read/frames.hpp"
 
 namespace clvotess {
 namespace {
@@ -25,10 +26,10 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
         throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
-    if (request.frame && extension != ".dump" && extension != ".lammpstrj" && extension != ".xyz") {
-        throw bad_input("--frame goes with .xyz and LAMMPS dumps (.dump, .lammpstrj) only, not with " +
+    const bool frames = extension == ".dump" || extension == ".lammpstrj" || extension == ".xyz" || extension == ".h5";
+    if (request.frame && !frames)
+        throw bad_input("--frame goes with .xyz, LAMMPS dumps (.dump, .lammpstrj) and .h5 only, not with " +
                         in_quotes(path));
-    }
 }
 
 void refuse_columns(const std::string& path, const ReadRequest& request) {
@@ -130,29 +131,74 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         refuse_columns(path, request);
         return read_npy(path, request.share);
     }
+    const bool text = std::ranges::find(binary, extension) == binary.end();
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
     const auto parse = [&](Parser parser) {
-        const bool lines = !packed && std::ranges::find(binary, extension) == binary.end();
-        std::string bytes = read_whole(path, lines);
-        if (packed) bytes = gunzip(bytes, path);
-        return parser(bytes, path == "-" ? "stdin" : path, request);
+        if (!text) return parser(read_whole(path), path, request);
+        TextSource source(path, packed);
+        return parser(rest_of(source), source.name(), request);
     };
     if (extension == ".txt" || extension == ".dat" || extension.empty()) {
         return parse(
             [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::plain, name, request); });
     }
-    if (extension == ".xyz") return parse(parse_xyz);
+    if (extension == ".xyz") return read_xyz(std::make_unique<TextSource>(path, packed), request);
     if (extension == ".vasp") return parse(parse_poscar);
     if (extension == ".csv") {
         return parse(
             [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });
     }
     if (extension == ".npz") return parse(parse_npz);
-    if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
+    if (extension == ".dump" || extension == ".lammpstrj")
+        return read_frame(*open_dump_frames(std::make_unique<TextSource>(path, packed), request),
+                          request.frame.value_or(0));
     if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
     if (extension == ".ply") return parse(parse_ply);
     const std::string remedy = conversion(extension);
     throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
+}
+
+Failure without_frames(const std::string& name) {
+    return bad_input(name + ": --frame needs a file with frames, but this one has plain rows: leave it out");
+}
+
+Failure no_frame(const InputFrames& frames, const std::string& range) {
+    if (frames.passed() == 0) return bad_input(frames.name() + ": the file ends before the atoms of a frame");
+    return bad_input(frames.name() + ": there is no frame " + range + ", the file has " +
+                     std::to_string(frames.passed()) + ", counted from 0");
+}
+
+Input read_frame(InputFrames& frames, std::uint64_t number) {
+    while (frames.passed() < number && frames.skip()) {
+    }
+    Input input;
+    if (frames.passed() < number || !frames.next(input)) throw no_frame(frames, std::to_string(number));
+    const auto rest = frames.count_rest();
+    if (!rest || *rest + number > 0) {
+        input.note = "frame " + std::to_string(number + 1) + " of " +
+                     (rest ? std::to_string(number + 1 + *rest) : "several") + " (--frame " + std::to_string(number) +
+                     ")";
+    }
+    if (!input.timestep.empty()) input.note += (input.note.empty() ? "timestep " : ", timestep ") + input.timestep;
+    return input;
+}
+
+std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request) {
+    const bool packed = path != "-" && extension_of(path) == ".gz";
+    const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
+    const bool hdf5 = is_hdf5(path, request);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).open_frames(path, request);
+    const auto source = [&] { return std::make_unique<TextSource>(path, packed); };
+    if (extension == ".dump" || extension == ".lammpstrj") return open_dump_frames(source(), request);
+    if (extension == ".xyz") {
+        auto text = source();
+        std::string head;
+        if (auto frames = open_xyz_frames(text, request, head)) return frames;
+        throw without_frames(text->name());
+    }
+    throw bad_input("--frames goes with .xyz, LAMMPS dumps (.dump, .lammpstrj) and .h5 only, not with " +
+                    in_quotes(path));
 }
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
@@ -179,8 +225,12 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
 void Input::append(const Input& rows) {
     points.insert(points.end(), rows.points.begin(), rows.points.end());
     ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
-    for (std::size_t c = 0; c < rows.columns.size(); ++c)
-        columns[c].values.insert(columns[c].values.end(), rows.columns[c].values.begin(), rows.columns[c].values.end());
+    species.insert(species.end(), rows.species.begin(), rows.species.end());
+    for (std::size_t c = 0; c < rows.columns.size(); ++c) {
+        const InputColumn& column = rows.columns[c];
+        columns[c].values.insert(columns[c].values.end(), column.values.begin(), column.values.end());
+        columns[c].words.insert(columns[c].words.end(), column.words.begin(), column.words.end());
+    }
 }
 
 std::span<const double> one_each(const InputColumn& column) {

@@ -14,6 +14,11 @@
 namespace clvotess {
 namespace {
 
+// Properties are numbers.
+std::string_view no_word(std::size_t /*column*/) {
+    return {};
+}
+
 struct Property {
     std::string_view name;
     NumberType type{};
@@ -192,7 +197,9 @@ private:
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
         if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties x, y, z");
-        ColumnPlaces wanted(request_, names, lines_.name());
+        ReadRequest of_numbers = request_;
+        of_numbers.species = false;
+        ColumnPlaces wanted(of_numbers, names, lines_.name());
         for (std::size_t k = 0; k < names.size(); ++k) {
             if (wanted.holds(k) && element.properties[k].count_type) {
                 throw bad_input(lines_.name() + ": the column " + in_quotes(names[k]) + " is a list");
@@ -223,7 +230,7 @@ private:
                 pass_row(element, i, fields);
                 for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
                 if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
-                wanted.append(input.columns, [&](std::size_t k, const std::string&) { return value(k); });
+                wanted.append(input, no_word, [&](std::size_t k, const std::string&) { return value(k); });
             }
         }
         return input;
@@ -242,7 +249,7 @@ private:
             }
             for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));
             if (id) input.ids.push_back(lines_.whole(words_[*id], "an id"));
-            wanted.append(input.columns, [this](std::size_t k, const std::string& column) {
+            wanted.append(input, no_word, [this](std::size_t k, const std::string& column) {
                 return lines_.number(words_[k], column);
             });
         });

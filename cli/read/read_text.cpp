@@ -230,11 +230,13 @@ private:
         const Words names(own.begin(), own.end());
         places_.emplace(request_, names, lines_.place());
         layout_ = layout_of(columns_, *places_);
+        const auto kept = static_cast<std::ptrdiff_t>(columns_);
+        const Words words(row.fields.begin(), row.fields.begin() + kept);
+        places_->find_words(words);
         if (!request_.all_columns) return;
         std::vector<std::size_t> taken(layout_.axes.begin(), layout_.axes.end());
         if (layout_.id) taken.push_back(*layout_.id);
-        const auto kept = static_cast<std::ptrdiff_t>(columns_);
-        places_->add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
+        places_->add_others(names, taken, words);
     }
 
     // Reserves memory for all remaining rows.
@@ -264,8 +266,9 @@ private:
             input.ids.push_back(*id);
         }
         for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
-        places_->append(input.columns,
-                        [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
+        places_->append(
+            input, [&](std::size_t k) { return row.fields[k]; },
+            [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
     }
 
     LineReader lines_;

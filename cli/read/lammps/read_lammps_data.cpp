@@ -133,6 +133,7 @@ private:
         wanted_.emplace(request_, names, lines_.name());
         const std::array<std::size_t, 4> taken{0, columns.x, columns.x + 1, columns.x + 2};
         if (request_.all_columns) wanted_->add_others(names, taken, words_);
+        wanted_->find_words(words_);
         input.columns = wanted_->columns(static_cast<std::size_t>(*count_));
     }
 
@@ -186,9 +187,12 @@ private:
                 }
                 if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
             }
-            wanted_->append(input.columns, [this](std::size_t k, const std::string& column) {
-                return half_ == k ? 0.5 * lines_.number(words_[diameter_], column) : lines_.number(words_[k], column);
-            });
+            wanted_->append(
+                input, [this](std::size_t k) { return words_[k]; },
+                [this](std::size_t k, const std::string& column) {
+                    return half_ == k ? 0.5 * lines_.number(words_[diameter_], column)
+                                      : lines_.number(words_[k], column);
+                });
         }
         if (!flags.empty()) check_guess(input.points, flags);
         return input;

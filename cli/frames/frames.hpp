@@ -1,0 +1,23 @@
+// --frames: the cells of several frames of a file, in one pass and with memory for a few frames.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <string>
+
+#include "arguments/arguments.hpp"
+#include "read/frames.hpp"
+#include "summary.hpp"
+
+namespace clvotess {
+
+// Reads the value of --frames. Throws Failure.
+[[nodiscard]] FrameRange read_frame_range(const std::string& text);
+
+// Throws Failure for options that mean nothing for several frames.
+void check_frames(const Arguments& arguments);
+
+// Makes and writes the cells of all frames of --frames. The summary has their sums.
+[[nodiscard]] Summary run_frames(const Arguments& arguments, std::chrono::steady_clock::time_point run_began);
+
+}  // namespace clvotess
