@@ -155,6 +155,14 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
         arguments.read.dataset = *dataset;
     }
+    if (const std::string* columns = typed.value("--columns")) {
+        if (random) throw bad_input("--columns goes with INPUT, not with --random");
+        if (typed.has("--dataset")) throw bad_input("give either --dataset or --columns, not both");
+        for (const std::string_view column : split(*columns, ',')) arguments.read.coordinates.emplace_back(column);
+        if (arguments.read.coordinates.size() != 3 ||
+            std::ranges::count(arguments.read.coordinates, std::string()) > 0)
+            throw bad_input("--columns must be three names or numbers of columns X,Y,Z, not " + in_quotes(*columns));
+    }
     if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
     if (const std::string* frame = typed.value("--frame")) arguments.read.frame = whole_number("--frame", *frame, max);
     if (random) {
@@ -303,6 +311,7 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("-o - and --json both write to stdout: give -o a file");
     read_memory(typed, arguments);
     if (!query.empty()) {
+        if (arguments.covalent) throw bad_input(query + " needs a column of radii: --radii covalent goes with cells only");
         read_query(typed, query, arguments);
         return arguments;
     }

@@ -88,6 +88,7 @@ struct Share {
 struct ReadRequest {
     bool text = false;                   // rows of text, whatever the extension is
     std::string dataset;                 // path of the points in .h5, or member of .npz; empty: the only one that fits
+    std::vector<std::string> coordinates;  // columns of x, y and z; empty: by the rules of the format
     std::vector<std::string> columns;    // names, or numbers from 1 in files of rows
     bool columns_may_lack = false;       // skip those of `columns` that the file lacks
     bool all_columns = false;            // read the others too

@@ -193,10 +193,13 @@ private:
             if (element.properties[index].count_type) return std::nullopt;
             return index;
         };
-        const auto x = at("x"), y = at("y"), z = at("z");
+        std::vector<std::string> axes = request_.coordinates;
+        if (axes.empty()) axes = {"x", "y", "z"};
+        const auto x = at(axes[0]), y = at(axes[1]), z = at(axes[2]);
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
-        if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties x, y, z");
+        if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties " + axes[0] + ", " + axes[1] + ", " +
+                            axes[2]);
         ReadRequest of_numbers = request_;
         of_numbers.species = false;
         ColumnPlaces wanted(of_numbers, names, lines_.name());

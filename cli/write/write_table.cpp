@@ -81,7 +81,7 @@ Table results_of(const OutputData& data) {
 void add_carried(const OutputData& data, Table& table) {
     for (const InputColumn& column : data.carried) {
         const bool twice = std::ranges::find(table, column.name, &TableColumn::name) != table.end();
-        if (twice) continue;  // the radius, or the species of the seeds
+        if (twice || (column.name == "species" && !data.input.species.empty())) continue;  // they are columns already
         table.push_back(column.words.empty() ? of_numbers(column.name, column.values, column.width)
                                              : words(column.name, column.words));
     }
@@ -90,7 +90,7 @@ void add_carried(const OutputData& data, Table& table) {
 // Names that parts of a column have in a header: NAME_x, NAME_y, NAME_z, or NAME_3, NAME_4, ... of a Voronoi index.
 std::string part_name(const TableColumn& column, std::size_t part) {
     if (column.width == 1) return column.name;
-    if (column.name == "voronoi_index") return "n" + std::to_string(part + 3);
+    if (column.name == "voronoi_index") return std::string("n") + std::to_string(part + 3);
     if (column.width == 3) return column.name + "_" + "xyz"[part];
     return column.name + "_" + std::to_string(part + 1);
 }
@@ -283,8 +283,8 @@ void write_csv(OutputFile& file, const OutputData& data) {
         std::string head = data.place == FramePlace::first ? "frame" : "";
         for (const TableColumn& column : table)
             for (std::size_t part = 0; part < column.width; ++part)
-                head += (head.empty() ? "" : ",") + part_name(column, part);
-        file.write(head + "\n");
+                head.append(head.empty() ? "" : ",").append(part_name(column, part));
+        file.write(head.append("\n"));
     }
     const bool framed = data.place != FramePlace::alone;
     write_rows(file, data, table, framed ? std::to_string(data.input.frame.value_or(0)) + "," : "", ',');

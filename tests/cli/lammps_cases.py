@@ -32,7 +32,7 @@ class LammpsFiles(ReaderTest):
             self.put(name, self.dump("x y z", lines))
             self.assert_points(name, points)
         self.assertRegex(self.run_cli("a.lammpstrj").stdout,
-                         "(?m)^input +frame 0, timestep 0\ndomain +box 0,0,-1 to 2,1,1, not periodic; stated$")
+                         "(?m)^input +timestep 0\ndomain +box 0,0,-1 to 2,1,1, not periodic; stated$")
 
     def test_dump_scaled(self):
         scaled = random_points(30)
@@ -50,7 +50,7 @@ class LammpsFiles(ReaderTest):
         self.assert_points("a.dump", frames[0])
         for k in range(3):
             self.assert_points("a.dump", frames[k], "--frame", k)
-            self.assertIn(f"frame {k}, timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
+            self.assertIn(f"frame {k + 1} of 3 (--frame {k}), timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
         self.refuse("a.dump", "--frame", 3, says=["no frame 3", "has 3"])
         self.refuse("a.dump", "--frame", "-1", says="'-1'")
         self.assert_column("a.dump", [0.01 * j for j in range(12)], "radius", "--frame", 2)

@@ -328,8 +328,8 @@ class HostileFiles(ReaderTest):
                 ("a.txt", "0.1 0.2 0.3 1.0\n", [], ["'0.1' is not a whole number", "--radii 4"]),
                 ("POSCAR", cif, [], ["CIF", "ase convert"]), ("a.cif", cif, [], ["extended XYZ", "ase convert"]),
                 ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], "MDAnalysis"),
-                ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--copy", "species"],
-                                                    ["'H'", "'species' has text", "--copy", "need columns of numbers"])]:
+                ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--weights", "species"],
+                                                    ["'H'", "'species' has text", "--weights need columns of numbers"])]:
             self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
         for good, content in [("a.txt", "1 2 0\n3 4 0\n"), ("b.extxyz", xyz)]:
             self.run_cli(self.put(good, content))

@@ -102,12 +102,9 @@ private:
     void read_box() {
         // words_: ITEM: BOX BOUNDS [xy xz yz | abc origin] bx by bz, or without the boundaries in old files.
         const bool tilted = words_.size() >= 6 && words_[3] == "xy";
-        if (words_.size() >= 4 && words_[3] == "abc") {
-            throw lines_.error(
-                "boxes written as \"abc origin\" are not supported: use dump_modify triclinic/general no");
-        }
-        const std::size_t first = tilted ? 6 : 3;
         box_ = {};
+        box_.general = words_.size() >= 5 && words_[3] == "abc" && words_[4] == "origin";
+        const std::size_t first = tilted ? 6 : box_.general ? 5 : 3;
         if (words_.size() == first + 3) {
             for (std::size_t k = 0; k < 3; ++k) box_.periodic[k] = words_[first + k] == "pp";
             box_.periodic_from = DomainSource::stated;
@@ -117,6 +114,12 @@ private:
         std::array<double, 3> tilt{};
         for (std::size_t k = 0; k < 3; ++k) {
             split_words(lines_.need("the bounds of the box"), words_);
+            if (box_.general) {
+                if (words_.size() != 4) throw lines_.error("expected x y z of an edge of the box, and one of its corner");
+                for (std::size_t axis = 0; axis < 3; ++axis) box_.edges[k][axis] = lines_.number(words_[axis]);
+                box_.corner[k] = lines_.number(words_[3]);
+                continue;
+            }
             if (words_.size() != (tilted ? 3u : 2u)) {
                 throw lines_.error(tilted ? "expected lo hi tilt, the bounds of a tilted box"
                                           : "expected lo hi, the bounds of the box");
@@ -144,6 +147,18 @@ private:
             if (found == names.end()) return std::nullopt;
             return static_cast<std::size_t>(found - names.begin());
         };
+        if (!request_.coordinates.empty()) {
+            Place place;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::string& name = request_.coordinates[k];
+                const auto found = at(name);
+                if (!found) throw lines_.error("no column " + in_quotes(name) + " of --columns");
+                place.columns[k] = *found;
+            }
+            constexpr std::array<std::string_view, 2> fractions{"xs", "xsu"};
+            place.scaled = std::ranges::find(fractions, request_.coordinates[0]) != fractions.end();
+            return place;
+        }
         for (const auto& [suffix, scaled] : {std::pair{"", false}, {"u", false}, {"s", true}, {"su", true}}) {
             const auto x = at(std::string("x") + suffix);
             const auto y = at(std::string("y") + suffix);
