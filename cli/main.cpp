@@ -96,6 +96,10 @@ void print_summary(const Summary& summary, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
+    if (arguments.points_alone) {
+        write_points(arguments);
+        return exit_code::done;
+    }
     if (arguments.memory > 0 || arguments.frames) {
         Summary summary = arguments.frames ? run_frames(arguments, run_began) : run_streamed(arguments, run_began);
         summary.seconds_total = seconds_since(run_began);

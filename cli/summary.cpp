@@ -64,6 +64,8 @@ std::string json_number(double value) {
     return std::isfinite(value) ? to_text(value) : "null";
 }
 
+}  // namespace
+
 std::string json_string(const std::string& text) {
     std::string result = "\"";
     for (const char c : text) {
@@ -79,8 +81,6 @@ std::string json_string(const std::string& text) {
     }
     return result + "\"";
 }
-
-}  // namespace
 
 std::string Summary::failure() const {
     if (!verified || verified->passed) return {};

@@ -42,6 +42,8 @@ struct Summary {
     [[nodiscard]] std::string failure() const;
 };
 
+// Returns a text as JSON, in quotes.
+[[nodiscard]] std::string json_string(const std::string& text);
 [[nodiscard]] std::string plain_summary(const Summary& summary);
 [[nodiscard]] std::string json_summary(const Summary& summary);  // one line
 

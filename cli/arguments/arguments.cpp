@@ -133,6 +133,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (typed.has("--weights") && arguments.has_radii) throw bad_input("give either --weights or --radii, not both");
     const std::string* copy = typed.value("--copy");
     arguments.read.all_columns = copy && *copy == "all" && !random;  // else refused below
+    arguments.read.columns_may_lack = arguments.read.all_columns && arguments.points_alone;
     for (const std::string option : {"--weights", "--radii", "--volumes", "--density", "--values", "--copy"}) {
         const std::string* columns = typed.value(option);
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
@@ -180,7 +181,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*format);
     }
-    if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") &&
+    if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") && !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
             "--copy and --density need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb or --image: add "
@@ -292,6 +293,7 @@ Arguments read_arguments(int count, const char* const* values) {
     if (arguments.list_devices || !arguments.answer.empty()) return arguments;
 
     arguments.verify = typed.has("--verify");
+    arguments.points_alone = arguments.read.species = typed.has("--points");
     arguments.json = typed.has("--json");
     arguments.quiet = typed.has("--quiet");
     arguments.outputs = typed.values("--output");
@@ -327,7 +329,10 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
-    if (arguments.memory > 0) check_streamed(arguments);
+    if (arguments.memory > 0) {
+        check_streamed(arguments);
+        arguments.read.first_words = SIZE_MAX;  // temporary files hold numbers
+    }
     return arguments;
 }
 

@@ -23,6 +23,7 @@ struct Arguments {
     std::string input;  // file or "-"; empty with --random
     ReadRequest read;
     std::optional<FrameRange> frames;  // by --frames
+    bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field
     // values.

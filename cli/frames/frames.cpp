@@ -1,6 +1,7 @@
 #include "frames/frames.hpp"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "arguments/carried.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
+#include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "frames/relay.hpp"
 #include "interrupt.hpp"
@@ -103,6 +105,46 @@ void add_stats(const votess::Stats& one, votess::Stats& sum) {
     sum.precision = one.precision;
     const std::uint64_t cells = sum.points - sum.empty_cells;
     sum.mean_faces = cells > 0 ? static_cast<double>(sum.faces) / static_cast<double>(cells) : 0;
+}
+
+std::string json_array(std::span<const double> numbers) {
+    std::string text;
+    for (const double x : numbers) text.append(text.empty() ? "[" : ", ").append(to_text(x));
+    return text + "]";
+}
+
+// Returns the line of JSON before the numbers of a frame.
+std::string description_of(const Input& frame, std::size_t species) {
+    std::string columns, units;
+    for (const InputColumn& column : frame.columns)
+        columns += (columns.empty() ? "" : ", ") + ("[" + json_string(column.name)) + ", " +
+                   std::to_string(column.width) + "]";
+    for (const auto& [name, value] : frame.units) {
+        const double* const number = std::get_if<double>(&value);
+        units += (units.empty() ? "" : ", ") + json_string(name) + ": " +
+                 (number ? to_text(*number) : json_string(std::get<std::string>(value)));
+    }
+    const FileDomain& domain = frame.domain;
+    std::string shape;
+    if (domain.cell) {
+        const votess::TriclinicBox& cell = *domain.cell;
+        shape = R"("cell": [)" + json_array(cell.a) + ", " + json_array(cell.b) + ", " + json_array(cell.c) +
+                R"(], "origin": )" + json_array(cell.origin) + ", ";
+    } else if (domain.box) {
+        shape = R"("box": [)" + json_array(domain.box->lower) + ", " + json_array(domain.box->upper) + "], ";
+    }
+    std::string axes, walls;
+    for (const bool axis : domain.cell ? domain.cell->periodic : domain.periodic)
+        axes.append(axes.empty() ? "" : ", ").append(axis ? "true" : "false");
+    for (const votess::Wall& wall : domain.walls) {
+        const std::array<double, 4> row{wall.normal[0], wall.normal[1], wall.normal[2], wall.offset};
+        walls.append(walls.empty() ? "" : ", ").append(json_array(row));
+    }
+    return R"({"frame": )" + std::to_string(frame.frame.value_or(0)) + R"(, "timestep": )" +
+           json_string(frame.timestep) + R"(, "points": )" + std::to_string(frame.size()) + R"(, "ids": )" +
+           (frame.ids.empty() ? "false" : "true") + R"(, "species": )" + std::to_string(species) + R"(, "columns": [)" +
+           columns + R"(], "units": {)" + units + "}, " + shape + R"("walls": [)" + walls + R"(], "periodic": [)" +
+           axes + R"(], "periodic_from": ")" + word_of(domain.periodic_from) + "\"}";
 }
 
 class FrameRun {
@@ -274,11 +316,31 @@ private:
 
 void check_frames(const Arguments& arguments) {
     if (arguments.read.frame) throw bad_input("give either --frame or --frames, not both");
+    if (arguments.points_alone && !arguments.outputs.empty()) throw bad_input("--points writes to stdout: leave -o out");
     if (arguments.picture)
         throw bad_input("--image draws one frame: give --frame N instead of --frames");
     if (arguments.has_volumes)
         throw bad_input("--volumes fits one frame: give --frame N instead of --frames");
     check_frame_outputs(arguments.outputs);
+}
+
+void write_points(const Arguments& arguments) {
+    const InterruptGuard guard;
+    RangeReader reader(arguments);
+    OutputFile out("-");
+    const auto write = [&out](const auto& values) {
+        out.write({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
+    };
+    while (const auto frame = reader.next()) {
+        std::string species;
+        for (const std::string& word : frame->species) add_name(species, word);
+        out.write(description_of(*frame, species.size()) + "\n");
+        write(frame->points);
+        write(frame->ids);
+        for (const InputColumn& column : frame->columns) write(column.values);
+        out.write(species);
+    }
+    out.finish();
 }
 
 Summary run_frames(const Arguments& arguments, FrameClock::time_point run_began) {

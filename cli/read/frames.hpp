@@ -48,7 +48,7 @@ struct FrameRange {
     [[nodiscard]] bool ends_after(std::uint64_t number) const noexcept { return !end || number < *end; }
 };
 
-// Opens a file of frames. Throws Failure for formats without frames.
+// Opens a file. One without frames counts as one frame. Throws Failure.
 [[nodiscard]] std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request);
 
 // Returns a frame of the file. Its note states which one it is, and of how many. Throws Failure if it is missing.

@@ -187,6 +187,32 @@ Input read_frame(InputFrames& frames, std::uint64_t number) {
     return input;
 }
 
+namespace {
+
+// A file without frames, as one of them.
+class OneFrame : public InputFrames {
+public:
+    OneFrame(std::string path, ReadRequest request) : path_(std::move(path)), request_(std::move(request)) {}
+
+    bool next(Input& frame) override {
+        if (passed_ > 0) return false;
+        frame = read_input(path_, request_);
+        frame.frame = passed_++;
+        return true;
+    }
+    bool skip() override { return passed_++ == 0; }
+    bool last(Input& frame) override { return next(frame); }
+    std::optional<std::uint64_t> count_rest() override { return 1 - std::min<std::uint64_t>(passed_, 1); }
+    [[nodiscard]] double fraction() const override { return static_cast<double>(std::min<std::uint64_t>(passed_, 1)); }
+    [[nodiscard]] const std::string& name() const override { return path_; }
+
+private:
+    std::string path_;
+    ReadRequest request_;
+};
+
+}  // namespace
+
 std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request) {
     const bool packed = path != "-" && extension_of(path) == ".gz";
     const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
@@ -199,10 +225,8 @@ std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequ
         auto text = source();
         std::string head;
         if (auto frames = open_xyz_frames(text, request, head)) return frames;
-        throw without_frames(text->name());
     }
-    throw bad_input("--frames goes with .xyz, LAMMPS dumps (.dump, .lammpstrj) and .h5 only, not with " +
-                    in_quotes(path));
+    return std::make_unique<OneFrame>(path, request);
 }
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {

@@ -239,7 +239,7 @@ private:
         for (std::size_t k = 0; k < columns; ++k) {
             if (!wanted.holds(k)) places.push_back(k);
         }
-        if (request_.all_columns) throw lines_.error("--copy all needs a header line, as in .csv");
+        if (request_.all_columns && !request_.columns_may_lack) throw lines_.error("--copy all needs a header line, as in .csv");
         if (columns == 5 && wanted.end() == 0) {
             throw lines_.error(
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");

@@ -29,8 +29,7 @@ Numbers numbers_of(const Hdf5File& file, const std::string& path, const std::opt
     Hdf5Dataset set = file.open(path);
     if (!set.is_float() && !set.is_whole()) return numbers;
     constexpr std::size_t edges = 9;
-    if (frame && set.rank() >= 2 && set.rows() == frame->frames && path.find("box/edges") == std::string::npos)
-        set.choose_frame(frame->number);
+    if (frame && set.rank() >= 2 && set.rows() == frame->frames) set.choose_frame(frame->number);
     if (set.bytes() > edges * sizeof(double)) return numbers;
     set.append_to(numbers);
     return numbers;
@@ -92,16 +91,35 @@ std::optional<FileDomain> domain_of_mdtraj(const Hdf5File& file, const std::opti
     return domain;
 }
 
+// Returns whether SWIFT ran with periodic boundaries; nothing for other codes, which do not state it.
+std::optional<bool> periodic_of_swift(const Hdf5File& file) {
+    if (file.has("RuntimePars")) {
+        const Numbers flag = file.attribute("RuntimePars", "PeriodicBoundariesOn");
+        if (flag.size() == 1) return flag[0] != 0;
+    }
+    if (file.has("Parameters")) {
+        const std::vector<std::string> flag = file.texts("Parameters", "InitialConditions:periodic");
+        if (flag.size() == 1 && (flag[0] == "0" || flag[0] == "1")) return flag[0] == "1";
+    }
+    return std::nullopt;
+}
+
 // Reads the box of a snapshot, which begins at 0.
-std::optional<votess::Box> box_of(const Hdf5File& file) {
+FileDomain domain_of_snapshot(const Hdf5File& file) {
     const Numbers size = file.header("BoxSize");
-    if (size.size() != 1 && size.size() != 3) return std::nullopt;
+    FileDomain domain;
+    if (size.size() != 1 && size.size() != 3) return domain;
     votess::Box box{};
     for (std::size_t k = 0; k < 3; ++k) {
         box.upper[k] = size[size.size() == 3 ? k : 0];
-        if (!(box.upper[k] > 0 && std::isfinite(box.upper[k]))) return std::nullopt;
+        if (!(box.upper[k] > 0 && std::isfinite(box.upper[k]))) return domain;
     }
-    return box;
+    domain.box = box;
+    if (const auto periodic = periodic_of_swift(file)) {
+        domain.periodic.fill(*periodic);
+        domain.periodic_from = DomainSource::stated;
+    }
+    return domain;
 }
 
 }  // namespace
@@ -120,9 +138,7 @@ FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, const
     }
     if (const auto domain = domain_of_h5md(file, points, frame)) return *domain;
     if (const auto domain = domain_of_mdtraj(file, frame)) return *domain;
-    FileDomain domain;
-    domain.box = box_of(file);
-    return domain;
+    return domain_of_snapshot(file);
 }
 
 std::string timestep_of_hdf5(const Hdf5File& file, const std::string& points, std::uint64_t frame) {

@@ -45,7 +45,7 @@ bool is_no_place(std::string path) {
 struct Part {
     std::optional<Hdf5File> file;  // null for the first, which stays open
     std::optional<Hdf5Dataset> points, ids;
-    std::vector<Hdf5Dataset> columns;
+    std::vector<std::optional<Hdf5Dataset>> columns;  // null for masses in the header
     std::uint64_t next = 0;
 };
 
@@ -131,7 +131,6 @@ public:
         input.domain = domain;
         input.units = units;
         input.note = note;
-        if (frames_) input.frame = frame_;
         input.timestep = timestep;
         return input;
     }
@@ -143,7 +142,12 @@ private:
 
     // Returns the only dataset of a group that can be the points.
     [[nodiscard]] static std::string find_points(const Hdf5File& file, const std::string& group) {
-        const std::vector<std::string> candidates = candidates_of(file, group);
+        std::vector<std::string> candidates = candidates_of(file, group);
+        const auto is_usual = [](const std::string& path) {
+            const std::string name = lower_case(path.substr(path.rfind('/') + 1));
+            return name == "coordinates" || name == "positions" || path.ends_with("position/value");
+        };
+        if (std::ranges::count_if(candidates, is_usual) == 1) return *std::ranges::find_if(candidates, is_usual);
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
             throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)");
@@ -195,8 +199,12 @@ private:
         part_->points->append_to(to.points, first, rows);
         if (part_->ids) part_->ids->append_to(to.ids, first, rows);
         if (to.columns.empty()) to.columns = columns_;
-        for (std::size_t c = 0; c < to.columns.size(); ++c)
-            part_->columns[c].append_to(to.columns[c].values, first, rows);
+        for (std::size_t c = 0; c < to.columns.size(); ++c) {
+            if (part_->columns[c])
+                part_->columns[c]->append_to(to.columns[c].values, first, rows);
+            else
+                to.columns[c].values.insert(to.columns[c].values.end(), rows, *mass_of_all());
+        }
         part_->next += passed;
         read_ += passed;
         return true;
@@ -227,15 +235,19 @@ private:
         }
         if (first) columns_ = wanted(file, points.rows());
         for (const InputColumn& column : columns_) {
+            if (is_mass_of_all(column.name, file)) {
+                part_->columns.emplace_back();
+                continue;
+            }
             const Hdf5Dataset& values =
-                part_->columns.emplace_back(open_column(file, path_of(column.name, file), points.rows()));
+                *part_->columns.emplace_back(open_column(file, path_of(column.name, file), points.rows()));
             if (!values.is_numbers() || values.width() != column.width || values.rows() != points.rows()) {
                 throw values.error("has " + values.description() + ", expected numbers for each of the " +
                                    std::to_string(points.rows()) + " points");
             }
         }
         double bytes = points.bytes() + (part_->ids ? part_->ids->bytes() : 0);
-        for (const Hdf5Dataset& column : part_->columns) bytes += column.bytes();
+        for (const auto& column : part_->columns) bytes += column ? column->bytes() : 0;
         file.check_unpacked(bytes);
         part_->file = std::move(later);
     }
@@ -261,6 +273,19 @@ private:
         return "";
     }
 
+    // Returns the mass that the header states for all particles of the type; nothing if they differ.
+    [[nodiscard]] std::optional<double> mass_of_all() const {
+        const auto type = particle_type();
+        const std::vector<double> masses = first_.header("MassTable");
+        if (!type || *type >= masses.size() || !(masses[*type] > 0)) return std::nullopt;
+        return masses[*type];
+    }
+    // Returns whether the column holds masses that the header states.
+    [[nodiscard]] bool is_mass_of_all(const std::string& column, const Hdf5File& file) const {
+        const std::string name = column.substr(column.rfind('/') + 1);
+        return (name == "Masses" || name == "Mass") && find_column(column, file).empty() && mass_of_all();
+    }
+
     [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
         const std::string path = find_column(column, file);
         if (!path.empty()) return path;
@@ -277,6 +302,10 @@ private:
     [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
         std::vector<InputColumn> columns;
         for (const std::string& name : request_.columns) {
+            if (is_mass_of_all(name, file)) {
+                columns.push_back({.name = name});
+                continue;
+            }
             if (request_.columns_may_lack && find_column(name, file).empty()) continue;
             const Hdf5Dataset values = open_column(file, path_of(name, file), rows);
             columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
@@ -293,6 +322,8 @@ private:
             if (values.is_numbers() && values.rows() == rows)
                 columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }
+        const bool named = std::ranges::find(columns, "Masses", &InputColumn::name) != columns.end();
+        if (request_.all_columns && !named && is_mass_of_all("Masses", file)) columns.push_back({.name = "Masses"});
         return columns;
     }
 
@@ -357,30 +388,30 @@ Input read(const std::string& path, const ReadRequest& request) {
 
 class Hdf5Frames : public InputFrames {
 public:
-    Hdf5Frames(const std::string& path, const ReadRequest& request) : pieces_(path, request, 0) {
-        if (!pieces_.frames()) throw without_frames(pieces_.path());
-    }
+    Hdf5Frames(const std::string& path, const ReadRequest& request)
+        : pieces_(path, request, 0), frames_(pieces_.frames().value_or(1)) {}
 
     bool next(Input& frame) override {
-        if (passed_ == *pieces_.frames()) return false;
-        pieces_.choose_frame(passed_);
+        if (passed_ >= frames_) return false;
+        if (pieces_.frames()) pieces_.choose_frame(passed_);
         frame = pieces_.all();
-        ++passed_;
+        frame.frame = passed_++;
         return true;
     }
-    bool skip() override { return passed_ < *pieces_.frames() && ++passed_ > 0; }
+    bool skip() override { return passed_ < frames_ && ++passed_ > 0; }
     bool last(Input& frame) override {
-        passed_ = *pieces_.frames() - std::min<std::uint64_t>(*pieces_.frames(), 1);
+        passed_ = frames_ - std::min<std::uint64_t>(frames_, 1);
         return next(frame);
     }
-    std::optional<std::uint64_t> count_rest() override { return *pieces_.frames() - passed_; }
+    std::optional<std::uint64_t> count_rest() override { return frames_ - passed_; }
     [[nodiscard]] double fraction() const override {
-        return static_cast<double>(passed_) / static_cast<double>(std::max<std::uint64_t>(*pieces_.frames(), 1));
+        return static_cast<double>(passed_) / static_cast<double>(std::max<std::uint64_t>(frames_, 1));
     }
     [[nodiscard]] const std::string& name() const override { return pieces_.path(); }
 
 private:
     Hdf5Pieces pieces_;
+    std::uint64_t frames_;
 };
 
 std::unique_ptr<InputFrames> open_frames_of_hdf5(const std::string& path, const ReadRequest& request) {
