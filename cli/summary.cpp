@@ -102,7 +102,8 @@ std::string plain_summary(const Summary& summary) {
                            std::to_string(frames->last) + ", of " + (least == greatest ? "" : least + " to ") +
                            greatest + " points");
     }
-    line("domain", summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
+    line("domain",
+         summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
     line("mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes) {
         const double error =

@@ -160,8 +160,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (random) throw bad_input("--columns goes with INPUT, not with --random");
         if (typed.has("--dataset")) throw bad_input("give either --dataset or --columns, not both");
         for (const std::string_view column : split(*columns, ',')) arguments.read.coordinates.emplace_back(column);
-        if (arguments.read.coordinates.size() != 3 ||
-            std::ranges::count(arguments.read.coordinates, std::string()) > 0)
+        if (arguments.read.coordinates.size() != 3 || std::ranges::count(arguments.read.coordinates, std::string()) > 0)
             throw bad_input("--columns must be three names or numbers of columns X,Y,Z, not " + in_quotes(*columns));
     }
     if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
@@ -184,7 +183,8 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") && !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
-            "--copy and --density need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb or --image: add "
+            "--copy and --density need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb or --image: "
+            "add "
             "-o FILE");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
@@ -313,7 +313,8 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("-o - and --json both write to stdout: give -o a file");
     read_memory(typed, arguments);
     if (!query.empty()) {
-        if (arguments.covalent) throw bad_input(query + " needs a column of radii: --radii covalent goes with cells only");
+        if (arguments.covalent)
+            throw bad_input(query + " needs a column of radii: --radii covalent goes with cells only");
         read_query(typed, query, arguments);
         return arguments;
     }

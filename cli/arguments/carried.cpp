@@ -5,7 +5,6 @@
 
 #include "arguments/elements.hpp"
 #include "failure.hpp"
-
 #include "write/output.hpp"
 
 namespace clvotess {

@@ -39,8 +39,8 @@ bool TextSource::append_unpacked(std::string& to) {
     to.resize(before + text_piece);
     std::size_t used = before;
     const auto failure = [&](bool early) {
-        return bad_input(name_ + (early ? ": the file ends too early"
-                                        : ": not a file packed by gzip, or a damaged one"));
+        return bad_input(name_ +
+                         (early ? ": the file ends too early" : ": not a file packed by gzip, or a damaged one"));
     };
     while (used < to.size()) {
         if (!inflater_->has_more()) {

@@ -35,12 +35,12 @@ private:
     std::string name_;
     std::optional<InputFile> file_;
     std::optional<Inflater> inflater_;
-    std::string_view text_;    // in memory, not yet read
-    std::string packed_;       // the current piece of a packed file
-    std::uint64_t read_ = 0;   // bytes of the file
+    std::string_view text_;   // in memory, not yet read
+    std::string packed_;      // the current piece of a packed file
+    std::uint64_t read_ = 0;  // bytes of the file
     std::uint64_t unpacked_ = 0;
-    bool begun_ = false;       // within a member of the packed file
-    bool more_ = true;         // bytes of the file remain
+    bool begun_ = false;  // within a member of the packed file
+    bool more_ = true;    // bytes of the file remain
 };
 
 // Returns the text from `begun` on, which was read before. Throws Failure for a line that is too long.

@@ -150,7 +150,11 @@ std::string description_of(const Input& frame, std::size_t species) {
 class FrameRun {
 public:
     FrameRun(const Arguments& arguments, Progress& progress, Summary& summary)
-        : arguments_(arguments), progress_(progress), summary_(summary), reader_(arguments), outputs_(arguments.outputs) {
+        : arguments_(arguments),
+          progress_(progress),
+          summary_(summary),
+          reader_(arguments),
+          outputs_(arguments.outputs) {
         summary.has_volumes = arguments.wanted.volumes;
         summary.frames.emplace();
     }
@@ -266,9 +270,9 @@ private:
     void verify_frame(const FrameCells& frame, std::uint64_t number) {
         const votess::VerifyReport report = votess::verify(frame.cells, frame.input.points);
         if (!report.passed)
-            throw Failure(exit_code::verification_failed, "frame " + std::to_string(number) +
-                                                              ": verification failed, no file was written: " +
-                                                              report.failure);
+            throw Failure(
+                exit_code::verification_failed,
+                "frame " + std::to_string(number) + ": verification failed, no file was written: " + report.failure);
         if (!summary_.verified) {
             summary_.verified = report;
             return;
@@ -316,11 +320,10 @@ private:
 
 void check_frames(const Arguments& arguments) {
     if (arguments.read.frame) throw bad_input("give either --frame or --frames, not both");
-    if (arguments.points_alone && !arguments.outputs.empty()) throw bad_input("--points writes to stdout: leave -o out");
-    if (arguments.picture)
-        throw bad_input("--image draws one frame: give --frame N instead of --frames");
-    if (arguments.has_volumes)
-        throw bad_input("--volumes fits one frame: give --frame N instead of --frames");
+    if (arguments.points_alone && !arguments.outputs.empty())
+        throw bad_input("--points writes to stdout: leave -o out");
+    if (arguments.picture) throw bad_input("--image draws one frame: give --frame N instead of --frames");
+    if (arguments.has_volumes) throw bad_input("--volumes fits one frame: give --frame N instead of --frames");
     check_frame_outputs(arguments.outputs);
 }
 

@@ -17,9 +17,10 @@ namespace clvotess {
 // Throws Failure for options that mean nothing for several frames.
 void check_frames(const Arguments& arguments);
 
-// Writes the points of all frames of --frames to stdout. A line of JSON describes each: frame, timestep, points (N), ids
-// (whether there are any), species (bytes of a text with blanks between them, or 0), columns (names and widths), units,
-// and the domain as the file states it. Points, ids, columns and species follow, as float64 and int64 of this machine.
+// Writes the points of all frames of --frames to stdout. A line of JSON describes each: frame, timestep, points (N),
+// ids (whether there are any), species (bytes of a text with blanks between them, or 0), columns (names and widths),
+// units, and the domain as the file states it. Points, ids, columns and species follow, as float64 and int64 of this
+// machine.
 void write_points(const Arguments& arguments);
 
 // Makes and writes the cells of all frames of --frames. The summary has their sums.

@@ -26,7 +26,8 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
         throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
-    constexpr std::array<std::string_view, 9> by_name{".txt", ".dat", ".csv", "", ".xyz", ".dump", ".lammpstrj", ".npz", ".ply"};
+    constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
+                                                      ".dump", ".lammpstrj", ".npz", ".ply"};
     if (!request.coordinates.empty() && std::ranges::find(by_name, extension) == by_name.end())
         throw bad_input("--columns goes with rows of text, .npz, .ply and LAMMPS dumps only, not with " +
                         in_quotes(path));

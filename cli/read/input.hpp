@@ -56,8 +56,8 @@ struct Input {
     std::vector<InputColumn> columns;  // those of ReadRequest::columns, then all others with all_columns
     std::vector<std::string> species;  // N with ReadRequest::species, if the file names them; else empty
     FileDomain domain;
-    std::vector<Attribute> units;  // stated by the file, for the output
-    std::string note;              // the part of the file that was read, for the summary; may be empty
+    std::vector<Attribute> units;        // stated by the file, for the output
+    std::string note;                    // the part of the file that was read, for the summary; may be empty
     std::optional<std::uint64_t> frame;  // number from 0, of a file of frames
     std::string timestep;                // a number that the file states; may be empty
 
@@ -86,17 +86,17 @@ struct Share {
 
 // What to read from a file.
 struct ReadRequest {
-    bool text = false;                   // rows of text, whatever the extension is
-    std::string dataset;                 // path of the points in .h5, or member of .npz; empty: the only one that fits
+    bool text = false;    // rows of text, whatever the extension is
+    std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and z; empty: by the rules of the format
-    std::vector<std::string> columns;    // names, or numbers from 1 in files of rows
-    bool columns_may_lack = false;       // skip those of `columns` that the file lacks
-    bool all_columns = false;            // read the others too
-    std::size_t first_words = SIZE_MAX;  // from this one on, columns may hold words
-    bool species = false;                // read those too
-    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
-    unsigned threads = 1;                // that parse text; 0: one per processor
-    Share share;                         // of the points, for files that reads_shares() accepts
+    std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
+    bool columns_may_lack = false;         // skip those of `columns` that the file lacks
+    bool all_columns = false;              // read the others too
+    std::size_t first_words = SIZE_MAX;    // from this one on, columns may hold words
+    bool species = false;                  // read those too
+    std::optional<std::uint64_t> frame;    // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                  // that parse text; 0: one per processor
+    Share share;                           // of the points, for files that reads_shares() accepts
 };
 
 // Returns whether a share of the file can be read without the rest.

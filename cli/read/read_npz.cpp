@@ -139,7 +139,8 @@ private:
         }
     }
 
-    void check_length(const std::string& what, const NpyArray& array, std::size_t count, const std::string& other) const {
+    void check_length(const std::string& what, const NpyArray& array, std::size_t count,
+                      const std::string& other) const {
         if (array.shape()[0] == count) return;
         throw bad_input(name_ + ": " + what + " has " + std::to_string(array.shape()[0]) + " numbers, " + other +
                         " has " + std::to_string(count));

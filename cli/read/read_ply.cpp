@@ -198,8 +198,9 @@ private:
         const auto x = at(axes[0]), y = at(axes[1]), z = at(axes[2]);
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
-        if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties " + axes[0] + ", " + axes[1] + ", " +
-                            axes[2]);
+        if (!x || !y || !z)
+            throw bad_input(lines_.name() + ": the element vertex has no properties " + axes[0] + ", " + axes[1] +
+                            ", " + axes[2]);
         ReadRequest of_numbers = request_;
         of_numbers.species = false;
         ColumnPlaces wanted(of_numbers, names, lines_.name());

@@ -50,9 +50,9 @@ public:
         : lines_({}, name), request_(request) {
         for (std::string& column : request_.columns) column = plain_name(column);
         for (std::string& column : request_.coordinates) column = plain_name(column);
-        may_have_names_ = kind == TextKind::csv || std::ranges::any_of(request_.coordinates, [](const std::string& name) {
-                              return !read_uint64(name);
-                          });
+        may_have_names_ =
+            kind == TextKind::csv ||
+            std::ranges::any_of(request_.coordinates, [](const std::string& name) { return !read_uint64(name); });
     }
 
     // Appends the rows of the next part of the text.
@@ -208,7 +208,8 @@ private:
                 axes[k] = *number - 1;
             } else {
                 throw lines_.error("no column " + in_quotes(name) + " of --columns: this row has " +
-                                   columns_text(columns) + (names_.empty() ? ", and no line of names comes first" : ""));
+                                   columns_text(columns) +
+                                   (names_.empty() ? ", and no line of names comes first" : ""));
             }
         }
         return axes;
@@ -239,7 +240,8 @@ private:
         for (std::size_t k = 0; k < columns; ++k) {
             if (!wanted.holds(k)) places.push_back(k);
         }
-        if (request_.all_columns && !request_.columns_may_lack) throw lines_.error("--copy all needs a header line, as in .csv");
+        if (request_.all_columns && !request_.columns_may_lack)
+            throw lines_.error("--copy all needs a header line, as in .csv");
         if (columns == 5 && wanted.end() == 0) {
             throw lines_.error(
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
@@ -306,7 +308,7 @@ private:
     std::string_view line_;           // the current line
     std::vector<std::string> names_;  // of the columns, by a line of names
     bool may_have_names_ = false;     // whether a line of names may come first
-    ReadRequest request_;  // with plain names
+    ReadRequest request_;             // with plain names
     // Set by the first row.
     std::optional<ColumnPlaces> places_;
     std::size_t columns_ = 0;

@@ -8,8 +8,8 @@
 #include "failure.hpp"
 #include "files/line_reader.hpp"
 #include "read/columns.hpp"
-#include "read/input.hpp"
 #include "read/frames.hpp"
+#include "read/input.hpp"
 #include "read/rows_by_threads.hpp"
 #include "read/text_frames.hpp"
 

@@ -19,10 +19,10 @@ namespace clvotess {
 struct ResultArray {
     std::string_view name;
     NumberType type{};
-    std::size_t columns = 1;  // 1: shape (rows,), else (rows, columns)
-    std::string_view bytes;   // in the library's memory, row-major
-    bool of_entries = false;  // one row for each neighbor; else for each cell
-    std::size_t text = 0;     // bytes of each text, instead of numbers of `type`
+    std::size_t columns = 1;                        // 1: shape (rows,), else (rows, columns)
+    std::string_view bytes;                         // in the library's memory, row-major
+    bool of_entries = false;                        // one row for each neighbor; else for each cell
+    std::size_t text = 0;                           // bytes of each text, instead of numbers of `type`
     std::shared_ptr<const std::string> owner = {};  // of the bytes, if they are not the library's
 
     [[nodiscard]] std::size_t item() const noexcept { return text > 0 ? text : size_of(type); }

@@ -180,8 +180,7 @@ public:
 
 private:
     void write_attribute(const std::string& name, hid_t type, const Hdf5Handle& space, const void* values) {
-        Hdf5Handle attribute(H5Acreate2(place_, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
-                             H5Aclose);
+        Hdf5Handle attribute(H5Acreate2(place_, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
         require(attribute.valid() && H5Awrite(attribute.id(), type, values) >= 0 && attribute.close());
     }
 

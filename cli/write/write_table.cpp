@@ -53,8 +53,7 @@ TableColumn ids_of(const OutputData& data, std::int64_t first) {
 }
 
 TableColumn words(std::string name, const std::vector<std::string>& values) {
-    return {std::move(name), 'S', 1,
-            [&values](OutputBuffer& row, std::size_t i, std::size_t) { row.put(values[i]); }};
+    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, std::size_t) { row.put(values[i]); }};
 }
 
 // Returns the columns of the cells, then those of the input.
@@ -68,9 +67,10 @@ Table results_of(const OutputData& data) {
                              row.put_number(neighbors_of(cells, i));
                          }});
     if (wanted.faces)
-        table.push_back({"voronoi_index", 'I', index_parts, [&cells](OutputBuffer& row, std::size_t i, std::size_t part) {
-                             row.put_number(faces_with(cells, i, part));
-                         }});
+        table.push_back(
+            {"voronoi_index", 'I', index_parts, [&cells](OutputBuffer& row, std::size_t i, std::size_t part) {
+                 row.put_number(faces_with(cells, i, part));
+             }});
     if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), 3));
     if (wanted.surfaces) table.push_back(of_numbers("surface_area", cells.surface_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
@@ -98,28 +98,27 @@ std::string part_name(const TableColumn& column, std::size_t part) {
 void write_rows(OutputFile& file, const OutputData& data, const Table& table, std::string_view before, char between) {
     constexpr std::size_t block = 4096;
     const std::size_t count = data.tessellation.size();
-    in_order(
-        (count + block - 1) / block, data.threads,
-        [&](std::size_t k) {
-            OutputBuffer rows;
-            for (std::size_t i = k * block; i < std::min(count, (k + 1) * block); ++i) {
-                rows.put(before);
-                bool first = true;
-                for (const TableColumn& column : table) {
-                    for (std::size_t part = 0; part < column.width; ++part) {
-                        if (!first) rows.put(between);
-                        column.put(rows, i, part);
-                        first = false;
-                    }
-                }
-                rows.put('\n');
-            }
-            return rows;
-        },
-        [&](const OutputBuffer& rows) {
-            file.write(rows.bytes());
-            return true;
-        });
+    in_order((count + block - 1) / block, data.threads,
+             [&](std::size_t k) {
+                 OutputBuffer rows;
+                 for (std::size_t i = k * block; i < std::min(count, (k + 1) * block); ++i) {
+                     rows.put(before);
+                     bool first = true;
+                     for (const TableColumn& column : table) {
+                         for (std::size_t part = 0; part < column.width; ++part) {
+                             if (!first) rows.put(between);
+                             column.put(rows, i, part);
+                             first = false;
+                         }
+                     }
+                     rows.put('\n');
+                 }
+                 return rows;
+             },
+             [&](const OutputBuffer& rows) {
+                 file.write(rows.bytes());
+                 return true;
+             });
 }
 
 bool is_whole(const std::string& word) {
@@ -291,9 +290,15 @@ void write_csv(OutputFile& file, const OutputData& data) {
 }
 
 bool is_table_column(std::string_view name) {
-    constexpr std::array<std::string_view, 18> names{
-        "id",     "x",         "y",         "z",  "pos", "volume", "neighbors", "voronoi_index", "centroid", "surface_area",
-        "frame", "security_radius", "n3",        "n4", "n5",  "n6",     "n7",        "element"};
+    constexpr std::array<std::string_view, 18> names{"id",        "x",
+                                                     "y",         "z",
+                                                     "pos",       "volume",
+                                                     "neighbors", "voronoi_index",
+                                                     "centroid",  "surface_area",
+                                                     "frame",     "security_radius",
+                                                     "n3",        "n4",
+                                                     "n5",        "n6",
+                                                     "n7",        "element"};
     return std::ranges::find(names, name) != names.end();
 }
 

@@ -84,10 +84,10 @@ std::optional<FileDomain> domain_of_mdtraj(const Hdf5File& file, const std::opti
     const double sine = std::sqrt(1 - ab * ab), y = (bc - ac * ab) / sine;
     FileDomain domain;
     domain.periodic_from = DomainSource::assumed;
-    domain.cell = votess::TriclinicBox{
-        .a = {lengths[0], 0, 0},
-        .b = {lengths[1] * ab, lengths[1] * sine, 0},
-        .c = {lengths[2] * ac, lengths[2] * y, lengths[2] * std::sqrt(1 - ac * ac - y * y)}};
+    domain.cell =
+        votess::TriclinicBox{.a = {lengths[0], 0, 0},
+                             .b = {lengths[1] * ab, lengths[1] * sine, 0},
+                             .c = {lengths[2] * ac, lengths[2] * y, lengths[2] * std::sqrt(1 - ac * ac - y * y)}};
     return domain;
 }
 

@@ -35,9 +35,9 @@ std::string group_of(std::string path) {
 bool is_no_place(std::string path) {
     if (path.ends_with("/value")) path.resize(path.size() - std::string_view("/value").size());
     const std::string name = lower_case(path.substr(path.rfind('/') + 1));
-    constexpr std::array<std::string_view, 11> vectors{
-        "velocities", "velocity",  "vel",    "v",        "forces",       "force",
-        "f",          "accelerations", "acceleration", "magneticfield", "momenta"};
+    constexpr std::array<std::string_view, 11> vectors{"velocities",   "velocity",      "vel",    "v",
+                                                       "forces",       "force",         "f",      "accelerations",
+                                                       "acceleration", "magneticfield", "momenta"};
     return std::ranges::find(vectors, std::string_view(name)) != vectors.end();
 }
 
@@ -98,8 +98,9 @@ public:
         frame_ = frame;
         domain = domain_of_hdf5(first_, name_, FrameOfFile{frame, *frames_});
         timestep = timestep_of_hdf5(first_, name_, frame);
-        note = *frames_ == 1 ? "" : "frame " + std::to_string(frame + 1) + " of " + std::to_string(*frames_) +
-                                        " (--frame " + std::to_string(frame) + ")";
+        note = *frames_ == 1 ? ""
+                             : "frame " + std::to_string(frame + 1) + " of " + std::to_string(*frames_) + " (--frame " +
+                                   std::to_string(frame) + ")";
     }
 
     bool restart() override {
@@ -369,9 +370,9 @@ private:
     Hdf5File first_;
     std::optional<SnapshotName> snapshot_;  // for several files
     std::uint64_t files_ = 1;
-    std::string name_;                                                           // of the points
-    std::optional<std::uint64_t> frames_;                                        // of datasets (frames, N, 3)
-    std::uint64_t frame_ = 0;                                                    // the current one
+    std::string name_;                     // of the points
+    std::optional<std::uint64_t> frames_;  // of datasets (frames, N, 3)
+    std::uint64_t frame_ = 0;              // the current one
     std::string timestep;
     std::vector<InputColumn> columns_;                                           // without values
     std::uint64_t opened_ = 0, read_ = 0;                                        // numbers of files and points
@@ -434,10 +435,6 @@ void write_grid_hdf5(OutputFile& file, const GridOutput& grid);
 }  // namespace clvotess
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read,
-                                         clvotess::open,
-                                         clvotess::open_frames_of_hdf5,
-                                         clvotess::write_hdf5,
-                                         clvotess::create_hdf5,
-                                         clvotess::create_hdf5_frames,
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read,           clvotess::open,        clvotess::open_frames_of_hdf5,
+                                         clvotess::write_hdf5,     clvotess::create_hdf5, clvotess::create_hdf5_frames,
                                          clvotess::write_grid_hdf5};

@@ -15,7 +15,7 @@ struct LammpsBox {
 
     std::array<double, 3> lower{}, upper{};
     double xy = 0, xz = 0, yz = 0;
-    bool general = false;                   // the box is `edges` at `corner`
+    bool general = false;  // the box is `edges` at `corner`
     std::array<Vector3, 3> edges{};
     Vector3 corner{};
     // LAMMPS boxes are periodic by default. Dumps may state boundaries, data files cannot.

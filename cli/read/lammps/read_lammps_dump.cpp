@@ -115,7 +115,8 @@ private:
         for (std::size_t k = 0; k < 3; ++k) {
             split_words(lines_.need("the bounds of the box"), words_);
             if (box_.general) {
-                if (words_.size() != 4) throw lines_.error("expected x y z of an edge of the box, and one of its corner");
+                if (words_.size() != 4)
+                    throw lines_.error("expected x y z of an edge of the box, and one of its corner");
                 for (std::size_t axis = 0; axis < 3; ++axis) box_.edges[k][axis] = lines_.number(words_[axis]);
                 box_.corner[k] = lines_.number(words_[3]);
                 continue;
