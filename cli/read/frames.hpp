@@ -54,6 +54,10 @@ struct FrameRange {
 // Returns a frame of the file. Its note states which one it is, and of how many. Throws Failure if it is missing.
 [[nodiscard]] Input read_frame(InputFrames& frames, std::uint64_t number);
 
+// Returns the note of a frame for the summary. frames: their number, if it is known.
+[[nodiscard]] std::string note_of_frame(std::uint64_t number, const std::optional<std::uint64_t>& frames,
+                                        const std::string& timestep);
+
 // Returns the error for a range without a frame.
 [[nodiscard]] Failure no_frame(const InputFrames& frames, const std::string& range);
 

@@ -179,13 +179,19 @@ Input read_frame(InputFrames& frames, std::uint64_t number) {
     Input input;
     if (frames.passed() < number || !frames.next(input)) throw no_frame(frames, std::to_string(number));
     const auto rest = frames.count_rest();
-    if (!rest || *rest + number > 0) {
-        input.note = "frame " + std::to_string(number + 1) + " of " +
-                     (rest ? std::to_string(number + 1 + *rest) : "several") + " (--frame " + std::to_string(number) +
-                     ")";
-    }
-    if (!input.timestep.empty()) input.note += (input.note.empty() ? "timestep " : ", timestep ") + input.timestep;
+    input.note = note_of_frame(number, rest ? std::optional(number + 1 + *rest) : std::nullopt, input.timestep);
     return input;
+}
+
+std::string note_of_frame(std::uint64_t number, const std::optional<std::uint64_t>& frames,
+                          const std::string& timestep) {
+    std::string note;
+    if (frames != 1u) {
+        note = "frame " + std::to_string(number + 1) + " of " + (frames ? std::to_string(*frames) : "several") +
+               " (--frame " + std::to_string(number) + ")";
+    }
+    if (!timestep.empty()) note += (note.empty() ? "timestep " : ", timestep ") + timestep;
+    return note;
 }
 
 namespace {

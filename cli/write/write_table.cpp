@@ -80,8 +80,11 @@ Table results_of(const OutputData& data) {
 
 void add_carried(const OutputData& data, Table& table) {
     for (const InputColumn& column : data.carried) {
-        const bool twice = std::ranges::find(table, column.name, &TableColumn::name) != table.end();
-        if (twice || (column.name == "species" && !data.input.species.empty())) continue;  // they are columns already
+        const auto has = [&](std::string_view name) {
+            return std::ranges::find(table, name, &TableColumn::name) != table.end();
+        };
+        const bool named = column.name == "species" && (has("element") || has("type"));
+        if (named || has(column.name)) continue;  // the radius, or the species of the seeds
         table.push_back(column.words.empty() ? of_numbers(column.name, column.values, column.width)
                                              : words(column.name, column.words));
     }

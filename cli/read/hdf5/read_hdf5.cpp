@@ -98,9 +98,7 @@ public:
         frame_ = frame;
         domain = domain_of_hdf5(first_, name_, FrameOfFile{frame, *frames_});
         timestep = timestep_of_hdf5(first_, name_, frame);
-        note = *frames_ == 1 ? ""
-                             : "frame " + std::to_string(frame + 1) + " of " + std::to_string(*frames_) + " (--frame " +
-                                   std::to_string(frame) + ")";
+        note = note_of_frame(frame, frames_, timestep);
     }
 
     bool restart() override {
