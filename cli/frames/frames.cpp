@@ -116,13 +116,14 @@ std::string json_array(std::span<const double> numbers) {
 // Returns the line of JSON before the numbers of a frame.
 std::string description_of(const Input& frame, std::size_t species) {
     std::string columns, units;
-    for (const InputColumn& column : frame.columns)
-        columns += (columns.empty() ? "" : ", ") + ("[" + json_string(column.name)) + ", " +
-                   std::to_string(column.width) + "]";
+    for (const InputColumn& column : frame.columns) {
+        columns.append(columns.empty() ? "[" : ", [").append(json_string(column.name));
+        columns.append(", ").append(std::to_string(column.width)).append("]");
+    }
     for (const auto& [name, value] : frame.units) {
         const double* const number = std::get_if<double>(&value);
-        units += (units.empty() ? "" : ", ") + json_string(name) + ": " +
-                 (number ? to_text(*number) : json_string(std::get<std::string>(value)));
+        units.append(units.empty() ? "" : ", ").append(json_string(name)).append(": ");
+        units += number ? to_text(*number) : json_string(std::get<std::string>(value));
     }
     const FileDomain& domain = frame.domain;
     std::string shape;

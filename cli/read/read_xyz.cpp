@@ -223,7 +223,7 @@ private:
     [[nodiscard]] bool has_properties() const { return !names_.empty(); }
 
     LineReader lines_;
-    const ReadRequest& request_;
+    ReadRequest request_;
     Words words_;
     std::uint64_t count_ = 0, frames_ = 0;
     std::vector<std::string> names_;  // of the columns, by Properties

@@ -227,7 +227,7 @@ private:
     }
 
     LineReader lines_;
-    const ReadRequest& request_;
+    ReadRequest request_;
     Words words_;
     std::optional<std::uint64_t> count_;
     bool has_box_ = false;
