@@ -135,7 +135,8 @@ public:
     }
 
 private:
-    static std::string without_slash(const std::string& path) {
+    static std::string without_slash(std::string path) {
+        while (path.ends_with('/')) path.pop_back();
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
 
