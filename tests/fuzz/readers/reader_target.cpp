@@ -246,9 +246,9 @@ using Target = void (*)(std::string_view bytes);
 const std::map<std::string, Target>& targets() {
     static const std::map<std::string, Target> all {
         {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
-            {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>},
-            {"lammps_dump", parse_dump}, {"lammps_data", parse<parse_lammps_data>},
-            {"ply", parse<parse_ply>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
+            {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>}, {"lammps_dump", parse_dump},
+            {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>}, {"npy", parse_npy},
+            {"npz", parse<parse_npz>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif
