@@ -252,7 +252,7 @@ private:
 
     void add_to_summary(const FrameCells& frame, std::uint64_t number) {
         const std::string domain = domain_text(frame.cells, frame.domain_from);
-        Summary::Frames& frames = *summary_.frames;
+        FramesSummary& frames = *summary_.frames;
         const std::uint64_t points = frame.cells.size();
         if (frames.count == 0) {
             frames = {0, number, number, points, points, false};
