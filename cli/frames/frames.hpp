@@ -17,10 +17,13 @@ namespace clvotess {
 // Throws Failure for options that mean nothing for several frames.
 void check_frames(const Arguments& arguments);
 
-// Writes the points of all frames of --frames to stdout. A line of JSON describes each: frame, timestep, points (N),
-// ids (whether there are any), species (bytes of a text with blanks between them, or 0), columns (names and widths),
-// units, and the domain as the file states it. Points, ids, columns and species follow, as float64 and int64 of this
-// machine.
+// Writes the points of all frames of --frames to stdout. A line of JSON comes before each frame. Its members:
+//   - frame, timestep, points: number of the frame, its timestep and number of points
+//   - ids: whether the frame has ids
+//   - species: bytes of the text that holds them, with blanks between them
+//   - columns: names and widths
+//   - units, and the domain that the file states
+// The arrays follow: points, ids, columns, species. Numbers are float64 and int64 of this machine.
 void write_points(const Arguments& arguments);
 
 // Makes and writes the cells of all frames of --frames. The summary has their sums.

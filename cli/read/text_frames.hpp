@@ -11,8 +11,8 @@
 
 namespace clvotess {
 
-// Reader: made from a name and a request. read_frame(text) returns the frame in a text or throws Failure;
-// skip_frame(text) keeps what later frames need.
+// Reader: made from a name and a request. read_frame(text) returns the frame in a text or throws Failure.
+// skip_frame(text) reads its header alone.
 template <class Reader>
 class TextFrames : public InputFrames {
 public:

@@ -195,9 +195,8 @@ private:
 
 void add_attributes(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
     writer.add_domain(domain);
-    for (const auto& [name, value] : attributes) {
-        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
-    }
+    for (const Attribute& attribute : attributes)
+        std::visit([&](const auto& value) { writer.add_attribute(attribute.name, value); }, attribute.value);
 }
 
 void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {

@@ -1,4 +1,4 @@
-"""Frames of files, read by the program clvotess, which knows all formats."""
+"""Frames of files. The program clvotess reads them, so each format has one reader."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame of a file: points, what belongs to them, and the domain that the file states."""
+    """A frame of a file: points with their ids and columns, and the domain that the file states."""
 
     number: int  #: from 0
     points: Float64Array  #: (N, 3)
@@ -143,8 +143,8 @@ def read_frames(
 ) -> Iterator[Frame]:
     """Returns an iterator over the frames of a file, in one pass, with memory for few frames.
 
-    Reads what the program ``clvotess`` reads: extended XYZ, LAMMPS dumps, H5MD and MDTraj's HDF5, and files without
-    frames as one.
+    The program ``clvotess`` reads the file: extended XYZ, LAMMPS dumps, H5MD and MDTraj's HDF5. Another file is one
+    frame.
 
     >>> with vt.Tessellator() as tessellator:
     ...     for frame in vt.read_frames("run.dump"):
