@@ -17,7 +17,8 @@ std::optional<std::uint64_t> lone_count(std::string_view line) {
 }
 
 bool is_blank_line(std::string_view line) {
-    return line.find_first_not_of(blanks) == std::string_view::npos;
+    const bool begins = !line.empty() && line[0] > ' ';  // most rows do
+    return !begins && line.find_first_not_of(blanks) == std::string_view::npos;
 }
 
 }  // namespace
@@ -64,7 +65,7 @@ bool FrameText::next_filled(std::string_view& line) {
 void FrameText::reserve(std::uint64_t rows, std::size_t length) {
     const auto rest = source_.rest();
     if (!rest) return;
-    const std::uint64_t room = std::min(*rest, rows > *rest ? *rest : rows * (length + 1));
+    const std::uint64_t room = std::min(*rest, rows > *rest ? *rest : 2 * rows * (length + 1));  // rows may be longer
     buffer_.reserve(buffer_.size() + static_cast<std::size_t>(room));
 }
 
