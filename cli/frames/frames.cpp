@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -107,9 +108,13 @@ void add_stats(const votess::Stats& one, votess::Stats& sum) {
     sum.mean_faces = cells > 0 ? static_cast<double>(sum.faces) / static_cast<double>(cells) : 0;
 }
 
+// Infinity and NaN have the words that Python reads.
 std::string json_array(std::span<const double> numbers) {
     std::string text;
-    for (const double x : numbers) text.append(text.empty() ? "[" : ", ").append(to_text(x));
+    for (const double x : numbers) {
+        text.append(text.empty() ? "[" : ", ");
+        text += std::isfinite(x) ? to_text(x) : std::isnan(x) ? "NaN" : x > 0 ? "Infinity" : "-Infinity";
+    }
     return text + "]";
 }
 
@@ -163,7 +168,8 @@ public:
     // Reads ahead on a thread and writes behind on another. Where reading may wait, as for a pipe, or with --threads 1
     // one step follows the other.
     void run() {
-        const bool alone = arguments_.options.threads == 1 || is_special_file(arguments_.input);
+        const bool may_wait = arguments_.input == "-" || is_special_file(arguments_.input);
+        const bool alone = arguments_.options.threads == 1 || may_wait;
         alone ? run_in_turn() : run_with_threads();
         outputs_.publish();
         summary_.seconds_read = reader_.seconds;
