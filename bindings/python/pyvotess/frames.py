@@ -69,7 +69,7 @@ def _program() -> str:
 
 def _read(stream: IO[bytes], dtype: Any, count: int) -> npt.NDArray[Any]:
     array = np.empty(count, dtype)
-    view = memoryview(array).cast("B") if count else memoryview(b"")
+    view = array.view(np.uint8)
     done = 0
     while done < len(view):
         got = stream.readinto(view[done:])  # type: ignore[attr-defined]
