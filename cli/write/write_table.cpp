@@ -293,15 +293,24 @@ void write_csv(OutputFile& file, const OutputData& data) {
 }
 
 bool is_table_column(std::string_view name) {
-    constexpr std::array<std::string_view, 18> names{"id",        "x",
-                                                     "y",         "z",
-                                                     "pos",       "volume",
-                                                     "neighbors", "voronoi_index",
-                                                     "centroid",  "surface_area",
-                                                     "frame",     "security_radius",
-                                                     "n3",        "n4",
-                                                     "n5",        "n6",
-                                                     "n7",        "element"};
+    constexpr std::array<std::string_view, 17> names{"id",
+                                                     "x",
+                                                     "y",
+                                                     "z",
+                                                     "pos",
+                                                     "volume",
+                                                     "neighbors",
+                                                     "voronoi_index",
+                                                     "centroid",
+                                                     "surface_area",
+                                                     "security_radius",
+                                                     "frame",
+                                                     "n3",
+                                                     "n4",
+                                                     "n5",
+                                                     "n6",
+                                                     "n7"};
+    if (name.starts_with("c_")) name.remove_prefix(2);  // in a dump
     return std::ranges::find(names, name) != names.end();
 }
 

@@ -82,6 +82,10 @@ class AllFrames(CliTest):
                 self.assertEqual([row[5] for row in rows], [repr(float(m)).removesuffix(".0") for m in chosen["m"]])
                 self.assertEqual([row[6] for row in rows], chosen["species"].tolist())
             self.assertIn(f"timestep {20}", self.run_cli(name, "--frame", 2).stdout if name == "t.dump" else "timestep 20")
+        for out in ["out.csv", "out.xyz", "out.dump"]:
+            self.refuse("t.dump", "--copy", "c_volume", "-o", out, says=["'c_volume'", f"'{out}'", "rename"])
+        self.run_cli("t.dump", "--copy", "element,m", "-o", "again.csv")
+        self.assertIn(",m\n", (self.folder / "again.csv").read_text().replace("element,", ""))
         self.run_cli("a.xyz", "-o", "w.csv", "--want", "centroids,surfaces")
         head = (self.folder / "w.csv").read_text().splitlines()[0]
         self.assertEqual(head, "id,x,y,z,centroid_x,centroid_y,centroid_z,surface_area")
@@ -228,6 +232,11 @@ class FramesOfHdf5(CliTest):
         domain = self.json("a.h5", "--frames", "all", "--outside", "drop")["domain"]
         self.assertEqual((domain["from"], domain["periodic_from"], domain["periodic"]), ("stated", "stated", [True, False, True]))
         self.refuse("a.h5", "--frame", 4, says=["no frame 4", "has 4"])
+        for name, memory in [("whole.h5", []), ("pieces.h5", ["--memory", "1G"])]:
+            self.run_cli("a.h5", "--frame", 2, "--outside", "drop", "--copy", "charge", "-o", name, *memory)
+        with h5py.File(self.folder / "whole.h5") as whole, h5py.File(self.folder / "pieces.h5") as pieces:
+            for array in ["charge", "ids", "volumes", "indices"]:
+                np.testing.assert_array_equal(whole[array], pieces[array])
         self.refuse("a.h5", "--dataset", "particles/all/nothing", says=["particles/all/position/value"])
         with h5py.File(self.folder / "a.h5", "a") as file:
             del file["particles/all/box/edges"]

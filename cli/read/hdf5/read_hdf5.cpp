@@ -180,7 +180,10 @@ private:
 
     // append() reports errors of the points.
     [[nodiscard]] std::uint64_t rows_of(const Hdf5File& file) const {
-        return file.has(name_) ? file.open(name_).rows() : 0;
+        if (!file.has(name_)) return 0;
+        Hdf5Dataset points = file.open(name_);
+        if (frames_) points.choose_frame(frame_);
+        return points.rows();
     }
 
     // Reads the next points of the share, from the current file or the next one.
