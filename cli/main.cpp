@@ -162,8 +162,9 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, options.radii,
-                                          domain_from, carried, arguments.coloring, !arguments.quiet, options.threads});
+        write_outputs(arguments.outputs,
+                      {input, tessellation, arguments.wanted, arguments.format, options.radii, domain_from, carried,
+                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

@@ -241,6 +241,7 @@ private:
             take_weights(arguments_, frame.input, options);
             frame.radii = options.radii;
             frame.carried = take_carried(arguments_, frame.input);
+            check_columns(frame.carried);
             frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
         } catch (const Failure& failure) {
@@ -254,6 +255,17 @@ private:
         fill_density(arguments_, masses, frame.cells.volumes(), frame.carried);
         add_to_summary(frame, number);
         return frame;
+    }
+
+    // Throws Failure if a .csv would have rows of different lengths.
+    void check_columns(const std::vector<InputColumn>& carried) {
+        std::vector<std::pair<std::string, std::size_t>> columns;
+        for (const InputColumn& column : carried) columns.emplace_back(column.name, column.width);
+        if (!columns_) columns_ = columns;
+        const auto is_csv = [](const std::string& path) { return extension_of(path) == ".csv"; };
+        if (columns != *columns_ && std::ranges::any_of(arguments_.outputs, is_csv))
+            throw bad_input(
+                "other columns than in the first frame, and .csv has one line of names: name them by --copy");
     }
 
     void add_to_summary(const FrameCells& frame, std::uint64_t number) {
@@ -299,7 +311,8 @@ private:
                       .domain_from = frame.domain_from,
                       .carried = frame.carried,
                       .coloring = arguments_.coloring,
-                      .place = first_ ? FramePlace::first : FramePlace::later});
+                      .place = first_ ? FramePlace::first : FramePlace::later,
+                      .has_radii = arguments_.has_radii});
         first_ = false;
         summary_.seconds_write += seconds_from(begun);
     }
@@ -320,6 +333,7 @@ private:
     FrameOutputs outputs_;
     votess::Tessellator tessellator_;
     FrameClock::time_point shown_;
+    std::optional<std::vector<std::pair<std::string, std::size_t>>> columns_;  // of the first frame: names and widths
     bool first_ = true;  // whether the next frame to write is the first
 };
 

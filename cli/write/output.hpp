@@ -51,6 +51,7 @@ struct OutputData {
     bool reports_size = false;                // print the size of a .glb on stderr before it is written
     unsigned threads = 1;                     // that make text; 0: one per processor
     FramePlace place = FramePlace::alone;     // among the frames of the output
+    bool has_radii = false;                   // --radii is given, also where there are no points
 };
 
 // An output of several frames.

@@ -74,7 +74,7 @@ Table results_of(const OutputData& data) {
     if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), 3));
     if (wanted.surfaces) table.push_back(of_numbers("surface_area", cells.surface_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
-    if (!data.radii.empty()) table.push_back(of_numbers("radius", data.radii));
+    if (data.has_radii) table.push_back(of_numbers("radius", data.radii));
     return table;
 }
 

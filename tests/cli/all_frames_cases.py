@@ -150,6 +150,23 @@ class AllFrames(CliTest):
         self.xyz(frames)
         self.refuse("a.xyz", "--frames", "all", "--box=0,-9,-9,9,9,2.9", "-o", "out.txt", says=["frame 0: ", "outside"])
 
+    def test_frames_of_different_kinds(self):
+        """Frames without atoms, and with other columns."""
+        first = 'Lattice="1 0 0 0 1 0 0 0 1" Properties=species:S:1:pos:R:3:m:R:1\n'
+        second = "2\n" + first.replace(":m:R:1", ":q:R:1:m:R:1") + "C .1 .1 .1 8 4\nH .6 .6 .6 9 5\n\n\n"
+        self.put("a.xyz", f"0\n{first}{second}")
+        rows = self.rows("a.xyz", "--frames", "all", "-o", "t.csv", "-o", "t.dump", "-o", "t.h5", "--copy", "m,species", "--radii", "covalent",
+                         "--format", "%i %r")
+        self.assertEqual(rows, ["# frame 0, 0 points", "# frame 1, 2 points", "0 0.76 4 C", "1 0.31 5 H"])
+        table = [row.split(",") for row in (self.folder / "t.csv").read_text().splitlines()]
+        self.assertEqual([len(row) for row in table], [15] * 3)
+        self.assertEqual(self.rows("t.dump", "--frames", "all", "--format", "%i"), ["# frame 0, timestep 0, 0 points",
+                                                                                    "# frame 1, timestep 1, 2 points", "1", "2"])
+        self.put("b.xyz", f"1\n{first}C 0 0 0 1\n{second}")
+        self.refuse("b.xyz", "--frames", "all", "--copy", "all", "-o", "out.csv", says=["frame 1: other columns", "--copy"])
+        self.run_cli("b.xyz", "--frames", "all", "--copy", "all", "-o", "t.xyz")
+        self.run_cli("b.xyz", "--frames", "all", "--copy", "m", "-o", "t.csv")
+
     def test_pipe_and_memory(self):
         frames = self.frames(400, 100)
         self.xyz(frames)
