@@ -36,8 +36,8 @@ public:
     [[nodiscard]] std::size_t end() const;
     // Returns empty columns with room for `rows` rows.
     [[nodiscard]] std::vector<InputColumn> columns(std::size_t rows) const;
-    // Adds a row to the columns and species. word(k) returns the text in column k, and number(k, name) its number, for
-    // the array `name`.
+    // Adds a row to the columns and species. word(k) returns the text in column k. number(k, name) returns its number,
+    // for the array `name`.
     template <typename Word, typename Number>
     void append(Input& input, Word word, Number number) const {
         for (std::size_t c = 0; c < places_.size(); ++c) {

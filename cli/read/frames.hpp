@@ -64,6 +64,8 @@ struct FrameRange {
 // Returns the error for a file that holds no frames.
 [[nodiscard]] Failure without_frames(const std::string& name);
 
+// Opens a file without frames as one frame.
+[[nodiscard]] std::unique_ptr<InputFrames> one_frame(const std::string& path, const ReadRequest& request);
 [[nodiscard]] std::unique_ptr<InputFrames> open_dump_frames(std::unique_ptr<TextSource> source,
                                                             const ReadRequest& request);
 // Returns nothing for plain rows; `head` is their begin then.

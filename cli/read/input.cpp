@@ -163,63 +163,6 @@ Input read_input(const std::string& path, const ReadRequest& request) {
     throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
 }
 
-Failure without_frames(const std::string& name) {
-    return bad_input(name + ": --frame needs a file with frames, but this one has plain rows: leave it out");
-}
-
-Failure no_frame(const InputFrames& frames, const std::string& range) {
-    if (frames.passed() == 0) return bad_input(frames.name() + ": the file ends before the atoms of a frame");
-    return bad_input(frames.name() + ": there is no frame " + range + ", the file has " +
-                     std::to_string(frames.passed()) + ", counted from 0");
-}
-
-Input read_frame(InputFrames& frames, std::uint64_t number) {
-    while (frames.passed() < number && frames.skip()) {
-    }
-    Input input;
-    if (frames.passed() < number || !frames.next(input)) throw no_frame(frames, std::to_string(number));
-    const auto rest = frames.count_rest();
-    input.note = note_of_frame(number, rest ? std::optional(number + 1 + *rest) : std::nullopt, input.timestep);
-    return input;
-}
-
-std::string note_of_frame(std::uint64_t number, const std::optional<std::uint64_t>& frames,
-                          const std::string& timestep) {
-    std::string note;
-    if (frames != 1u) {
-        note = "frame " + std::to_string(number + 1) + " of " + (frames ? std::to_string(*frames) : "several") +
-               " (--frame " + std::to_string(number) + ")";
-    }
-    if (!timestep.empty()) note += (note.empty() ? "timestep " : ", timestep ") + timestep;
-    return note;
-}
-
-namespace {
-
-// A file without frames, as one of them.
-class OneFrame : public InputFrames {
-public:
-    OneFrame(std::string path, ReadRequest request) : path_(std::move(path)), request_(std::move(request)) {}
-
-    bool next(Input& frame) override {
-        if (passed_ > 0) return false;
-        frame = read_input(path_, request_);
-        frame.frame = passed_++;
-        return true;
-    }
-    bool skip() override { return passed_++ == 0; }
-    bool last(Input& frame) override { return next(frame); }
-    std::optional<std::uint64_t> count_rest() override { return 1 - std::min<std::uint64_t>(passed_, 1); }
-    [[nodiscard]] double fraction() const override { return static_cast<double>(std::min<std::uint64_t>(passed_, 1)); }
-    [[nodiscard]] const std::string& name() const override { return path_; }
-
-private:
-    std::string path_;
-    ReadRequest request_;
-};
-
-}  // namespace
-
 std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request) {
     const bool packed = path != "-" && extension_of(path) == ".gz";
     const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
@@ -233,7 +176,7 @@ std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequ
         std::string head;
         if (auto frames = open_xyz_frames(text, request, head)) return frames;
     }
-    return std::make_unique<OneFrame>(path, request);
+    return one_frame(path, request);
 }
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {

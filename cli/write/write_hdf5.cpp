@@ -78,7 +78,7 @@ public:
         place_ = file_.id();
     }
 
-    // Places what follows into a new group, until it is closed.
+    // Places all following arrays and attributes into a new group, until it is closed.
     [[nodiscard]] Hdf5Handle open_group(const std::string& name) {
         const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
