@@ -147,11 +147,9 @@ std::string timestep_of_hdf5(const Hdf5File& file, const std::string& points, st
     const Hdf5Dataset steps = file.open(group + "/position/step");
     if (!steps.is_whole()) return {};
     std::vector<std::int64_t> step;
-    if (steps.rank() == 1 && frame < steps.rows()) {
-        steps.append_to(step, frame, 1);
-        return std::to_string(step[0]);
-    }
-    return {};
+    if (steps.rank() != 1 || frame >= steps.rows()) return {};
+    steps.append_to(step, frame, 1);
+    return std::to_string(step[0]);
 }
 
 }  // namespace clvotess
