@@ -21,6 +21,8 @@ std::string Coloring::label() const {
 void Coloring::check(const std::vector<InputColumn>& carried) const {
     constexpr std::array<std::string_view, 7> own{"volume", "neighbors", "area", "x", "y", "z", "index"};
     const auto taken = std::ranges::find(carried, column, &InputColumn::name);
+    if (taken != carried.end() && taken->of_words)
+        throw bad_input("--color " + in_quotes(column) + " has words: name a column of numbers");
     if (taken != carried.end() && taken->width != 1) {
         throw bad_input("--color " + in_quotes(column) + " has " + std::to_string(taken->width) +
                         " numbers for each point: name a column that has one");

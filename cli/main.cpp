@@ -19,6 +19,7 @@
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/output_file.hpp"
+#include "frames/frames.hpp"
 #include "interrupt.hpp"
 #include "progress.hpp"
 #include "queries/point_queries.hpp"
@@ -95,11 +96,15 @@ void print_summary(const Summary& summary, const Arguments& arguments) {
 
 int run(const Arguments& arguments) {
     const auto run_began = Clock::now();
-    if (arguments.memory > 0) {
-        Summary streamed = run_streamed(arguments, run_began);
-        streamed.seconds_total = seconds_since(run_began);
-        print_summary(streamed, arguments);
-        if (!streamed.failure().empty()) throw Failure(exit_code::verification_failed, streamed.failure());
+    if (arguments.points_alone) {
+        write_points(arguments);
+        return exit_code::done;
+    }
+    if (arguments.memory > 0 || arguments.frames) {
+        Summary summary = arguments.frames ? run_frames(arguments, run_began) : run_streamed(arguments, run_began);
+        summary.seconds_total = seconds_since(run_began);
+        print_summary(summary, arguments);
+        if (!summary.failure().empty()) throw Failure(exit_code::verification_failed, summary.failure());
         return exit_code::done;
     }
     Summary summary;
@@ -157,8 +162,9 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, options.radii,
-                                          domain_from, carried, arguments.coloring, !arguments.quiet, options.threads});
+        write_outputs(arguments.outputs,
+                      {input, tessellation, arguments.wanted, arguments.format, options.radii, domain_from, carried,
+                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

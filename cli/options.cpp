@@ -19,8 +19,9 @@ const std::vector<Option>& option_table() {
 .extxyz         the same as .xyz
 .npy .npz       NumPy arrays (N, 3), float64 or float32; in .npz the array
                 `points`, the only one that fits, or x, y and z; ids
-.h5 .hdf5       a dataset (N, 3) of floats. Snapshots of Gadget and AREPO
-                in several files by NAME.0.hdf5 or NAME; ParticleIDs, ids
+.h5 .hdf5       a dataset (N, 3) of floats, or frames (T, N, 3) of H5MD and
+                MDTraj. Snapshots of Gadget, AREPO and SWIFT, in several
+                files by NAME.0.hdf5 or NAME; ParticleIDs, ids
 .dump .lammpstrj  LAMMPS dump in text, also called dump.NAME
 .data .lmp      LAMMPS data file, its section Atoms; also data.NAME. The
                 atom style (`Atoms # full`) or a line of names finds the
@@ -31,8 +32,22 @@ POSCAR CONTCAR .vasp  of VASP
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
          {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR; - is stdin"}},
-        {"--dataset NAME", R"(dataset of .h5 or array of .npz; default: the only one that fits)"},
-        {"--frame N", R"(frame of a LAMMPS dump or .xyz, from 0; default: the first)"},
+        {"--dataset NAME", R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
+the only one that fits. Velocities and forces do not)"},
+        {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)"},
+        {"--frames all|last|a:b:c",
+         R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
+output holds one after the other: .h5 has a group frame_NUMBER for each,
+text a header line, .csv a column `frame`. Summary and --json have sums)",
+         {.needs = Needs::all_cells}},
+        {"--points",
+         R"(compute no cells; write the points, ids, species, columns of --copy and
+domain of each frame to stdout, in the form that vt.read_frames reads)",
+         {.needs = Needs::all_cells, .with = "--frames"}},
+        {"--columns X,Y,Z",
+         R"(the columns of the coordinates, by names of a header line such as
+"Points:0,Points:1,Points:2" or "x [Mpc],y [Mpc],z [Mpc]", or by numbers
+from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps)"},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT.
 The domain is that box unless --box is given)",
@@ -90,7 +105,8 @@ stay symmetric. 0 drops none)",
          R"(power diagram: COL holds radii, whose squares are the weights. COL is the
 number of a column from 1, or a name: of .csv with a line of names, LAMMPS,
 .ply, an array or dataset of N numbers; for atom style sphere
-also `radius`)",
+also `radius`. covalent: radii in angstrom of the elements that the file
+names (Cordero and others 2008, doi:10.1039/b801115j))",
          {.brief = "power diagram: a column of the input holds radii (--weights: their squares)"}},
         {"--volumes COL",
          R"(power diagram in which each cell has the volume that COL holds. The weights
@@ -110,7 +126,8 @@ file is written and the exit code is 1)",
         {"--copy COLS",
          R"(columns of the input to copy into the output, with commas between them, or
 `all` that hold numbers. Text gets them at the end of the row, other files
-as arrays. Names and `all` need a header line, as in .csv)",
+as arrays. Names and `all` need a header line, as in .csv. A named column
+may hold words; `species` is that of elements or types, whatever its name)",
          {.needs = Needs::cells}},
         {"--density COL",
          R"(write the array `density`: COL divided by the volume. A duplicate adds its
@@ -123,6 +140,9 @@ get an empty one, or the input is refused)",
         {"", "output"},
         {"-o, --output FILE",
          R"(.txt   one row per point, in the order of the input, see --format
+.csv .xyz .dump  tables with volume, neighbors (their number) and n3 to n7,
+       the Voronoi index (faces of 3 to 6 and of 7 or more edges), or with
+       the columns of --want; .xyz is extended, .dump that of LAMMPS
 .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
        indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, the
        arrays of --want, status, duplicate_of if there are duplicates, ids,
@@ -141,7 +161,7 @@ get an empty one, or the input is refused)",
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .npz .h5 .vtu .ply .obj .glb, or - for text on stdout; repeatable", .repeats = true}},
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb, - for stdout; repeatable", .repeats = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"
   %i  id: that of the input, else the index from 0

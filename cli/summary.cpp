@@ -64,6 +64,8 @@ std::string json_number(double value) {
     return std::isfinite(value) ? to_text(value) : "null";
 }
 
+}  // namespace
+
 std::string json_string(const std::string& text) {
     std::string result = "\"";
     for (const char c : text) {
@@ -80,8 +82,6 @@ std::string json_string(const std::string& text) {
     return result + "\"";
 }
 
-}  // namespace
-
 std::string Summary::failure() const {
     if (!verified || verified->passed) return {};
     return "verification failed, no file was written: " + verified->failure;
@@ -96,7 +96,14 @@ std::string plain_summary(const Summary& summary) {
     };
     line("points", std::to_string(stats.points));
     if (!summary.input_note.empty()) line("input", summary.input_note);
-    line("domain", summary.domain);
+    if (const auto& frames = summary.frames) {
+        const std::string least = std::to_string(frames->min_points), greatest = std::to_string(frames->max_points);
+        line("frames", std::to_string(frames->count) + ", from number " + std::to_string(frames->first) + " to " +
+                           std::to_string(frames->last) + ", of " + (least == greatest ? "" : least + " to ") +
+                           greatest + " points");
+    }
+    line("domain",
+         summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
     line("mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes) {
         const double error =
@@ -189,6 +196,7 @@ std::string json_summary(const Summary& summary) {
         member("residual", json_number(fit->residual));
         text += "}";
     }
+    if (const auto& frames = summary.frames) member("frames", std::to_string(frames->count));
     if (const auto& streamed = summary.streamed) {
         member("blocks", std::to_string(streamed->blocks));
         member("largest_block", std::to_string(streamed->largest_block));

@@ -15,6 +15,13 @@ struct RanksSummary {
     std::uint64_t ghosts_received = 0, ghosts_needed = 0;  // seeds received from other ranks; those that are neighbors
 };
 
+// Further counts of a run over frames.
+struct FramesSummary {
+    std::uint64_t count = 0, first = 0, last = 0;  // numbers of the first and last frame
+    std::uint64_t min_points = 0, max_points = 0;  // in a frame
+    bool moving_domain = false;                    // whether the domain differs between them
+};
+
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
@@ -31,12 +38,15 @@ struct Summary {
     struct Streamed {
         std::uint64_t blocks = 0, largest_block = 0, asked_cells = 0, temporary_bytes = 0;
     };
-    std::optional<Streamed> streamed;  // with --memory
+    std::optional<Streamed> streamed;     // with --memory
+    std::optional<FramesSummary> frames;  // with --frames; the other numbers are sums
 
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;
 };
 
+// Returns a text as JSON, in quotes.
+[[nodiscard]] std::string json_string(const std::string& text);
 [[nodiscard]] std::string plain_summary(const Summary& summary);
 [[nodiscard]] std::string json_summary(const Summary& summary);  // one line
 

@@ -9,6 +9,7 @@
 #include "arguments/typed.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
+#include "frames/frames.hpp"
 #include "help/help.hpp"
 #include "queries/point_queries.hpp"
 #include "queries/to_grid.hpp"
@@ -117,8 +118,8 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (!input && !random) throw bad_input("there is no input: give INPUT or --random N, see clvotess --help");
     if (input && input->empty()) throw bad_input("INPUT is empty: give a file, or - for stdin");
     if (input) arguments.input = *input;
-    if (random && (typed.has("--dataset") || typed.has("--frame")))
-        throw bad_input("--dataset and --frame go with INPUT, not with --random");
+    if (random && (typed.has("--dataset") || typed.has("--frame") || typed.has("--frames")))
+        throw bad_input("--dataset, --frame and --frames go with INPUT, not with --random");
     arguments.has_radii = typed.has("--radii");
     arguments.has_weights = typed.has("--weights") || arguments.has_radii;
     arguments.has_volumes = typed.has("--volumes");
@@ -132,6 +133,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (typed.has("--weights") && arguments.has_radii) throw bad_input("give either --weights or --radii, not both");
     const std::string* copy = typed.value("--copy");
     arguments.read.all_columns = copy && *copy == "all" && !random;  // else refused below
+    arguments.read.columns_may_lack = arguments.read.all_columns && arguments.points_alone;
     for (const std::string option : {"--weights", "--radii", "--volumes", "--density", "--values", "--copy"}) {
         const std::string* columns = typed.value(option);
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
@@ -139,6 +141,13 @@ void read_source(const Typed& typed, Arguments& arguments) {
         const bool list = option == "--values" || option == "--copy";
         for (const std::string_view column : list ? split(*columns, ',') : std::vector<std::string_view>{*columns}) {
             if (column.empty()) throw bad_input(option + " is empty: give the name or number of a column");
+            if (option == "--radii" && column == "covalent") {
+                arguments.covalent = arguments.read.species = true;
+                continue;
+            }
+            if (option == "--copy") {
+                arguments.read.first_words = std::min(arguments.read.first_words, arguments.read.columns.size());
+            }
             arguments.read.columns.emplace_back(column);
         }
     }
@@ -147,6 +156,14 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (dataset->empty()) throw bad_input("--dataset is empty: give the name of the points in the file");
         arguments.read.dataset = *dataset;
     }
+    if (const std::string* columns = typed.value("--columns")) {
+        if (random) throw bad_input("--columns goes with INPUT, not with --random");
+        if (typed.has("--dataset")) throw bad_input("give either --dataset or --columns, not both");
+        for (const std::string_view column : split(*columns, ',')) arguments.read.coordinates.emplace_back(column);
+        if (arguments.read.coordinates.size() != 3 || std::ranges::count(arguments.read.coordinates, std::string()) > 0)
+            throw bad_input("--columns must be three names or numbers of columns X,Y,Z, not " + in_quotes(*columns));
+    }
+    if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
     if (const std::string* frame = typed.value("--frame")) arguments.read.frame = whole_number("--frame", *frame, max);
     if (random) {
         arguments.random_count = read_random_count(*random);
@@ -163,14 +180,17 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*format);
     }
-    if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") &&
+    if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") && !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
-            "--copy and --density need text, .npz, .h5 or .vtu, or --color with .glb or --image: add -o FILE");
+            "--copy and --density need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb or --image: "
+            "add "
+            "-o FILE");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
-    for (const std::string& path : arguments.outputs) add_output_needs(path, arguments.wanted);
+    for (const std::string& path : arguments.outputs) add_output_needs(path, typed.has("--want"), arguments.wanted);
+    arguments.read.species |= std::ranges::any_of(arguments.outputs, names_species);
 }
 
 // Returns the option of the query; "" if the run makes cells of the points.
@@ -273,6 +293,7 @@ Arguments read_arguments(int count, const char* const* values) {
     if (arguments.list_devices || !arguments.answer.empty()) return arguments;
 
     arguments.verify = typed.has("--verify");
+    arguments.points_alone = arguments.read.species = typed.has("--points");
     arguments.json = typed.has("--json");
     arguments.quiet = typed.has("--quiet");
     arguments.outputs = typed.values("--output");
@@ -292,6 +313,8 @@ Arguments read_arguments(int count, const char* const* values) {
         throw bad_input("-o - and --json both write to stdout: give -o a file");
     read_memory(typed, arguments);
     if (!query.empty()) {
+        if (arguments.covalent)
+            throw bad_input(query + " needs a column of radii: --radii covalent goes with cells only");
         read_query(typed, query, arguments);
         return arguments;
     }
@@ -299,6 +322,7 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.picture = read_picture(typed, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;
+    if (arguments.frames) check_frames(arguments);
 
     options.want = arguments.wanted;
     votess::Options to_write = options;
@@ -306,7 +330,10 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
-    if (arguments.memory > 0) check_streamed(arguments);
+    if (arguments.memory > 0) {
+        check_streamed(arguments);
+        arguments.read.first_words = SIZE_MAX;  // temporary files hold numbers
+    }
     return arguments;
 }
 

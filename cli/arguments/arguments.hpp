@@ -13,6 +13,7 @@
 
 #include "options.hpp"
 #include "picture.hpp"
+#include "read/frames.hpp"
 #include "read/input.hpp"
 #include "write/text_format.hpp"
 
@@ -21,6 +22,9 @@ namespace clvotess {
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
     ReadRequest read;
+    std::optional<FrameRange> frames;  // by --frames
+    bool points_alone = false;         // --points
+    bool covalent = false;             // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field
     // values.
     bool has_weights = false, has_radii = false, has_volumes = false, has_density = false;

@@ -3,6 +3,8 @@
 #include <limits>
 #include <utility>
 
+#include "arguments/elements.hpp"
+#include "failure.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -17,6 +19,10 @@ std::size_t first_mass(const Arguments& arguments) {
 void complete_columns(const Arguments& arguments, Input& input) {
     for (std::size_t c = input.columns.size(); c < arguments.read.columns.size(); ++c)
         input.columns.push_back({arguments.read.columns[c], 1, {}});
+    if (!arguments.covalent) return;
+    if (input.species.size() != input.size())
+        throw bad_input("--radii covalent needs elements, and the file names none: name a column of radii instead");
+    input.columns.insert(input.columns.begin(), {"radius", 1, covalent_radii(input.species)});
 }
 
 void take_weights(const Arguments& arguments, const Input& input, votess::Options& options) {

@@ -10,7 +10,8 @@
 
 namespace clvotess {
 
-// Adds the columns that the arguments name, empty, where a file of no points has none.
+// Adds the columns that the arguments name, empty, where a file of no points has none. Puts the radii of --radii
+// covalent before them. Throws Failure for a species that is not an element.
 void complete_columns(const Arguments& arguments, Input& input);
 
 // Sets the weights or radii of the options to views into the input.

@@ -32,6 +32,7 @@ std::size_t Inflater::read(char* to, std::size_t room) {
         const int state = inflate(&stream_, Z_NO_FLUSH);
         done += some - stream_.avail_out;
         ended_ = state == Z_STREAM_END;
+        damaged_ = state != Z_OK && state != Z_BUF_ERROR && !ended_;
         if (state != Z_OK && !ended_) break;
     }
     return done;
@@ -46,28 +47,6 @@ void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::strin
     if (unpacked <= max_unpacked(size)) return;
     throw bad_input(name + ": its " + std::to_string(size) + " bytes unpack to more than the limit of " +
                     std::to_string(max_unpacked(size)) + ": unpack the file first");
-}
-
-std::string gunzip(std::string_view packed, const std::string& name) {
-    constexpr std::size_t piece = std::size_t{1} << 20;
-    Inflater inflater(packed, Inflater::Frame::gzip);
-    std::string text;
-    std::size_t used = 0;
-    for (;;) {
-        if (used == text.size()) text.resize(used + std::max(piece, used / 2));
-        const std::size_t room = text.size() - used, got = inflater.read(text.data() + used, room);
-        used += got;
-        check_unpacked(packed.size(), used, name);
-        if (inflater.ended()) {
-            if (!inflater.has_more()) break;
-            inflater.restart();
-        } else if (got < room) {
-            throw bad_input(name + (inflater.has_more() ? ": not a file packed by gzip, or a damaged one"
-                                                        : ": the file ends too early"));
-        }
-    }
-    text.resize(used);
-    return text;
 }
 
 }  // namespace clvotess

@@ -29,16 +29,16 @@ public:
     [[nodiscard]] bool has_more() const noexcept { return stream_.avail_in > 0 || !rest_.empty(); }
     // Continues with the packed data that follow.
     void restart();
+    // Continues with more packed data, when has_more() is false. They must outlive their use.
+    void go_on(std::string_view packed) noexcept { rest_ = packed; }
+    // Returns whether the packed data are not those of zlib.
+    [[nodiscard]] bool damaged() const noexcept { return damaged_; }
 
 private:
     z_stream stream_{};
     std::string_view rest_;  // not yet passed to zlib
-    bool ended_ = false;
+    bool ended_ = false, damaged_ = false;
 };
-
-// Returns the contents of all members of a file. Throws Failure, which names the file, when it is damaged or unpacks to
-// more than max_unpacked().
-[[nodiscard]] std::string gunzip(std::string_view packed, const std::string& name);
 
 // Throws Failure when `unpacked`, the bytes that a file of `size` bytes unpacks to, exceeds max_unpacked().
 void check_unpacked(std::uint64_t size, std::uint64_t unpacked, const std::string& name);

@@ -69,7 +69,7 @@ void check_last_line(std::string_view text, const std::string& name) {
     throw bad_input(name + ": not a text: it holds a line of more than " + std::to_string(max_line) + " bytes");
 }
 
-std::string read_whole(const std::string& path, bool lines) {
+std::string read_whole(const std::string& path) {
     constexpr std::size_t piece = std::size_t{1} << 22;
     InputFile file(path);
     std::string bytes;
@@ -77,11 +77,8 @@ std::string read_whole(const std::string& path, bool lines) {
     bytes.reserve(static_cast<std::size_t>(file.size()) + 1);
     bool more = true;
     while (more) {
-        const std::size_t before = bytes.size();
-        const std::size_t left = bytes.capacity() - before;
+        const std::size_t left = bytes.capacity() - bytes.size();
         more = file.append(bytes, left > 0 ? std::min(left, piece) : piece);
-        if (lines)
-            check_last_line(std::string_view(bytes).substr(before - std::min(before, max_line + 1)), file.name());
     }
     return bytes;
 }

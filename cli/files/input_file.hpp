@@ -38,8 +38,8 @@ private:
     std::uint64_t done_ = 0;
 };
 
-// Returns all bytes of a file. lines: refuse a line that is too long as soon as it is read.
-[[nodiscard]] std::string read_whole(const std::string& path, bool lines);
+// Returns all bytes of a file.
+[[nodiscard]] std::string read_whole(const std::string& path);
 
 // Throws Failure when the last line of a text is too long. `name` is for the message.
 void check_last_line(std::string_view text, const std::string& name);

@@ -87,7 +87,7 @@ public:
         if (const auto value = read_double(word)) return *value;
         if (has_decimal_comma(word)) throw error(not_a_number(word));
         throw error(not_a_number(word) + ": the column " + in_quotes(column) +
-                    " has text; --copy, --density, --radii and --weights need columns of numbers");
+                    " has text; --density, --radii and --weights need columns of numbers");
     }
     [[nodiscard]] std::int64_t whole(std::string_view word, const char* what) const {
         if (const auto value = read_int64(word)) return *value;
@@ -102,6 +102,7 @@ public:
         line_ += lines;
     }
     [[nodiscard]] std::size_t line() const noexcept { return line_; }  // number of the last line
+    void set_line(std::size_t line) noexcept { line_ = line; }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:

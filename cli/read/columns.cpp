@@ -26,6 +26,12 @@ std::optional<std::size_t> find_any(const Words& names, const std::string& name)
     return std::nullopt;
 }
 
+std::optional<std::size_t> find_species(const Words& names) {
+    for (const char* const name : {"species", "element", "symbol", "type"})
+        if (const auto at = find(names, name)) return at;
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::vector<std::string> names_or_numbers(std::vector<std::string> names, std::size_t columns) {
@@ -38,7 +44,10 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
         throw bad_input(where + ": " + columns_text(names.size()) + ", more than the " + std::to_string(max_columns) +
                         " that are read");
     }
-    for (const std::string& name : request.columns) {
+    if (request.species) species_ = find_species(names);
+    for (std::size_t c = 0; c < request.columns.size(); ++c) {
+        const std::string& name = request.columns[c];
+        const bool may_be_words = c >= request.first_words;
         if (!find(names, name) && find(names, name + "_1")) {
             Place& place = places_.emplace_back();
             place.name = name;
@@ -50,7 +59,9 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
             continue;
         }
         if (const auto at = find_any(names, name)) {
-            places_.push_back({name_of(names[*at]), {*at}});
+            places_.push_back({name_of(names[*at]), {*at}, may_be_words});
+        } else if (const auto alias = name == "species" ? find_species(names) : std::nullopt) {
+            places_.push_back({name, {*alias}, may_be_words});
         } else if (!request.columns_may_lack) {
             std::string list;
             for (const std::string_view known : names) add_name(list, known);
@@ -63,6 +74,14 @@ void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> t
     for (std::size_t k = 0; k < std::min(names.size(), row.size()); ++k) {
         const bool free = std::ranges::find(taken, k) == taken.end() && !holds(k) && !names[k].empty();
         if (free && (read_double(row[k]) || has_decimal_comma(row[k]))) places_.push_back({name_of(names[k]), {k}});
+    }
+}
+
+void ColumnPlaces::find_words(const Words& row) {
+    for (Place& place : places_) {
+        const std::size_t k = place.at[0];
+        place.words = place.may_be_words && place.at.size() == 1 && k < row.size() && !read_double(row[k]) &&
+                      !has_decimal_comma(row[k]);
     }
 }
 
@@ -80,8 +99,9 @@ std::size_t ColumnPlaces::end() const {
 std::vector<InputColumn> ColumnPlaces::columns(std::size_t rows) const {
     std::vector<InputColumn> columns;
     for (const Place& place : places_) {
-        columns.push_back({place.name, place.at.size(), {}});
-        columns.back().values.reserve(rows * place.at.size());
+        InputColumn& column = columns.emplace_back(InputColumn{.name = place.name, .width = place.at.size()});
+        column.of_words = place.words;
+        if (!place.words) column.values.reserve(rows * place.at.size());
     }
     return columns;
 }

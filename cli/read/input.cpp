@@ -7,9 +7,10 @@
 #include "core/system.hpp"
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
-#include "files/inflate.hpp"
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
+#include "files/text_source.hpp"
+#include "read/frames.hpp"
 
 namespace clvotess {
 namespace {
@@ -25,10 +26,15 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
         throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
     }
-    if (request.frame && extension != ".dump" && extension != ".lammpstrj" && extension != ".xyz") {
-        throw bad_input("--frame goes with .xyz and LAMMPS dumps (.dump, .lammpstrj) only, not with " +
+    constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
+                                                      ".dump", ".lammpstrj", ".npz", ".ply"};
+    if (!request.coordinates.empty() && std::ranges::find(by_name, extension) == by_name.end())
+        throw bad_input("--columns goes with rows of text, .npz, .ply and LAMMPS dumps only, not with " +
                         in_quotes(path));
-    }
+    const bool frames = extension == ".dump" || extension == ".lammpstrj" || extension == ".xyz" || extension == ".h5";
+    if (request.frame && !frames)
+        throw bad_input("--frame goes with .xyz, LAMMPS dumps (.dump, .lammpstrj) and .h5 only, not with " +
+                        in_quotes(path));
 }
 
 void refuse_columns(const std::string& path, const ReadRequest& request) {
@@ -130,29 +136,47 @@ Input read_input(const std::string& path, const ReadRequest& request) {
         refuse_columns(path, request);
         return read_npy(path, request.share);
     }
+    const bool text = std::ranges::find(binary, extension) == binary.end();
     using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
     const auto parse = [&](Parser parser) {
-        const bool lines = !packed && std::ranges::find(binary, extension) == binary.end();
-        std::string bytes = read_whole(path, lines);
-        if (packed) bytes = gunzip(bytes, path);
-        return parser(bytes, path == "-" ? "stdin" : path, request);
+        if (!text) return parser(read_whole(path), path, request);
+        TextSource source(path, packed);
+        return parser(rest_of(source), source.name(), request);
     };
     if (extension == ".txt" || extension == ".dat" || extension.empty()) {
         return parse(
             [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::plain, name, request); });
     }
-    if (extension == ".xyz") return parse(parse_xyz);
+    if (extension == ".xyz") return read_xyz(std::make_unique<TextSource>(path, packed), request);
     if (extension == ".vasp") return parse(parse_poscar);
     if (extension == ".csv") {
         return parse(
             [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });
     }
     if (extension == ".npz") return parse(parse_npz);
-    if (extension == ".dump" || extension == ".lammpstrj") return parse(parse_lammps_dump);
+    if (extension == ".dump" || extension == ".lammpstrj")
+        return read_frame(*open_dump_frames(std::make_unique<TextSource>(path, packed), request),
+                          request.frame.value_or(0));
     if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
     if (extension == ".ply") return parse(parse_ply);
     const std::string remedy = conversion(extension);
     throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
+}
+
+std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request) {
+    const bool packed = path != "-" && extension_of(path) == ".gz";
+    const std::string extension = kind_of(packed ? path.substr(0, path.size() - 3) : path);
+    const bool hdf5 = is_hdf5(path, request);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).open_frames(path, request);
+    const auto source = [&] { return std::make_unique<TextSource>(path, packed); };
+    if (extension == ".dump" || extension == ".lammpstrj") return open_dump_frames(source(), request);
+    if (extension == ".xyz") {
+        auto text = source();
+        std::string head;
+        if (auto frames = open_xyz_frames(text, request, head)) return frames;
+    }
+    return one_frame(path, request);
 }
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
@@ -179,8 +203,12 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
 void Input::append(const Input& rows) {
     points.insert(points.end(), rows.points.begin(), rows.points.end());
     ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
-    for (std::size_t c = 0; c < rows.columns.size(); ++c)
-        columns[c].values.insert(columns[c].values.end(), rows.columns[c].values.begin(), rows.columns[c].values.end());
+    species.insert(species.end(), rows.species.begin(), rows.species.end());
+    for (std::size_t c = 0; c < rows.columns.size(); ++c) {
+        const InputColumn& column = rows.columns[c];
+        columns[c].values.insert(columns[c].values.end(), column.values.begin(), column.values.end());
+        columns[c].words.insert(columns[c].words.end(), column.words.begin(), column.words.end());
+    }
 }
 
 std::span<const double> one_each(const InputColumn& column) {

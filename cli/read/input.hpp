@@ -16,6 +16,8 @@
 
 namespace clvotess {
 
+class TextSource;
+
 // The source of a property of the domain.
 enum class DomainSource : std::uint8_t {
     option,     // from the command line
@@ -39,20 +41,25 @@ struct Attribute {
     std::variant<double, std::string> value;
 };
 
-// Values of the points.
+// Numbers or words of the points.
 struct InputColumn {
     std::string name;
     std::size_t width = 1;
-    std::vector<double> values;  // width N, row by row
+    std::vector<double> values = {};      // width N, row by row
+    std::vector<std::string> words = {};  // N, instead of numbers
+    bool of_words = false;
 };
 
 struct Input {
     std::vector<double> points;        // 3N: x0 y0 z0 x1 ...
     std::vector<std::int64_t> ids;     // N, or empty without a column of ids
     std::vector<InputColumn> columns;  // those of ReadRequest::columns, then all others with all_columns
+    std::vector<std::string> species;  // N with ReadRequest::species, if the file names them; else empty
     FileDomain domain;
-    std::vector<Attribute> units;  // stated by the file, for the output
-    std::string note;              // the part of the file that was read, for the summary; may be empty
+    std::vector<Attribute> units;        // stated by the file, for the output
+    std::string note;                    // the part of the file that was read, for the summary; may be empty
+    std::optional<std::uint64_t> frame;  // number from 0, of a file of frames
+    std::string timestep;                // a number that the file states; may be empty
 
     [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
     // Appends points with the same columns.
@@ -79,14 +86,17 @@ struct Share {
 
 // What to read from a file.
 struct ReadRequest {
-    bool text = false;                   // rows of text, whatever the extension is
-    std::string dataset;                 // path of the points in .h5, or member of .npz; empty: the only one that fits
-    std::vector<std::string> columns;    // names, or numbers from 1 in files of rows
-    bool columns_may_lack = false;       // skip those of `columns` that the file lacks
-    bool all_columns = false;            // read the others too
-    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
-    unsigned threads = 1;                // that parse text; 0: one per processor
-    Share share;                         // of the points, for files that reads_shares() accepts
+    bool text = false;    // rows of text, whatever the extension is
+    std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
+    std::vector<std::string> coordinates;  // columns of x, y and z; empty: by the rules of the format
+    std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
+    bool columns_may_lack = false;         // skip those of `columns` that the file lacks
+    bool all_columns = false;              // read the others too
+    std::size_t first_words = SIZE_MAX;    // from this one on, columns may hold words
+    bool species = false;                  // read those too
+    std::optional<std::uint64_t> frame;    // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                  // that parse text; 0: one per processor
+    Share share;                           // of the points, for files that reads_shares() accepts
 };
 
 // Returns whether a share of the file can be read without the rest.
@@ -105,10 +115,9 @@ enum class TextKind {
                                const ReadRequest& request = {});
 // Returns whether the first line that is not blank is one whole number, the count of a frame.
 [[nodiscard]] bool holds_frames(std::string_view text, const std::string& name);
-// Reads .xyz: plain rows, or frames.
-[[nodiscard]] Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request);
+// Reads .xyz: plain rows, or a frame.
+[[nodiscard]] Input read_xyz(std::unique_ptr<TextSource> source, const ReadRequest& request);
 [[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
-[[nodiscard]] Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);

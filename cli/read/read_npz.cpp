@@ -74,6 +74,11 @@ private:
             if (const ZipMember* const member = find(request_.dataset)) return member;
             throw no_array(request_.dataset);
         }
+        if (!request_.coordinates.empty()) {
+            for (const std::string& axis : request_.coordinates)
+                if (!find(axis)) throw no_array(axis);
+            return nullptr;
+        }
         if (const ZipMember* const member = find("points")) return member;
         if (find("x") && find("y") && find("z")) return nullptr;
         std::vector<const ZipMember*> candidates;
@@ -115,8 +120,13 @@ private:
         domain = stated_domain(box, periodic, numbers("cell", 3, 3), numbers("origin", 3, 1), numbers("walls", 0, 4));
     }
 
+    // Returns the names of the arrays of x, y and z.
+    [[nodiscard]] std::vector<std::string> axis_names() const {
+        return request_.coordinates.empty() ? std::vector<std::string>{"x", "y", "z"} : request_.coordinates;
+    }
+
     void read_axes(Input& input) const {
-        constexpr std::array<const char*, 3> axes{"x", "y", "z"};
+        const std::vector<std::string> axes = axis_names();
         std::size_t count = 0;
         for (std::size_t k = 0; k < 3; ++k) {
             NpyArray array = open(*find(axes[k]));
@@ -124,12 +134,13 @@ private:
                 throw bad_input(name_ + ": " + axes[k] + " is not an array of floats with shape (N,)");
             }
             if (k == 0) count = array.shape()[0];
-            check_length(axes[k], array, count, "x");
+            check_length(axes[k], array, count, axes[0]);
             array.read_floats(input.points, k, 3);
         }
     }
 
-    void check_length(const std::string& what, const NpyArray& array, std::size_t count, const char* other) const {
+    void check_length(const std::string& what, const NpyArray& array, std::size_t count,
+                      const std::string& other) const {
         if (array.shape()[0] == count) return;
         throw bad_input(name_ + ": " + what + " has " + std::to_string(array.shape()[0]) + " numbers, " + other +
                         " has " + std::to_string(count));
@@ -161,7 +172,7 @@ private:
     void read_others(const ZipMember* points, Input& input) const {
         for (const ZipMember& member : members_) {
             const std::string name = plain_name(member);
-            const bool axis = !points && (name == "x" || name == "y" || name == "z");
+            const bool axis = !points && std::ranges::count(axis_names(), name) > 0;
             const bool named = std::ranges::find(input.columns, name, &InputColumn::name) != input.columns.end();
             if (&member == points || axis || named || name == "ids" || name == "id" || !member.name.ends_with(".npy"))
                 continue;

@@ -14,6 +14,11 @@
 namespace clvotess {
 namespace {
 
+// Properties are numbers.
+std::string_view no_word(std::size_t /*column*/) {
+    return {};
+}
+
 struct Property {
     std::string_view name;
     NumberType type{};
@@ -188,11 +193,17 @@ private:
             if (element.properties[index].count_type) return std::nullopt;
             return index;
         };
-        const auto x = at("x"), y = at("y"), z = at("z");
+        std::vector<std::string> axes = request_.coordinates;
+        if (axes.empty()) axes = {"x", "y", "z"};
+        const auto x = at(axes[0]), y = at(axes[1]), z = at(axes[2]);
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
-        if (!x || !y || !z) throw bad_input(lines_.name() + ": the element vertex has no properties x, y, z");
-        ColumnPlaces wanted(request_, names, lines_.name());
+        if (!x || !y || !z)
+            throw bad_input(lines_.name() + ": the element vertex has no properties " + axes[0] + ", " + axes[1] +
+                            ", " + axes[2]);
+        ReadRequest of_numbers = request_;
+        of_numbers.species = false;
+        ColumnPlaces wanted(of_numbers, names, lines_.name());
         for (std::size_t k = 0; k < names.size(); ++k) {
             if (wanted.holds(k) && element.properties[k].count_type) {
                 throw bad_input(lines_.name() + ": the column " + in_quotes(names[k]) + " is a list");
@@ -223,7 +234,7 @@ private:
                 pass_row(element, i, fields);
                 for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
                 if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
-                wanted.append(input.columns, [&](std::size_t k, const std::string&) { return value(k); });
+                wanted.append(input, no_word, [&](std::size_t k, const std::string&) { return value(k); });
             }
         }
         return input;
@@ -242,7 +253,7 @@ private:
             }
             for (const std::size_t k : axes) input.points.push_back(lines_.number(words_[k]));
             if (id) input.ids.push_back(lines_.whole(words_[*id], "an id"));
-            wanted.append(input.columns, [this](std::size_t k, const std::string& column) {
+            wanted.append(input, no_word, [this](std::size_t k, const std::string& column) {
                 return lines_.number(words_[k], column);
             });
         });

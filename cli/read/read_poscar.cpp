@@ -28,7 +28,8 @@ bool is_cif(std::string_view text, const std::string& name) {
 
 class PoscarReader {
 public:
-    PoscarReader(std::string_view text, const std::string& name) : lines_(text, name) {}
+    PoscarReader(std::string_view text, const std::string& name, bool species)
+        : lines_(text, name), wants_species_(species) {}
 
     Input read() {
         if (is_cif(lines_.rest(), lines_.name()))
@@ -40,8 +41,11 @@ public:
         for (Vector& edge : edges_) edge = three(words_of("an edge of the cell"));
         take_scale();
 
-        Words counts = words_of("the species");
-        if (!read_uint64(counts.at(0))) counts = words_of("the number of atoms of each species");
+        Words counts = words_of("the species"), species;
+        if (!read_uint64(counts.at(0))) {
+            species = counts;
+            counts = words_of("the number of atoms of each species");
+        }
         std::uint64_t count = 0;
         for (const std::string_view word : counts) {
             const auto number = read_uint64(word);
@@ -67,6 +71,10 @@ public:
                 input.points.push_back(lengths ? scale_[k] * x[k]
                                                : x[0] * edges_[0][k] + x[1] * edges_[1][k] + x[2] * edges_[2][k]);
             }
+        }
+        if (wants_species_ && species.size() == counts.size()) {
+            for (std::size_t k = 0; k < counts.size(); ++k)
+                input.species.insert(input.species.end(), *read_uint64(counts[k]), std::string(species[k]));
         }
         input.domain.periodic_from = DomainSource::assumed;
         input.domain.cell = votess::TriclinicBox{.a = edges_[0], .b = edges_[1], .c = edges_[2]};
@@ -104,6 +112,7 @@ private:
     }
 
     LineReader lines_;
+    bool wants_species_;
     Vector scale_{};
     std::array<Vector, 3> edges_{};
 };
@@ -111,9 +120,14 @@ private:
 }  // namespace
 
 Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request) {
-    if (!request.columns.empty() && !request.columns_may_lack)
+    const bool carried = request.columns == std::vector<std::string>{"species"} && request.first_words == 0;
+    if (!request.columns.empty() && !carried && !request.columns_may_lack)
         throw bad_input(name + ": a POSCAR has no column " + in_quotes(request.columns[0]));
-    return PoscarReader(text, name).read();
+    Input input = PoscarReader(text, name, request.species || carried).read();
+    if (!carried) return input;
+    if (input.species.size() != input.size()) throw bad_input(name + ": this POSCAR does not name its species");
+    input.columns.push_back({.name = "species", .words = input.species, .of_words = true});
+    return input;
 }
 
 }  // namespace clvotess

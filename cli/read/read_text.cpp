@@ -47,8 +47,12 @@ bool ends_field(char c) {
 class TextReader {
 public:
     TextReader(TextKind kind, const std::string& name, const ReadRequest& request)
-        : lines_({}, name), kind_(kind), request_(request) {
+        : lines_({}, name), request_(request) {
         for (std::string& column : request_.columns) column = plain_name(column);
+        for (std::string& column : request_.coordinates) column = plain_name(column);
+        may_have_names_ =
+            kind == TextKind::csv ||
+            std::ranges::any_of(request_.coordinates, [](const std::string& name) { return !read_uint64(name); });
     }
 
     // Appends the rows of the next part of the text.
@@ -68,7 +72,7 @@ private:
     void append_rows(Input& input, bool first) {
         Row row;
         while (!(first && places_) && next_row(row)) {
-            if (!places_ && kind_ == TextKind::csv && names_.empty() && is_header(row)) {
+            if (!places_ && may_have_names_ && names_.empty() && is_header(row)) {
                 names_ = names_of(line_);
                 check_names();
                 continue;
@@ -173,12 +177,16 @@ private:
 
     // Throws Failure unless the line names x, y and z, and each used name once.
     void check_names() const {
-        for (const char* const axis : {"x", "y", "z"}) {
-            if (named(axis)) continue;
+        std::vector<std::string> used = request_.coordinates;
+        if (used.empty()) used = {"x", "y", "z"};
+        for (const std::string& axis : used) {
+            if (named(axis) || (!request_.coordinates.empty() && read_uint64(axis))) continue;
+            std::string list;
+            for (const std::string& name : names_) list += (list.empty() ? "" : ", ") + in_quotes(name);
             throw lines_.error("the line of names lacks " + in_quotes(axis) +
-                               ": name the columns of the coordinates x, y and z, or remove the line");
+                               ": name the columns of the coordinates by --columns; there are " + list);
         }
-        std::vector<std::string> used{"x", "y", "z", "id"};
+        used.emplace_back("id");
         used.insert(used.end(), request_.columns.begin(), request_.columns.end());
         if (request_.all_columns) used.insert(used.end(), names_.begin(), names_.end());
         for (const std::string& name : used) {
@@ -186,6 +194,25 @@ private:
                 throw lines_.error("the line of names has " + in_quotes(name) + " more than once");
             }
         }
+    }
+
+    // Returns the columns of --columns, by names or numbers.
+    [[nodiscard]] std::array<std::size_t, 3> axes_of(std::size_t columns) const {
+        std::array<std::size_t, 3> axes{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::string& name = request_.coordinates[k];
+            const auto number = read_uint64(name);
+            if (const auto at = named(name)) {
+                axes[k] = *at;
+            } else if (number && *number >= 1 && *number <= columns) {
+                axes[k] = *number - 1;
+            } else {
+                throw lines_.error("no column " + in_quotes(name) + " of --columns: this row has " +
+                                   columns_text(columns) +
+                                   (names_.empty() ? ", and no line of names comes first" : ""));
+            }
+        }
+        return axes;
     }
 
     // Returns the layout by the line of names. Without one, the columns except `wanted` are x y z or id x y z.
@@ -199,6 +226,11 @@ private:
                                std::to_string(names_.size()));
         }
         Layout layout;
+        if (!request_.coordinates.empty()) {
+            layout.axes = axes_of(columns);
+            layout.id = named("id");
+            return layout;
+        }
         if (!names_.empty()) {
             layout.axes = {*named("x"), *named("y"), *named("z")};
             layout.id = named("id");
@@ -208,7 +240,8 @@ private:
         for (std::size_t k = 0; k < columns; ++k) {
             if (!wanted.holds(k)) places.push_back(k);
         }
-        if (request_.all_columns) throw lines_.error("--copy all needs a header line, as in .csv");
+        if (request_.all_columns && !request_.columns_may_lack)
+            throw lines_.error("--copy all needs a header line, as in .csv");
         if (columns == 5 && wanted.end() == 0) {
             throw lines_.error(
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
@@ -230,11 +263,13 @@ private:
         const Words names(own.begin(), own.end());
         places_.emplace(request_, names, lines_.place());
         layout_ = layout_of(columns_, *places_);
+        const auto kept = static_cast<std::ptrdiff_t>(columns_);
+        const Words words(row.fields.begin(), row.fields.begin() + kept);
+        places_->find_words(words);
         if (!request_.all_columns) return;
         std::vector<std::size_t> taken(layout_.axes.begin(), layout_.axes.end());
         if (layout_.id) taken.push_back(*layout_.id);
-        const auto kept = static_cast<std::ptrdiff_t>(columns_);
-        places_->add_others(names, taken, Words(row.fields.begin(), row.fields.begin() + kept));
+        places_->add_others(names, taken, words);
     }
 
     // Reserves memory for all remaining rows.
@@ -264,15 +299,16 @@ private:
             input.ids.push_back(*id);
         }
         for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
-        places_->append(input.columns,
-                        [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
+        places_->append(
+            input, [&](std::size_t k) { return row.fields[k]; },
+            [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
     }
 
     LineReader lines_;
     std::string_view line_;           // the current line
     std::vector<std::string> names_;  // of the columns, by a line of names
-    TextKind kind_;
-    ReadRequest request_;  // with plain names
+    bool may_have_names_ = false;     // whether a line of names may come first
+    ReadRequest request_;             // with plain names
     // Set by the first row.
     std::optional<ColumnPlaces> places_;
     std::size_t columns_ = 0;

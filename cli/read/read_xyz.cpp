@@ -8,8 +8,10 @@
 #include "failure.hpp"
 #include "files/line_reader.hpp"
 #include "read/columns.hpp"
+#include "read/frames.hpp"
 #include "read/input.hpp"
 #include "read/rows_by_threads.hpp"
+#include "read/text_frames.hpp"
 
 namespace clvotess {
 namespace {
@@ -43,22 +45,36 @@ std::optional<std::string> value_of(std::string_view comment, std::string_view k
 
 class XyzReader {
 public:
-    XyzReader(std::string_view text, const std::string& name, const ReadRequest& request)
-        : lines_(text, name), request_(request) {}
+    XyzReader(const std::string& name, const ReadRequest& request) : lines_({}, name), request_(request) {}
 
-    Input read() {
-        const std::uint64_t wanted = request_.frame.value_or(0);
-        for (std::uint64_t frame = 0; begin_frame(frame); ++frame) {
-            std::string_view comment;
-            static_cast<void>(lines_.next(comment));  // may be missing in a file without rows
-            if (frame == wanted) return read_frame(comment, frame);
-            std::string_view row;
-            for (std::uint64_t i = 0; i < count_; ++i)
-                if (!lines_.next_filled(row)) throw short_frame(i);
-            frames_ = frame + 1;
+    Input read_frame(std::string_view text) {
+        lines_.go_on(text);
+        read_count();
+        std::string_view comment;
+        static_cast<void>(lines_.next(comment));  // may be missing in a file without rows
+        Input input;
+        input.domain = read_domain(comment);
+        names_.clear();
+        first_.reset();
+        id_.reset();
+        wanted_.reset();
+        const auto properties = value_of(comment, "properties");
+        if (properties) read_properties(*properties);
+        for (const char* const key : {"timestep", "step"}) {
+            if (const auto step = value_of(comment, key); step && read_int64(*step)) input.timestep = *step;
         }
-        throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
-                        std::to_string(frames_) + ", counted from 0");
+        const auto count = static_cast<std::size_t>(count_);
+        if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
+        input.points.reserve(3 * max_rows());
+        for (std::size_t i = 0; i < count; i = input.size()) {
+            if (!append_row(input)) throw short_frame(i);
+            if (i == 0) append_by_threads(*this, input, count, request_.threads);
+        }
+        return input;
+    }
+    void skip_frame(std::string_view text) {
+        lines_.go_on(text);
+        read_count();
     }
 
     // Appends all rows of the text.
@@ -70,19 +86,19 @@ public:
     [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
-    // Reads the count of a frame. Returns false at the end of the file.
-    bool begin_frame(std::uint64_t frame) {
+    // Reads the count of a frame.
+    void read_count() {
         std::string_view line;
-        if (!lines_.next_filled(line)) return false;
+        static_cast<void>(lines_.next_filled(line));
         split_words(line, words_);
         const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
-        if (!count && frame == 0) throw lines_.error("expected one whole number, how many rows follow");
+        if (!count && frames_ == 0) throw lines_.error("expected one whole number, how many rows follow");
         if (!count) {
             throw lines_.error("more rows than the " + std::to_string(count_) + " that the first line of frame " +
-                               std::to_string(frame - 1) + " announces");
+                               std::to_string(frames_ - 1) + " announces");
         }
         count_ = *count;
-        return true;
+        ++frames_;
     }
 
     [[nodiscard]] Failure short_frame(std::uint64_t rows) const {
@@ -162,13 +178,15 @@ private:
     }
 
     [[nodiscard]] ColumnPlaces wanted_of_row() const {
-        const std::vector<std::string> own = names_or_numbers(names_, words_.size());
+        std::vector<std::string> own = names_or_numbers(names_, words_.size());
+        if (names_.empty() && !own.empty()) own[0] = "species";
         const Words names(own.begin(), own.end());
         ColumnPlaces wanted(request_, names, lines_.place());
         const std::size_t first = first_.value_or(1);
         std::vector<std::size_t> taken{first, first + 1, first + 2};
         if (id_) taken.push_back(*id_);
         if (request_.all_columns) wanted.add_others(names, taken, words_);
+        wanted.find_words(words_);
         return wanted;
     }
 
@@ -192,8 +210,9 @@ private:
         }
         for (std::size_t k = 0; k < 3; ++k) input.points.push_back(lines_.number(words_[first + k]));
         if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
-        wanted_->append(input.columns,
-                        [this](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
+        wanted_->append(
+            input, [this](std::size_t k) { return words_[k]; },
+            [this](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
         return true;
     }
     // Returns how many rows may follow.
@@ -203,25 +222,8 @@ private:
     }
     [[nodiscard]] bool has_properties() const { return !names_.empty(); }
 
-    Input read_frame(std::string_view comment, std::uint64_t frame) {
-        Input input;
-        input.domain = read_domain(comment);
-        const auto properties = value_of(comment, "properties");
-        if (properties) read_properties(*properties);
-        const auto count = static_cast<std::size_t>(count_);
-        if (!can_hold(lines_.rest().size(), count, 2)) throw short_frame(0);
-        input.points.reserve(3 * max_rows());
-        for (std::size_t i = 0; i < count; i = input.size()) {
-            if (!append_row(input)) throw short_frame(i);
-            if (i == 0) append_by_threads(*this, input, count, request_.threads);
-        }
-        const bool more = begin_frame(frame + 1);
-        if (more || frame > 0) input.note = "frame " + std::to_string(frame);
-        return input;
-    }
-
     LineReader lines_;
-    const ReadRequest& request_;
+    ReadRequest request_;
     Words words_;
     std::uint64_t count_ = 0, frames_ = 0;
     std::vector<std::string> names_;  // of the columns, by Properties
@@ -231,11 +233,28 @@ private:
 
 }  // namespace
 
-Input parse_xyz(std::string_view text, const std::string& name, const ReadRequest& request) {
-    if (holds_frames(text, name)) return XyzReader(text, name, request).read();
-    if (request.frame)
-        throw bad_input(name + ": --frame needs a file with frames, but this one has plain rows: leave it out");
-    return parse_text(text, TextKind::plain, name, request);
+std::unique_ptr<InputFrames> open_xyz_frames(std::unique_ptr<TextSource>& source, const ReadRequest& request,
+                                             std::string& head) {
+    // The first line that is not blank says whether there are frames.
+    bool more = true;
+    while (more) {
+        more = source->append(head);
+        const auto begin = head.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
+        if (head.find('\n', std::min(begin, head.size())) != std::string::npos) break;
+        check_last_line(head, source->name());
+    }
+    if (!holds_frames(head, source->name())) return nullptr;
+    if (!request.coordinates.empty())
+        throw bad_input(source->name() + ": --columns goes with rows, not with frames, whose Properties name pos");
+    return std::make_unique<TextFrames<XyzReader>>(std::move(source), FrameKind::xyz, request, std::move(head));
+}
+
+Input read_xyz(std::unique_ptr<TextSource> source, const ReadRequest& request) {
+    std::string text;
+    if (const auto frames = open_xyz_frames(source, request, text))
+        return read_frame(*frames, request.frame.value_or(0));
+    if (request.frame) throw without_frames(source->name());
+    return parse_text(rest_of(*source, std::move(text)), TextKind::plain, source->name(), request);
 }
 
 }  // namespace clvotess

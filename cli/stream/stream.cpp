@@ -331,6 +331,8 @@ void read_memory(const Typed& typed, Arguments& arguments) {
         arguments.temporary = *folder;
     }
     if (arguments.memory == 0) return;
+    if (arguments.covalent)
+        throw bad_input("--memory needs a column of radii: --radii covalent holds all points in memory");
     if (const Option* option = arguments.find_needing({Needs::all_cells, Needs::all_points}))
         throw bad_input("--memory does not work with " + long_name(*option) +
                         ": it needs all points or cells at once; leave one out");

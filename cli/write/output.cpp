@@ -17,21 +17,43 @@ struct Kind {
     void (*write)(OutputFile&, const OutputData&);
     bool mesh;     // holds polygons of faces
     bool carries;  // holds columns of the input
+    bool frames;   // may hold several frames
 };
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 9> kinds{{{".txt", write_text, false, true},
-                                     {".vol", write_text, false, true},
-                                     {".npz", write_npz, false, true},
-                                     {".h5", write_hdf5, false, true},
-                                     {".hdf5", write_hdf5, false, true},
-                                     {".vtu", write_vtu, true, true},
-                                     {".ply", write_ply, true, false},
-                                     {".obj", write_obj, true, false},
-                                     {".glb", write_glb, true, false}}};
+constexpr std::array<Kind, 14> kinds{{{".txt", write_text, false, true, true},
+                                      {".vol", write_text, false, true, true},
+                                      {".npz", write_npz, false, true, false},
+                                      {".h5", write_hdf5, false, true, true},
+                                      {".hdf5", write_hdf5, false, true, true},
+                                      {".csv", write_csv, false, true, true},
+                                      {".xyz", write_xyz, false, true, true},
+                                      {".extxyz", write_xyz, false, true, true},
+                                      {".dump", write_dump, false, true, true},
+                                      {".lammpstrj", write_dump, false, true, true},
+                                      {".vtu", write_vtu, true, true, false},
+                                      {".ply", write_ply, true, false, false},
+                                      {".obj", write_obj, true, false, false},
+                                      {".glb", write_glb, true, false, false}}};
+
+bool is_table(const Kind& kind) {
+    return kind.write == write_csv || kind.write == write_xyz || kind.write == write_dump;
+}
+
+// Frames one after the other in a file of text.
+class TextFramesFile : public FramesFile {
+public:
+    TextFramesFile(OutputFile& file, const Kind& kind) : file_(file), kind_(kind) {}
+    void add(const OutputData& data) override { kind_.write(file_, data); }
+    void finish() override {}
+
+private:
+    OutputFile& file_;
+    const Kind& kind_;
+};
 
 // Returns the kind of an output, or null. Text is the kind of stdout, and of a device or pipe without a known
 // extension.
@@ -71,8 +93,12 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
         }
         for (const std::string& path : outputs) {
             const Kind* const kind = kind_of(path);
-            const bool taken =
-                kind->write == write_vtu ? is_vtu_array(name) : kind->write != write_text && is_result_array(name);
+            if (columns[c].of_words && kind->write == write_vtu)
+                throw bad_input("cannot carry the words of " + in_quotes(name) + " into " + in_quotes(path) +
+                                ", which holds numbers: write .csv, .npz or .h5");
+            const bool taken = kind->write == write_vtu ? is_vtu_array(name)
+                               : is_table(*kind)        ? is_table_column(name)
+                                                        : kind->write != write_text && is_result_array(name);
             if (kind->carries && taken) {
                 throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +
                                 ", which has an array of that name: rename the column");
@@ -82,8 +108,9 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
     return columns;
 }
 
-void add_output_needs(const std::string& path, votess::Want& want) {
+void add_output_needs(const std::string& path, bool want_given, votess::Want& want) {
     const Kind* const kind = kind_of(path);
+    if (kind && is_table(*kind) && !want_given) want.neighbors = want.volumes = want.faces = true;
     if (!kind || !kind->mesh) return;
     want.faces = true;
     if (kind->write == write_vtu) want.volumes = want.centroids = true;
@@ -115,7 +142,8 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
         const Kind* const kind = kind_of(path);
         if (!kind) {
             throw bad_input("cannot write " + in_quotes(path) +
-                            ": known are .txt .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout as -");
+                            ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout "
+                            "as -");
         }
         if (kind->write == write_hdf5) check_hdf5(path);
     }
@@ -127,6 +155,43 @@ std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainF
     units.push_back({"periodic_from", word_of(domain_from.periodic)});
     units.push_back({"version", VOTESS_VERSION_STRING});
     return units;
+}
+
+bool names_species(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->write == write_xyz || kind->write == write_dump);
+}
+
+void check_frame_outputs(const std::vector<std::string>& paths) {
+    for (const std::string& path : paths)
+        if (!kind_of(path)->frames)
+            throw bad_input("cannot write " + in_quotes(path) +
+                            " with --frames, for it holds one: known are .txt .csv .xyz .dump .h5; or give --frame N");
+}
+
+FrameOutputs::FrameOutputs(const std::vector<std::string>& paths) {
+    files_.reserve(paths.size());
+    for (const std::string& path : paths) {
+        const Kind& kind = *kind_of(path);
+        OutputFile& file = files_.emplace_back(path);
+        if (kind.write == write_hdf5) {
+            writers_.push_back(load_hdf5("cannot write HDF5").create_frames(file));
+        } else {
+            writers_.push_back(std::make_unique<TextFramesFile>(file, kind));
+        }
+    }
+}
+
+FrameOutputs::~FrameOutputs() = default;
+
+void FrameOutputs::add(const OutputData& data) {
+    for (const auto& writer : writers_) writer->add(data);
+}
+
+void FrameOutputs::publish() {
+    for (const auto& writer : writers_) writer->finish();
+    for (OutputFile& file : files_) file.finish();
+    for (OutputFile& file : files_) file.publish();
 }
 
 void write_outputs(const std::vector<std::string>& paths, const OutputData& data) {

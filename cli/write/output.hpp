@@ -1,6 +1,7 @@
 // The outputs of -o. All files are complete before the first gets its name.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,8 +30,14 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 [[nodiscard]] bool carries_columns(const std::string& path);
 [[nodiscard]] bool is_colored(const std::string& path);
 
-// Adds to `want` the arrays that a mesh file of this extension needs. The needs of text depend on its format.
-void add_output_needs(const std::string& path, votess::Want& want);
+// Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
+// their columns unless --want does, which want_given states.
+void add_output_needs(const std::string& path, bool want_given, votess::Want& want);
+// Returns whether the file has a column of species.
+[[nodiscard]] bool names_species(const std::string& path);
+
+// Place of a result among those of its file.
+enum class FramePlace { alone, first, later };
 
 struct OutputData {
     const Input& input;
@@ -43,7 +50,37 @@ struct OutputData {
     const Coloring& coloring;                 // for .glb
     bool reports_size = false;                // print the size of a .glb on stderr before it is written
     unsigned threads = 1;                     // that make text; 0: one per processor
+    FramePlace place = FramePlace::alone;     // among the frames of the output
+    bool has_radii = false;                   // --radii is given, also where there are no points
 };
+
+// An output of several frames.
+class FramesFile {
+public:
+    virtual ~FramesFile() = default;
+    virtual void add(const OutputData& data) = 0;
+    virtual void finish() = 0;
+};
+
+// The outputs of -o for several frames. All are complete before the first gets its name.
+class FrameOutputs {
+public:
+    // Opens the files. Throws Failure.
+    explicit FrameOutputs(const std::vector<std::string>& paths);
+    FrameOutputs(const FrameOutputs&) = delete;
+    FrameOutputs& operator=(const FrameOutputs&) = delete;
+    ~FrameOutputs();
+
+    void add(const OutputData& data);
+    void publish();
+
+private:
+    std::vector<OutputFile> files_;
+    std::vector<std::unique_ptr<FramesFile>> writers_;
+};
+
+// Throws Failure for a format that holds one frame only.
+void check_frame_outputs(const std::vector<std::string>& paths);
 
 // Returns the attributes of .npz and .h5: units of the input, domain_from, periodic_from and version.
 [[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from);
@@ -57,6 +94,10 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
 
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);
+void write_csv(OutputFile& file, const OutputData& data);
+void write_xyz(OutputFile& file, const OutputData& data);
+void write_dump(OutputFile& file, const OutputData& data);
+[[nodiscard]] bool is_table_column(std::string_view name);  // whether a table may hold one of that name
 void write_vtu(OutputFile& file, const OutputData& data);
 [[nodiscard]] bool is_vtu_array(std::string_view name);  // whether .vtu always holds an array of that name
 void write_ply(OutputFile& file, const OutputData& data);

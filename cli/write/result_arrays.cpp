@@ -37,6 +37,16 @@ bool is_result_array(std::string_view name) {
     return std::ranges::find(names, name) != names.end();
 }
 
+// Returns texts of equal length, filled with zeros.
+ResultArray as_array(std::string_view name, const std::vector<std::string>& words) {
+    std::size_t longest = 1;
+    for (const std::string& word : words) longest = std::max(longest, word.size());
+    auto bytes = std::make_shared<std::string>();
+    bytes->reserve(longest * words.size());
+    for (const std::string& word : words) (*bytes += word).resize(bytes->size() + longest - word.size());
+    return {.name = name, .bytes = *bytes, .text = longest, .owner = bytes};
+}
+
 std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
                                        const std::vector<InputColumn>& carried) {
     std::vector<ResultArray> arrays;
@@ -67,7 +77,9 @@ std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::W
     add("status", piece.status);
     if (piece.has_duplicates)
         piece.wide ? add("duplicate_of", piece.wide_duplicate_of) : add("duplicate_of", piece.duplicate_of);
-    for (const InputColumn& column : carried) add(column.name, column.values, column.width);
+    for (const InputColumn& column : carried)
+        column.of_words ? arrays.push_back(as_array(column.name, column.words))
+                        : add(column.name, column.values, column.width);
     return arrays;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,11 +19,14 @@ namespace clvotess {
 struct ResultArray {
     std::string_view name;
     NumberType type{};
-    std::size_t columns = 1;  // 1: shape (rows,), else (rows, columns)
-    std::string_view bytes;   // in the library's memory, row-major
-    bool of_entries = false;  // one row for each neighbor; else for each cell
+    std::size_t columns = 1;                        // 1: shape (rows,), else (rows, columns)
+    std::string_view bytes;                         // in the library's memory, row-major
+    bool of_entries = false;                        // one row for each neighbor; else for each cell
+    std::size_t text = 0;                           // bytes of each text, instead of numbers of `type`
+    std::shared_ptr<const std::string> owner = {};  // of the bytes, if they are not the library's
 
-    [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / size_of(type) / columns; }
+    [[nodiscard]] std::size_t item() const noexcept { return text > 0 ? text : size_of(type); }
+    [[nodiscard]] std::size_t rows() const noexcept { return bytes.size() / item() / columns; }
 };
 
 template <typename Number>
@@ -38,7 +42,7 @@ template <typename Number>
 template <typename Number>
 [[nodiscard]] ResultArray as_array(std::string_view name, std::span<const Number> values, std::size_t columns = 1) {
     const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size_bytes());
-    return {name, type_of<Number>(), columns, bytes, false};
+    return {.name = name, .type = type_of<Number>(), .columns = columns, .bytes = bytes};
 }
 
 // Returns the arrays of `wanted`, status, duplicate_of if there are duplicates, ids if there are any, and the carried

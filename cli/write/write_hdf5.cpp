@@ -44,6 +44,15 @@ hid_t hdf5_type(NumberType type) {
     }
 }
 
+// Returns the type of an array: of numbers, or of texts of equal length.
+Hdf5Handle hdf5_type(const ResultArray& array) {
+    if (array.text == 0) return {H5Tcopy(hdf5_type(array.type)), H5Tclose};
+    Hdf5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+    H5Tset_size(type.id(), array.text);
+    H5Tset_strpad(type.id(), H5T_STR_NULLPAD);
+    return type;
+}
+
 // Returns access by the driver stdio. The default driver resolves the name of a file, and an unnamed file has none.
 Hdf5Handle access_by_stdio() {
     Hdf5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
@@ -66,6 +75,21 @@ public:
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
         file_ = {H5Fcreate(path.c_str(), H5F_ACC_TRUNC, creation.id(), access), H5Fclose};
         require(file_.valid());
+        place_ = file_.id();
+    }
+
+    // Places all following arrays and attributes into a new group, until it is closed.
+    [[nodiscard]] Hdf5Handle open_group(const std::string& name) {
+        const Hdf5Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
+        require(H5Pset_obj_track_times(creation.id(), false) >= 0);
+        Hdf5Handle group(H5Gcreate2(file_.id(), name.c_str(), H5P_DEFAULT, creation.id(), H5P_DEFAULT), H5Gclose);
+        require(group.valid());
+        place_ = group.id();
+        return group;
+    }
+    void close_group(Hdf5Handle& group) {
+        place_ = file_.id();
+        close(group);
     }
 
     void add(const ResultArray& array) {
@@ -82,7 +106,7 @@ public:
         const Hdf5Handle space(H5Screate_simple(rank, extent.data(), nullptr), H5Sclose);
         const Hdf5Handle creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
         require(H5Pset_obj_track_times(creation.id(), false) >= 0);
-        Hdf5Handle set(H5Dcreate2(file_.id(), std::string(array.name).c_str(), hdf5_type(array.type), space.id(),
+        Hdf5Handle set(H5Dcreate2(place_, std::string(array.name).c_str(), hdf5_type(array).id(), space.id(),
                                   H5P_DEFAULT, creation.id(), H5P_DEFAULT),
                        H5Dclose);
         require(set.valid());
@@ -94,7 +118,8 @@ public:
         const Hdf5Handle space(H5Dget_space(set.id()), H5Sclose);
         const int rank = array.columns == 1 ? 1 : 2;
         constexpr std::size_t piece_bytes = std::size_t{64} << 20;  // Ctrl-C works between pieces
-        const std::size_t row_bytes = size_of(array.type) * array.columns;
+        const std::size_t row_bytes = array.item() * array.columns;
+        const Hdf5Handle type = hdf5_type(array);
         const hsize_t piece = piece_bytes / row_bytes;
         for (hsize_t row = 0; row < array.rows(); row += piece) {
             throw_if_interrupted();
@@ -102,7 +127,7 @@ public:
             const std::array<hsize_t, 2> count{std::min(piece, array.rows() - row), array.columns};
             const Hdf5Handle memory(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             require(H5Sselect_hyperslab(space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) >= 0);
-            require(H5Dwrite(set.id(), hdf5_type(array.type), memory.id(), space.id(), H5P_DEFAULT,
+            require(H5Dwrite(set.id(), type.id(), memory.id(), space.id(), H5P_DEFAULT,
                              array.bytes.data() + row * row_bytes) >= 0);
         }
     }
@@ -155,8 +180,7 @@ public:
 
 private:
     void write_attribute(const std::string& name, hid_t type, const Hdf5Handle& space, const void* values) {
-        Hdf5Handle attribute(H5Acreate2(file_.id(), name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT),
-                             H5Aclose);
+        Hdf5Handle attribute(H5Acreate2(place_, name.c_str(), type, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
         require(attribute.valid() && H5Awrite(attribute.id(), type, values) >= 0 && attribute.close());
     }
 
@@ -166,15 +190,46 @@ private:
 
     std::function<Failure(int)> failure_;
     Hdf5Handle file_;
+    hid_t place_ = H5I_INVALID_HID;  // the file or a group
 };
 
-void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
+void add_attributes(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
     writer.add_domain(domain);
-    for (const auto& [name, value] : attributes) {
-        std::visit([&](const auto& v) { writer.add_attribute(name, v); }, value);
-    }
+    for (const Attribute& attribute : attributes)
+        std::visit([&](const auto& value) { writer.add_attribute(attribute.name, value); }, attribute.value);
+}
+
+void finish_file(Hdf5Writer& writer, const votess::Tessellation& domain, const std::vector<Attribute>& attributes) {
+    add_attributes(writer, domain, attributes);
     writer.finish();
 }
+
+// Writes a group for each frame, with the arrays and attributes of a file of that frame alone, and its number.
+class Hdf5FramesFile : public FramesFile {
+public:
+    explicit Hdf5FramesFile(OutputFile& file) : writer_(file) {}
+
+    void add(const OutputData& data) override {
+        const std::uint64_t number = data.input.frame.value_or(0);
+        std::string digits = std::to_string(number);
+        constexpr std::size_t width = 6;
+        digits.insert(0, width - std::min(width, digits.size()), '0');
+        Hdf5Handle group = writer_.open_group("frame_" + digits);
+        for (const ResultArray& array : result_arrays(data)) writer_.add(array);
+        std::vector<Attribute> attributes = attributes_of(data.input.units, data.domain_from);
+        attributes.push_back({"frame", static_cast<double>(number)});
+        if (!data.input.timestep.empty()) attributes.push_back({"timestep", data.input.timestep});
+        add_attributes(writer_, data.tessellation, attributes);
+        writer_.close_group(group);
+    }
+    void finish() override {
+        writer_.add_attribute("version", std::string(VOTESS_VERSION_STRING));
+        writer_.finish();
+    }
+
+private:
+    Hdf5Writer writer_;
+};
 
 // Creates all datasets before it writes more rows than the first ones. So the file equals one that is written at once.
 class StreamedHdf5 : public StreamedFile {
@@ -205,6 +260,11 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
     Hdf5Writer writer(file);
     for (const ResultArray& array : result_arrays(data)) writer.add(array);
     finish_file(writer, data.tessellation, attributes_of(data.input.units, data.domain_from));
+}
+
+std::unique_ptr<FramesFile> create_hdf5_frames(OutputFile& file) {
+    begin_hdf5();
+    return std::make_unique<Hdf5FramesFile>(file);
 }
 
 std::unique_ptr<StreamedFile> create_hdf5(OutputFile& file) {

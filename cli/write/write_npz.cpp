@@ -28,7 +28,8 @@ void write_npz(OutputFile& file, const OutputData& data) {
     };
     const auto add_array = [&add](const ResultArray& array) {
         const std::string rows = std::to_string(array.rows());
-        add(array.name, numpy_type(array.type),
+        const std::string text = "|S" + std::to_string(array.text);
+        add(array.name, array.text > 0 ? std::string_view(text) : numpy_type(array.type),
             array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
             array.bytes);
     };

@@ -36,6 +36,11 @@ public:
                 }
             }
             for (const InputColumn& column : data_.carried) {
+                if (column.of_words) {
+                    buffer_.put(' ');
+                    buffer_.put(column.words[i]);
+                    continue;
+                }
                 for (std::size_t k = 0; k < column.width; ++k) {
                     buffer_.put(' ');
                     buffer_.put_number(column.values[column.width * i + k]);
@@ -258,6 +263,11 @@ void write_text(OutputFile& file, const OutputData& data) {
     constexpr std::size_t block = 4096;
     const NearestImages seeds(data.input.points, data.tessellation);
     const std::size_t count = data.tessellation.size();
+    if (data.place != FramePlace::alone) {
+        const std::string step = data.input.timestep.empty() ? "" : ", timestep " + data.input.timestep;
+        file.write("# frame " + std::to_string(data.input.frame.value_or(0)) + step + ", " + std::to_string(count) +
+                   " points\n");
+    }
     in_order((count + block - 1) / block, data.threads,
              [&](std::size_t k) { return TextWriter(data, seeds).rows(k * block, std::min(count, (k + 1) * block)); },
              [&](const OutputBuffer& rows) {

@@ -19,7 +19,7 @@ class FrameFiles(ReaderTest):
         for options, points in [([], frames[0])] + [(["--frame", str(k)], p) for k, p in enumerate(frames)]:
             got = [row.split() for row in self.rows("a.xyz", *options, "--format", "%q")]
             np.testing.assert_array_equal(np.array(got, float), points)
-        self.assertRegex(self.run_cli("a.xyz").stdout, "(?m)^input +frame 0$")
+        self.assertRegex(self.run_cli("a.xyz").stdout, r"(?m)^input +frame 1 of 3 \(--frame 0\)$")
         self.refuse("a.xyz", "--frame", "3", says=["no frame 3", "has 3"])
         self.put("rows.xyz", CUBE)
         self.refuse("rows.xyz", "--frame", "0", says="--frame")

@@ -171,6 +171,46 @@ class Hdf5Files(Hdf5Test):
         (self.folder / "gone.2.hdf5").unlink()
         self.refuse("gone", *wish, says=["gone.2.hdf5", "No such file"])
 
+    def test_groups_masses_and_periodicity(self):
+        """Of snapshots: --dataset PartType1, MassTable, SWIFT's flag, and vectors that are no places."""
+        points = random_points(300)
+        with h5py.File(self.folder / "a.hdf5", "w") as file:
+            for kind in [0, 1]:
+                group = file.create_group(f"PartType{kind}")
+                group["Coordinates"], group["Velocities"] = points + kind * 0.5, points * 9
+                group["ParticleIDs"] = np.arange(300) + 5
+            file["PartType0/CenterOfMass"] = points
+            file["PartType0/Masses"] = np.arange(300.0)
+            file.create_group("Header").attrs.update(BoxSize=2.0, MassTable=[0.5, 0.25, 0, 0, 0, 0], NumFilesPerSnapshot=1,
+                                                     NumPart_ThisFile=[300, 300, 0, 0, 0, 0])
+        message = self.refuse("a.hdf5", says=["PartType0/Coordinates", "PartType1/Coordinates"])
+        self.assertNotIn("Velocities", message)
+        self.assertNotIn("Velocities", self.refuse("a.hdf5", "--dataset", "PartType3", says="PartType1/Coordinates"))
+        self.assert_points("a.hdf5", points + 0.5, "--dataset", "PartType1", ids=range(5, 305))
+        self.assert_points("a.hdf5", points, "--dataset", "/PartType0/", ids=range(5, 305))
+        for kind, masses in [(0, np.arange(300)), (1, np.full(300, 0.25))]:
+            for copy in ["Masses", "all"]:
+                self.run_cli("a.hdf5", "--dataset", f"PartType{kind}", "--density", "Masses", "--copy", copy, "-o", "out.npz")
+                with np.load(self.folder / "out.npz") as arrays:
+                    np.testing.assert_array_equal(arrays["Masses"], masses)
+                    np.testing.assert_array_equal(arrays["density"], masses / arrays["volumes"])
+        self.run_cli("a.hdf5", "--dataset", "PartType1", "--density", "Masses", "-o", "m.h5", "--memory", "1G")
+        with h5py.File(self.folder / "m.h5") as file:
+            np.testing.assert_array_equal(file["density"], masses / file["volumes"])
+        self.refuse("a.hdf5", "--dataset", "PartType1", "--density", "Mass_", "-o", "out.h5", says="'Mass_'")
+        self.assertEqual(self.json("a.hdf5", "--dataset", "PartType1")["domain"]["periodic"], [False] * 3)
+        for group, name, value, periodic in [("RuntimePars", "PeriodicBoundariesOn", np.int32([1]), True),
+                                             ("RuntimePars", "PeriodicBoundariesOn", np.int32([0]), False),
+                                             ("Parameters", "InitialConditions:periodic", np.bytes_(b"1"), True),
+                                             ("Parameters", "InitialConditions:periodic", "0", False)]:
+            with h5py.File(self.folder / "a.hdf5", "a") as file:
+                for old in {"RuntimePars", "Parameters"} & set(file):
+                    del file[old]
+                file.create_group(group).attrs[name] = value
+            domain = self.json("a.hdf5", "--dataset", "PartType1")["domain"]
+            self.assertEqual((domain["periodic"], domain["from"], domain["periodic_from"]), ([periodic] * 3, "stated", "stated"))
+        self.assertEqual(self.json("a.hdf5", "--dataset", "PartType1", "--periodic", "x")["domain"]["periodic"], [True, False, False])
+
     def test_damaged(self):
         points = random_points(40)
         self.save("a.h5", points=points)

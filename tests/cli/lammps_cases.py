@@ -32,7 +32,7 @@ class LammpsFiles(ReaderTest):
             self.put(name, self.dump("x y z", lines))
             self.assert_points(name, points)
         self.assertRegex(self.run_cli("a.lammpstrj").stdout,
-                         "(?m)^input +frame 0, timestep 0\ndomain +box 0,0,-1 to 2,1,1, not periodic; stated$")
+                         "(?m)^input +timestep 0\ndomain +box 0,0,-1 to 2,1,1, not periodic; stated$")
 
     def test_dump_scaled(self):
         scaled = random_points(30)
@@ -50,13 +50,45 @@ class LammpsFiles(ReaderTest):
         self.assert_points("a.dump", frames[0])
         for k in range(3):
             self.assert_points("a.dump", frames[k], "--frame", k)
-            self.assertIn(f"frame {k}, timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
+            self.assertIn(f"frame {k + 1} of 3 (--frame {k}), timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
         self.refuse("a.dump", "--frame", 3, says=["no frame 3", "has 3"])
         self.refuse("a.dump", "--frame", "-1", says="'-1'")
         self.assert_column("a.dump", [0.01 * j for j in range(12)], "radius", "--frame", 2)
         self.assert_column("a.dump", [0.01 * j for j in range(10)], "4")
         self.refuse("a.dump", "--radii", "r", says=["'r'", "x y z radius"])
         self.refuse("a.dump", "--radii", "5", says="'5'")
+
+    def test_general_triclinic(self):
+        """Boxes of any orientation, `abc origin` in dumps and avec, bvec, cvec in data files."""
+        turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+        edges = np.array([(2.0, 0, 0), (0.5, 1.5, 0), (-0.25, 0.125, 1.0)]) @ turn
+        corner = np.array((7.0, -1.0, 0.5))
+        scaled = random_points(50)
+        points = scaled @ edges + corner
+        self.put("a.npy", points)
+        cell = ["--cell", ",".join(map(repr, edges.ravel().tolist())), "--origin", "7,-1,0.5", "--format", "%n %v"]
+        lines = text_of(points).splitlines()
+        for flags, axes in [("pp pp pp", "xyz"), ("pp ff pp", "xz"), ("ff ff ff", "none")]:
+            box = f"ITEM: BOX BOUNDS abc origin {flags}\n" + "".join(
+                f"{' '.join(map(repr, edge))} {c!r}\n" for edge, c in zip(edges.tolist(), corner.tolist()))
+            head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n50\n{box}ITEM: ATOMS "
+            self.put("a.dump", head + "x y z\n" + text_of(points))
+            expected = self.rows("a.npy", *cell, "--periodic", axes)
+            self.assertEqual(self.rows("a.dump", "--format", "%n %v"), expected)
+            self.put("s.dump", head + "xs ys zs\n" + text_of(scaled))
+            got = np.array([row.split() for row in self.rows("s.dump", "--format", "%q")], float)
+            np.testing.assert_allclose(got, points, rtol=0, atol=1e-14)
+        vectors = [f"{' '.join(map(repr, edge))} {name}\n" for edge, name in zip(edges.tolist(), ["avec", "bvec", "cvec"])]
+        data = "c\n\n50 atoms\n{}\nAtoms # atomic\n\n" + "".join(f"{i} 1 {line}\n" for i, line in enumerate(lines))
+        self.put("a.data", data.format("".join(vectors) + "7 -1 0.5 abc origin\n"))
+        self.assertEqual(self.rows("a.data", "--format", "%n %v"), self.rows("a.npy", *cell, "--periodic"))
+        self.assertEqual(self.json("a.data")["domain"]["periodic_from"], "assumed")
+        for header, says in [("".join(vectors), "abc origin"), ("".join(vectors[1:]) + "7 -1 0.5 abc origin\n", "avec"),
+                             ("0 0 0 avec\n" + "".join(vectors[1:]) + "0 0 0 abc origin\n", "no edge a"),
+                             ("1 0 inf avec\n" + "".join(vectors[1:]) + "0 0 0 abc origin\n", "not finite")]:
+            self.refuse(self.put("a.data", data.format(header)), says=["a.data:", says])
+        whole = (self.folder / "a.dump").read_text()
+        self.refuse(self.put("a.dump", whole.replace(" 7.0\n", "\n")), says=["a.dump:6:", "corner"])
 
     def test_dump_refused(self):
         row = ["0.5 0.5 0.5"]

@@ -328,8 +328,8 @@ class HostileFiles(ReaderTest):
                 ("a.txt", "0.1 0.2 0.3 1.0\n", [], ["'0.1' is not a whole number", "--radii 4"]),
                 ("POSCAR", cif, [], ["CIF", "ase convert"]), ("a.cif", cif, [], ["extended XYZ", "ase convert"]),
                 ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], "MDAnalysis"),
-                ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--copy", "species"],
-                                                    ["'H'", "'species' has text", "--copy", "need columns of numbers"])]:
+                ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--weights", "species"],
+                                                    ["'H'", "'species' has text", "--weights need columns of numbers"])]:
             self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
         for good, content in [("a.txt", "1 2 0\n3 4 0\n"), ("b.extxyz", xyz)]:
             self.run_cli(self.put(good, content))
@@ -358,6 +358,83 @@ class Columns(ReaderTest):
         got, volumes = self.carried(name, "--density", column, *options)
         self.assertEqual(set(got), {"density"})
         np.testing.assert_array_equal(got["density"], expected[column] / volumes)
+
+    def test_coordinates_by_name(self):
+        """--columns finds x, y and z under the names of ParaView, units and others, or by numbers."""
+        points = random_points(20)
+        rows = [row.split() for row in text_of(points).splitlines()]
+        self.put("a.csv", '"mass","Points:0","Points:1","Points:2","id"\n'
+                 + "".join(f"{i / 4},{','.join(row)},{i + 7}\n" for i, row in enumerate(rows)))
+        self.assert_points("a.csv", points, "--columns", "Points:0,points:1,2x".replace("2x", "Points:2"), ids=range(7, 27))
+        self.assert_points("a.csv", points[:, ::-1], "--columns", "4,Points:1,2", ids=range(7, 27))
+        self.assert_column("a.csv", np.arange(20) / 4, "mass", "--columns", "2,3,4")
+        self.refuse("a.csv", says=["a.csv:1:", "'x'", "--columns", "'points:0'", "'mass'"])
+        self.refuse("a.csv", "--columns", "Points:0,Points:1,Points:3", says=["'points:3'", "'points:2'"])
+        for columns in ["x,y", "x,y,z,w", "x,,z", ""]:
+            self.refuse("a.csv", f"--columns={columns}", says="--columns")
+        self.put("a.txt", "x [Mpc];y [Mpc];z [Mpc]\n" + "".join(";".join(row) + "\n" for row in rows))
+        self.assert_points("a.txt", points, "--columns", "x [Mpc],y [Mpc],z [Mpc]")
+        self.put("b.txt", "".join(f"{i} 1.5 {' '.join(row)} 2 3 4\n" for i, row in enumerate(rows)))
+        self.assert_points("b.txt", points, "--columns", "3,4,5")
+        self.refuse("b.txt", "--columns", "3,4,9", says=["b.txt:1:", "'9'", "8 columns"])
+        self.refuse("b.txt", "--columns", "a,b,c", says=["b.txt:1:", "'a'", "no line of names"])
+        self.put("a.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n20\nITEM: BOX BOUNDS pp pp pp\n0 2\n0 1\n0 1\n"
+                 "ITEM: ATOMS id x y z xs ys zs f_avg[1] f_avg[2] f_avg[3]\n"
+                 + "".join(f"{i} 0.5 0.5 {(i + 1) / 32} {' '.join(row)} {' '.join(row)}\n" for i, row in enumerate(rows)))
+        self.assert_points("a.dump", points, "--columns", "f_avg[1],f_avg[2],f_avg[3]")
+        self.assert_points("a.dump", points * [2, 1, 1], "--columns", "xs,ys,zs")
+        self.refuse("a.dump", "--columns", "xs,ys,q", says="'q'")
+        np.savez(self.folder / "a.npz", px=points[:, 0], py=points[:, 1], pz=points[:, 2], other=points * 2)
+        self.assert_points("a.npz", points, "--columns", "px,py,pz")
+        self.refuse("a.npz", "--columns", "px,py,q", says="'q'")
+        self.put("a.npy", points)
+        self.refuse("a.npy", "--columns", "1,2,3", says=["--columns", "'a.npy'"])
+        self.refuse("--random", "5", "--columns", "1,2,3", says="--columns")
+
+    def test_words(self):
+        """Named columns may hold words; `species` has other names in other formats."""
+        words = [["Cu", "Zr", "Al13+"][i % 3] for i in range(30)]
+        rows = text_of(random_points(30)).splitlines()
+        self.put("a.csv", "x,y,z,word,n\n" + "".join(f"{row.replace(' ', ',')},{w},{i}\n" for i, (row, w) in enumerate(zip(rows, words))))
+        self.put("a.xyz", "30\n\n" + "".join(f"{w} {row}\n" for row, w in zip(rows, words)))
+        self.put("a.dump", "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n30\nITEM: BOX BOUNDS pp pp pp\n0 1\n0 1\n0 1\n"
+                 "ITEM: ATOMS type element x y z\n" + "".join(f"1 {w} {row}\n" for row, w in zip(rows, words)))
+        order = np.argsort(words, kind="stable")
+        self.put("POSCAR", "c\n1\n1 0 0\n0 1 0\n0 0 1\nAl13+ Cu Zr\n10 10 10\nDirect\n" + "".join(rows[i] + "\n" for i in order))
+        for name, column in [("a.csv", "word"), ("a.xyz", "species"), ("a.dump", "species"), ("a.dump", "element"), ("POSCAR", "species")]:
+            expected = sorted(words) if name == "POSCAR" else words
+            self.assertEqual([row.split()[-1] for row in self.rows(name, "--copy", column, "--format", "%i %v")], expected)
+            got, _ = self.carried(name, "--copy", column)
+            self.assertEqual(got[column].tolist(), [word.encode() for word in expected])
+        got, _ = self.carried("a.csv", "--copy", "word,n")
+        self.assertEqual((got["word"].tolist(), got["n"].tolist()), ([word.encode() for word in words], list(range(30))))
+        self.refuse("a.csv", "--copy", "word", "-o", "out.vtu", says=["'word'", "'out.vtu'"])
+        self.refuse("a.csv", "--copy", "word", "--color", "word", "--image", "out.png", says=["'word'", "words"])
+        self.refuse("a.csv", "--density", "word", "-o", "out.npz", says="'word' has text")
+        self.refuse("a.csv", "--copy", "species", "-o", "out.npz", says=["'species'", "word"])
+        self.refuse("a.csv", "--copy", "word", "--memory", "1G", "-o", "out.h5", says="'word' has text")
+        many = "".join(f"{w} {row}\n" for row, w in zip(rows, words)) * 3000
+        self.put("b.xyz", "90000\n\n" + many)  # pieces for threads
+        got = self.rows("b.xyz", "--copy", "species", "--format", "%i")
+        self.assertEqual([row.split()[1] for row in got], words * 3000)
+
+    def test_covalent_radii(self):
+        words = [["C", "h", "FE3+", "O2-"][i % 4] for i in range(40)]
+        rows = text_of(random_points(40) * 9).splitlines()
+        self.put("a.xyz", "40\n\n" + "".join(f"{w} {row}\n" for row, w in zip(rows, words)))
+        self.put("five.xyz", "40\n\n" + "".join(f"{w} {row} 9\n" for row, w in zip(rows, words)))
+        radii = [{"C": 0.76, "h": 0.31, "FE3+": 1.32, "O2-": 0.66}[w] for w in words]
+        self.put("a.csv", "x,y,z,r\n" + "".join(f"{row.replace(' ', ',')},{r}\n" for row, r in zip(rows, radii)))
+        self.assertEqual(self.rows("a.xyz", "--radii", "covalent", "--format", "%r %n %v"), self.rows("a.csv", "--radii", "r", "--format", "%r %n %v"))
+        got, _ = self.carried("five.xyz", "--radii", "covalent", "--copy", "5", "--density", "5")
+        self.assertEqual(set(got), {"column_5", "density"})
+        self.run_cli("a.xyz", "--radii", "covalent", "-o", "r.csv")
+        self.assertEqual((self.folder / "r.csv").read_text().splitlines()[1].split(",")[-1], "0.76")
+        self.refuse("a.csv", "--radii", "covalent", says=["names none"])
+        self.put("b.xyz", "2\n\nC 0 0 0\nQq 1 1 1\n")
+        self.refuse("b.xyz", "--radii", "covalent", says=["atom 1", "'Qq'"])
+        self.refuse("a.xyz", "--radii", "covalent", "--memory", "1G", "-o", "out.h5", says="covalent")
+        self.refuse("a.xyz", "--radii", "covalent", "--probe", "a.xyz", says="covalent")
 
     def test_rows(self):
         points, mass = random_points(40), np.random.default_rng(2).random(40)

@@ -7,6 +7,7 @@ import shutil
 import sys
 import unittest
 
+from all_frames_cases import AllFrames, FramesOfHdf5
 from cli_test import CLI
 from frame_cases import FileDomains, FrameFiles, Regressions
 from hdf5_cases import Hdf5Files, Hdf5Module, Streamed
@@ -15,7 +16,7 @@ from mesh_cases import GltfFiles, MeshFiles
 from picture_cases import Pictures
 from reader_cases import ArrayFiles, Columns, HostileFiles, PlyFiles
 
-__all__ = ["ArrayFiles", "Columns", "FileDomains", "FrameFiles", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "MeshFiles", "Pictures", "PlyFiles", "Regressions", "Streamed"]
+__all__ = ["AllFrames", "ArrayFiles", "Columns", "FileDomains", "FrameFiles", "FramesOfHdf5", "GltfFiles", "Hdf5Files", "Hdf5Module", "HostileFiles", "LammpsFiles", "MeshFiles", "Pictures", "PlyFiles", "Regressions", "Streamed"]
 
 if __name__ == "__main__":
     if not shutil.which(CLI):

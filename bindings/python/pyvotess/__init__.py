@@ -16,6 +16,7 @@ from .diagram import Diagram, Probes
 from .fields.lloyd import Relaxation, lloyd
 from .fields.moments import transport_cost
 from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
+from .frames import Frame, read_frames
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
@@ -32,6 +33,7 @@ __all__ = [
     "Faces",
     "FitError",
     "FitSeconds",
+    "Frame",
     "Lists",
     "NaturalCoordinates",
     "Neighbors",
@@ -52,6 +54,7 @@ __all__ = [
     "fit_volumes",
     "from_ase",
     "lloyd",
+    "read_frames",
     "tessellate",
     "tessellate_stream",
     "transport_cost",

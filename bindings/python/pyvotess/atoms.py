@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Tuple
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union, overload
 
 import numpy as np
 
-from .tessellator import tessellate
+from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 #: positions (N, 3), edges of the cell (3, 3), its corner (3,), and periodic flags
 _Parts = Tuple[Any, Any, Any, Any]
+
+_KEPT = ("device", "threads", "precision", "grid_resolution", "k_init", "chunk_size", "instructions")
 
 
 def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
@@ -52,13 +55,45 @@ def _parts_of(atoms: Any) -> _Parts:
     )
 
 
-def from_ase(atoms: Any, **options: Any) -> Tessellation:
+def _cells_of(atoms: Any, options: Dict[str, Any], tessellator: Optional[Tessellator]) -> Tessellation:
+    positions, edges, origin, periodic = _parts_of(atoms)
+    repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
+    given = dict(options)
+    if given.get("box") is None and np.any(edges):
+        missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
+        if missing:
+            raise ValueError(
+                f"the cell of the atoms has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...)"
+            )
+        given.update(cell=edges, origin=origin)
+    given.setdefault("periodic", repeats)
+    return (tessellator.tessellate if tessellator else tessellate)(positions, **given)
+
+
+def _cells_of_each(frames: Any, options: Dict[str, Any]) -> Iterator[Tessellation]:
+    kept = {name: options.pop(name) for name in _KEPT if name in options}
+    with Tessellator(**kept) as tessellator:
+        for number, atoms in enumerate(frames):
+            try:
+                yield _cells_of(atoms, options, tessellator)
+            except (TypeError, ValueError) as error:
+                raise type(error)(f"frame {number}: {error}") from error
+
+
+@overload
+def from_ase(atoms: List[Any], **options: Any) -> List[Tessellation]: ...
+@overload
+def from_ase(atoms: Iterator[Any], **options: Any) -> Iterator[Tessellation]: ...
+@overload
+def from_ase(atoms: Any, **options: Any) -> Tessellation: ...
+def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellation], Iterator[Tessellation]]:
     """Returns the cells of atoms, in the unit cell of the atoms and periodic along its periodic edges.
 
     Parameters
     ----------
     atoms : ``ase.Atoms``, a pymatgen Structure, an MDAnalysis Universe or AtomGroup (periodic along all edges if it has
-        dimensions), or an OVITO DataCollection. The result has their unit of length.
+        dimensions), or an OVITO DataCollection. The result has their unit of length. A list or tuple of them gives a
+        list of results, and an iterator such as ``ase.io.iread(file)`` an iterator: one :class:`Tessellator` makes all.
     options : of :func:`tessellate`, except points, cell and origin. ``periodic`` overrides that of the atoms;
         ``box`` replaces their cell.
 
@@ -70,14 +105,8 @@ def from_ase(atoms: Any, **options: Any) -> Tessellation:
     for name in ("cell", "origin"):
         if name in options:
             raise TypeError(f"from_ase() takes {name} from the atoms: give positions and {name} to tessellate()")
-    positions, edges, origin, periodic = _parts_of(atoms)
-    repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
-    if options.get("box") is None and np.any(edges):
-        missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
-        if missing:
-            raise ValueError(
-                f"the cell of the atoms has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...)"
-            )
-        options.update(cell=edges, origin=origin)
-    options.setdefault("periodic", repeats)
-    return tessellate(positions, **options)
+    if isinstance(atoms, (list, tuple)):
+        return list(_cells_of_each(atoms, options))
+    if isinstance(atoms, Iterator):
+        return _cells_of_each(atoms, options)
+    return _cells_of(atoms, options, None)

@@ -123,8 +123,8 @@ class Atoms(unittest.TestCase):
 
     def test_what_is_refused(self):
         positions = alloy(10)
-        with self.assertRaisesRegex(TypeError, "atoms are a list"):
-            vt.from_ase([1, 2, 3])
+        with self.assertRaisesRegex(TypeError, "atoms are a str"):
+            vt.from_ase("Cu")
         with self.assertRaisesRegex(ValueError, "no edge c"):
             vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], (True, True, False)))
         with self.assertRaisesRegex(ValueError, "a periodic axis needs a box"):

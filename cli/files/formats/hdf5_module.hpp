@@ -11,6 +11,8 @@ namespace clvotess {
 struct GridOutput;
 struct Input;
 struct OutputData;
+class FramesFile;
+class InputFrames;
 class InputPieces;
 class OutputFile;
 class StreamedFile;
@@ -20,8 +22,10 @@ struct ReadRequest;
 struct Hdf5Module {
     Input (*read)(const std::string& path, const ReadRequest& request);
     std::unique_ptr<InputPieces> (*open)(const std::string& path, const ReadRequest& request, std::size_t rows);
+    std::unique_ptr<InputFrames> (*open_frames)(const std::string& path, const ReadRequest& request);
     void (*write)(OutputFile& file, const OutputData& data);
     std::unique_ptr<StreamedFile> (*create)(OutputFile& file);
+    std::unique_ptr<FramesFile> (*create_frames)(OutputFile& file);
     void (*write_grid)(OutputFile& file, const GridOutput& grid);
 };
 

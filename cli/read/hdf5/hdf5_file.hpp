@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <new>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -41,6 +42,18 @@ public:
     }
 
     [[nodiscard]] bool is_points() const { return has_columns(3); }
+    // Returns whether the shape is (frames, N, 3), of floats.
+    [[nodiscard]] bool is_frames() const { return extent_.size() == 3 && extent_[2] == 3 && is_float(); }
+    // Reads one frame from now on: the first dimension counts frames.
+    void choose_frame(std::uint64_t frame) {
+        frame_ = frame;
+        frames_ = extent_.front();
+        extent_.erase(extent_.begin());
+    }
+    // Returns whether the dataset has a row of numbers for each of `rows` points in each of `frames` frames.
+    [[nodiscard]] bool is_column_of(std::uint64_t frames, std::uint64_t rows) const {
+        return extent_.size() >= 2 && extent_[0] == frames && extent_[1] == rows;
+    }
     [[nodiscard]] bool has_columns(hsize_t count) const {
         return extent_.size() == 2 && extent_[1] == count && is_float();
     }
@@ -54,6 +67,7 @@ public:
     [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
     [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
+    [[nodiscard]] std::size_t rank() const { return extent_.size(); }
 
     template <typename Number>
     void append_to(std::vector<Number>& to) const {
@@ -71,9 +85,15 @@ public:
         const hsize_t piece = std::max<hsize_t>(1, (hsize_t{1} << 22) / std::max<std::uint64_t>(columns, 1));
         for (hsize_t row = 0; row < rows; row += piece) {
             throw_if_interrupted();
-            const std::array<hsize_t, 2> start{first + row, 0};
-            const std::array<hsize_t, 2> count{std::min(piece, rows - row), columns};
-            const auto rank = static_cast<int>(extent_.size());
+            std::vector<hsize_t> start{first + row, 0};
+            std::vector<hsize_t> count{std::min(piece, rows - row), columns};
+            start.resize(extent_.size());
+            count.resize(extent_.size());
+            if (frame_) {
+                start.insert(start.begin(), *frame_);
+                count.insert(count.begin(), 1);
+            }
+            const auto rank = static_cast<int>(count.size());
             const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
             if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
                     0 ||
@@ -95,8 +115,6 @@ public:
     }
     [[nodiscard]] Failure error(const std::string& message) const { return bad_input(where_ + " " + message); }
 
-private:
-public:
     // Returns the bytes in memory after reading.
     [[nodiscard]] double bytes() const {
         double bytes = sizeof(double);
@@ -116,7 +134,7 @@ private:
         constexpr std::uint64_t best_ratio = 1032;  // of deflate, the usual filter
         const bool packed = H5Pget_nfilters(plist.id()) > 0;
         const std::uint64_t stored = H5Dget_storage_size(set_.id());
-        double bytes = static_cast<double>(type_size_);
+        double bytes = static_cast<double>(type_size_) * static_cast<double>(frames_);
         for (const hsize_t extent : extent_) bytes *= static_cast<double>(extent);
         if (bytes > static_cast<double>(stored) * (packed ? best_ratio : 1)) {
             throw error("announces more numbers (" + description() + ") than the file holds");
@@ -136,7 +154,9 @@ private:
 
     std::string where_;
     Hdf5Handle set_;
-    std::vector<hsize_t> extent_;
+    std::vector<hsize_t> extent_;  // of a frame
+    std::optional<hsize_t> frame_;
+    hsize_t frames_ = 1;
     H5T_class_t type_class_ = H5T_NO_CLASS;
     std::size_t type_size_ = 0;
 };
@@ -172,6 +192,13 @@ public:
         return !part.empty() && H5Oexists_by_name(file_.id(), dataset.c_str(), H5P_DEFAULT) > 0;
     }
 
+    [[nodiscard]] bool is_group(const std::string& path) const {
+        if (!has(path)) return false;
+        H5O_info_t object{};
+        return H5Oget_info_by_name2(file_.id(), path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) >= 0 &&
+               object.type == H5O_TYPE_GROUP;
+    }
+
     [[nodiscard]] Hdf5Dataset open(const std::string& dataset) const {
         return {file_.id(), dataset, path_ + ": dataset " + in_quotes(dataset)};
     }
@@ -205,6 +232,32 @@ public:
         std::vector<double> values(static_cast<std::size_t>(count));
         if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
         return values;
+    }
+
+    // Returns the texts of an attribute; empty without it.
+    [[nodiscard]] std::vector<std::string> texts(const std::string& object, const char* name) const {
+        if (H5Aexists_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT) <= 0) return {};
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                                   H5Aclose);
+        const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose), type(H5Aget_type(attribute.id()), H5Tclose);
+        const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
+        constexpr hssize_t max_count = 64;
+        if (count < 1 || count > max_count || !type.valid() || H5Tget_class(type.id()) != H5T_STRING) return {};
+        std::vector<std::string> result;
+        if (H5Tis_variable_str(type.id()) > 0) {
+            std::vector<char*> pointers(static_cast<std::size_t>(count), nullptr);
+            if (H5Aread(attribute.id(), type.id(), pointers.data()) < 0) return {};
+            for (const char* text : pointers) result.emplace_back(text ? text : "");
+            H5Dvlen_reclaim(type.id(), space.id(), H5P_DEFAULT, pointers.data());
+            return result;
+        }
+        const std::size_t size = H5Tget_size(type.id());
+        if (size == 0 || size > max_line) return {};
+        std::string bytes(size * static_cast<std::size_t>(count), '\0');
+        if (H5Aread(attribute.id(), type.id(), bytes.data()) < 0) return {};
+        for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+            result.emplace_back(bytes.substr(k * size, size).c_str());
+        return result;
     }
 
     // Returns the attributes of Header and Units that scale the numbers of a snapshot.

@@ -1,5 +1,7 @@
-// HDF5: a dataset (N, 3) of floats, and snapshots of cosmological codes, whose datasets may be spread over files.
+// HDF5: a dataset (N, 3) of floats; frames (T, N, 3) as in H5MD and MDTraj; snapshots of cosmological codes, in one
+// file or several.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -9,7 +11,10 @@
 
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
+#include "files/line_reader.hpp"
 #include "files/numbers.hpp"
+#include "read/frames.hpp"
+#include "read/hdf5/hdf5_domain.hpp"
 #include "read/hdf5/hdf5_file.hpp"
 #include "read/hdf5/snapshot_files.hpp"
 #include "read/input.hpp"
@@ -18,17 +23,29 @@
 namespace clvotess {
 namespace {
 
-// Returns the group of a dataset, with a slash at its end; "" for the root.
-std::string group_of(const std::string& path) {
+// Returns the group of a dataset, with a slash at its end; "" for the root. An element NAME/value of H5MD is one
+// dataset.
+std::string group_of(std::string path) {
+    if (path.ends_with("/value")) path.resize(path.size() - std::string_view("/value").size());
     const auto slash = path.rfind('/');
     return slash == std::string::npos ? "" : path.substr(0, slash + 1);
+}
+
+// Returns whether a dataset of that name holds vectors at the points, not places.
+bool is_no_place(std::string path) {
+    if (path.ends_with("/value")) path.resize(path.size() - std::string_view("/value").size());
+    const std::string name = lower_case(path.substr(path.rfind('/') + 1));
+    constexpr std::array<std::string_view, 11> vectors{"velocities",   "velocity",      "vel",    "v",
+                                                       "forces",       "force",         "f",      "accelerations",
+                                                       "acceleration", "magneticfield", "momenta"};
+    return std::ranges::find(vectors, std::string_view(name)) != vectors.end();
 }
 
 // A file and its read position.
 struct Part {
     std::optional<Hdf5File> file;  // null for the first, which stays open
     std::optional<Hdf5Dataset> points, ids;
-    std::vector<Hdf5Dataset> columns;
+    std::vector<std::optional<Hdf5Dataset>> columns;  // null for masses in the header
     std::uint64_t next = 0;
 };
 
@@ -37,9 +54,19 @@ public:
     // rows: of a piece.
     Hdf5Pieces(const std::string& path, const ReadRequest& request, std::uint64_t rows)
         : request_(request), rows_(rows), first_(first_snapshot_file(path)) {
-        name_ = request_.dataset.empty() ? find_points(first_) : without_slash(request_.dataset);
-        domain = domain_of(first_);
+        name_ = request_.dataset.empty() ? find_points(first_, "") : without_slash(request_.dataset);
+        if (first_.is_group(name_)) name_ = find_points(first_, name_ + "/");
+        if (first_.has(name_)) {
+            const Hdf5Dataset points = first_.open(name_);
+            if (points.is_frames()) frames_ = points.rows();
+        }
         units = first_.units();
+        if (frames_) {
+            choose_frame(request_.frame.value_or(0));
+            return;
+        }
+        if (request_.frame) throw without_frames(first_.path());
+        domain = domain_of_hdf5(first_, name_, std::nullopt);
         const std::vector<double> announced = first_.header("NumFilesPerSnapshot");
         if (announced.empty() || !(announced[0] > 1)) return;
         const auto name = split_snapshot_name(first_.path());
@@ -55,6 +82,23 @@ public:
         snapshot_ = name;
         files_ = static_cast<std::uint64_t>(announced[0]);
         note = to_text(announced[0]) + " files of a snapshot";
+    }
+
+    [[nodiscard]] std::optional<std::uint64_t> frames() const noexcept { return frames_; }
+    [[nodiscard]] const std::string& path() const noexcept { return first_.path(); }
+
+    // Goes to a frame. Throws Failure if it is missing.
+    void choose_frame(std::uint64_t frame) {
+        if (frame >= *frames_) {
+            throw bad_input(path() + ": there is no frame " + std::to_string(frame) + ", the file has " +
+                            std::to_string(*frames_) + ", counted from 0");
+        }
+        (void)restart();
+        columns_.clear();
+        frame_ = frame;
+        domain = domain_of_hdf5(first_, name_, FrameOfFile{frame, *frames_});
+        timestep = timestep_of_hdf5(first_, name_, frame);
+        note = note_of_frame(frame, frames_, timestep);
     }
 
     bool restart() override {
@@ -83,49 +127,27 @@ public:
         while (append(input, std::numeric_limits<std::uint64_t>::max())) {
         }
         if (input.columns.empty()) input.columns = columns_;
+        input.domain = domain;
+        input.units = units;
+        input.note = note;
+        input.timestep = timestep;
         return input;
     }
 
 private:
-    static std::string without_slash(const std::string& path) {
+    static std::string without_slash(std::string path) {
+        while (path.ends_with('/')) path.pop_back();
         return path.substr(std::min(path.find_first_not_of('/'), path.size()));
     }
 
-    // Reads the domain of a file that clvotess wrote.
-    static FileDomain domain_of(const Hdf5File& file) {
-        const std::vector<double> axes = file.attribute("/", "periodic");
-        if (axes.size() == 3) {
-            std::vector<double> walls;
-            if (file.has("walls") && file.open("walls").has_columns(4)) {
-                const Hdf5Dataset planes = file.open("walls");
-                file.check_unpacked(planes.bytes());
-                planes.append_to(walls);
-            }
-            return stated_domain(file.attribute("/", "box"), {axes[0] != 0, axes[1] != 0, axes[2] != 0},
-                                 file.attribute("/", "cell"), file.attribute("/", "origin"), walls);
-        }
-        FileDomain domain;
-        domain.box = box_of(file);
-        return domain;
-    }
-
-    // Reads the box of a snapshot, which begins at 0. Snapshots do not state whether it is periodic.
-    static std::optional<votess::Box> box_of(const Hdf5File& file) {
-        const std::vector<double> size = file.header("BoxSize");
-        if (size.size() != 1 && size.size() != 3) return std::nullopt;
-        votess::Box box{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            box.upper[k] = size[size.size() == 3 ? k : 0];
-            if (!(box.upper[k] > 0 && std::isfinite(box.upper[k]))) return std::nullopt;
-        }
-        return box;
-    }
-
-    [[nodiscard]] static std::string find_points(const Hdf5File& file) {
-        std::vector<std::string> candidates;
-        for (const std::string& name : file.datasets()) {
-            if (file.open(name).is_points()) candidates.push_back(name);
-        }
+    // Returns the only dataset of a group that can be the points.
+    [[nodiscard]] static std::string find_points(const Hdf5File& file, const std::string& group) {
+        std::vector<std::string> candidates = candidates_of(file, group);
+        const auto is_usual = [](const std::string& path) {
+            const std::string name = lower_case(path.substr(path.rfind('/') + 1));
+            return name == "coordinates" || name == "positions" || path.ends_with("position/value");
+        };
+        if (std::ranges::count_if(candidates, is_usual) == 1) return *std::ranges::find_if(candidates, is_usual);
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
             throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)");
@@ -137,18 +159,31 @@ private:
         throw bad_input(file.path() + ": several datasets could be the points, name one with --dataset:" + list);
     }
 
+    // Returns the datasets of a group, or of the root for "", that can be the points.
+    [[nodiscard]] static std::vector<std::string> candidates_of(const Hdf5File& file, const std::string& group) {
+        std::vector<std::string> candidates;
+        for (const std::string& name : file.datasets()) {
+            if (!name.starts_with(group) || is_no_place(name)) continue;
+            const Hdf5Dataset set = file.open(name);
+            const bool box = name.ends_with("/box/edges") || name.ends_with("/box/edges/value");
+            if (!box && (set.is_points() || set.is_frames())) candidates.push_back(name);
+        }
+        return candidates;
+    }
+
     [[nodiscard]] Failure no_dataset(const Hdf5File& file) const {
         std::string list;
-        for (const std::string& other : file.datasets()) {
-            if (file.open(other).is_points()) list += " " + other;
-        }
+        for (const std::string& other : candidates_of(file, "")) list += " " + other;
         return bad_input(file.path() + ": no dataset " + in_quotes(name_) +
                          (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list));
     }
 
     // append() reports errors of the points.
     [[nodiscard]] std::uint64_t rows_of(const Hdf5File& file) const {
-        return file.has(name_) ? file.open(name_).rows() : 0;
+        if (!file.has(name_)) return 0;
+        Hdf5Dataset points = file.open(name_);
+        if (frames_) points.choose_frame(frame_);
+        return points.rows();
     }
 
     // Reads the next points of the share, from the current file or the next one.
@@ -167,8 +202,12 @@ private:
         part_->points->append_to(to.points, first, rows);
         if (part_->ids) part_->ids->append_to(to.ids, first, rows);
         if (to.columns.empty()) to.columns = columns_;
-        for (std::size_t c = 0; c < to.columns.size(); ++c)
-            part_->columns[c].append_to(to.columns[c].values, first, rows);
+        for (std::size_t c = 0; c < to.columns.size(); ++c) {
+            if (part_->columns[c])
+                part_->columns[c]->append_to(to.columns[c].values, first, rows);
+            else
+                to.columns[c].values.insert(to.columns[c].values.end(), rows, *mass_of_all());
+        }
         part_->next += passed;
         read_ += passed;
         return true;
@@ -188,6 +227,7 @@ private:
         found_ = true;
         part_.emplace();
         part_->points.emplace(file.open(name_));
+        if (frames_) part_->points->choose_frame(frame_);
         const Hdf5Dataset& points = *part_->points;
         if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
         find_ids(file, points.rows());
@@ -198,16 +238,28 @@ private:
         }
         if (first) columns_ = wanted(file, points.rows());
         for (const InputColumn& column : columns_) {
-            const Hdf5Dataset& values = part_->columns.emplace_back(file.open(path_of(column.name, file)));
+            if (is_mass_of_all(column.name, file)) {
+                part_->columns.emplace_back();
+                continue;
+            }
+            const Hdf5Dataset& values =
+                *part_->columns.emplace_back(open_column(file, path_of(column.name, file), points.rows()));
             if (!values.is_numbers() || values.width() != column.width || values.rows() != points.rows()) {
                 throw values.error("has " + values.description() + ", expected numbers for each of the " +
                                    std::to_string(points.rows()) + " points");
             }
         }
         double bytes = points.bytes() + (part_->ids ? part_->ids->bytes() : 0);
-        for (const Hdf5Dataset& column : part_->columns) bytes += column.bytes();
+        for (const auto& column : part_->columns) bytes += column ? column->bytes() : 0;
         file.check_unpacked(bytes);
         part_->file = std::move(later);
+    }
+
+    // Opens a column, at the current frame if it has frames.
+    [[nodiscard]] Hdf5Dataset open_column(const Hdf5File& file, const std::string& path, std::uint64_t rows) const {
+        Hdf5Dataset set = file.open(path);
+        if (frames_ && set.is_column_of(*frames_, rows)) set.choose_frame(frame_);
+        return set;
     }
 
     void finish() {
@@ -217,9 +269,24 @@ private:
 
     // Returns the path of a dataset in the group of the points or at the root; empty if it is in neither.
     [[nodiscard]] std::string find_column(const std::string& column, const Hdf5File& file) const {
-        const std::string beside = group_of(name_) + column;
-        const std::string path = file.has(beside) ? beside : without_slash(column);
-        return file.has(path) ? path : "";
+        for (const std::string& path : {group_of(name_) + column, without_slash(column)}) {
+            if (file.has(path + "/value")) return path + "/value";
+            if (file.has(path)) return path;
+        }
+        return "";
+    }
+
+    // Returns the mass that the header states for all particles of the type; nothing if they differ.
+    [[nodiscard]] std::optional<double> mass_of_all() const {
+        const auto type = particle_type();
+        const std::vector<double> masses = first_.header("MassTable");
+        if (!type || *type >= masses.size() || !(masses[*type] > 0)) return std::nullopt;
+        return masses[*type];
+    }
+    // Returns whether the column holds masses that the header states.
+    [[nodiscard]] bool is_mass_of_all(const std::string& column, const Hdf5File& file) const {
+        const std::string name = column.substr(column.rfind('/') + 1);
+        return (name == "Masses" || name == "Mass") && find_column(column, file).empty() && mass_of_all();
     }
 
     [[nodiscard]] std::string path_of(const std::string& column, const Hdf5File& file) const {
@@ -238,29 +305,37 @@ private:
     [[nodiscard]] std::vector<InputColumn> wanted(const Hdf5File& file, std::uint64_t rows) const {
         std::vector<InputColumn> columns;
         for (const std::string& name : request_.columns) {
+            if (is_mass_of_all(name, file)) {
+                columns.push_back({.name = name});
+                continue;
+            }
             if (request_.columns_may_lack && find_column(name, file).empty()) continue;
-            columns.push_back({name, static_cast<std::size_t>(file.open(path_of(name, file)).width()), {}});
+            const Hdf5Dataset values = open_column(file, path_of(name, file), rows);
+            columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }
         const std::string group = group_of(name_);
         for (const std::string& path : request_.all_columns ? file.datasets() : std::vector<std::string>()) {
-            const std::string name = path.substr(std::min(group.size(), path.size()));
+            std::string name = path.substr(std::min(group.size(), path.size()));
+            if (name.ends_with("/value")) name.resize(name.size() - std::string_view("/value").size());
             const bool beside = path.starts_with(group) && name.find('/') == std::string::npos;
             const bool named = std::ranges::find(columns, name, &InputColumn::name) != columns.end();
             if (!beside || named || path == name_ || name == "ParticleIDs" || name == "ids") continue;
-            const Hdf5Dataset values = file.open(path);
+            const Hdf5Dataset values = open_column(file, path, rows);
             if (columns.size() == max_columns) throw bad_input(file.path() + ": too many columns for --copy all");
             if (values.is_numbers() && values.rows() == rows)
                 columns.push_back({name, static_cast<std::size_t>(values.width()), {}});
         }
+        const bool named = std::ranges::find(columns, "Masses", &InputColumn::name) != columns.end();
+        if (request_.all_columns && !named && is_mass_of_all("Masses", file)) columns.push_back({.name = "Masses"});
         return columns;
     }
 
     // Finds ParticleIDs in a snapshot, ids in other files.
     void find_ids(const Hdf5File& file, std::uint64_t rows) {
-        for (const char* const name : {"ParticleIDs", "ids"}) {
+        for (const char* const name : {"ParticleIDs", "ids", "id/value", "id"}) {
             const std::string path = group_of(name_) + name;
-            if (path == name_ || !file.has(path)) continue;
-            Hdf5Dataset ids = file.open(path);
+            if (path == name_ || !file.has(path) || file.is_group(path)) continue;
+            Hdf5Dataset ids = open_column(file, path, rows);
             if (!ids.is_column() || !ids.is_whole() || ids.rows() != rows) continue;
             part_->ids.emplace(std::move(ids));
             break;
@@ -297,7 +372,10 @@ private:
     Hdf5File first_;
     std::optional<SnapshotName> snapshot_;  // for several files
     std::uint64_t files_ = 1;
-    std::string name_;                                                           // of the points
+    std::string name_;                     // of the points
+    std::optional<std::uint64_t> frames_;  // of datasets (frames, N, 3)
+    std::uint64_t frame_ = 0;              // the current one
+    std::string timestep;
     std::vector<InputColumn> columns_;                                           // without values
     std::uint64_t opened_ = 0, read_ = 0;                                        // numbers of files and points
     std::uint64_t begin_ = 0, end_ = std::numeric_limits<std::uint64_t>::max();  // of the share
@@ -308,12 +386,40 @@ private:
 
 Input read(const std::string& path, const ReadRequest& request) {
     begin_hdf5();
-    Hdf5Pieces pieces(path, request, 0);
-    Input input = pieces.all();
-    input.domain = std::move(pieces.domain);
-    input.units = std::move(pieces.units);
-    input.note = std::move(pieces.note);
-    return input;
+    return Hdf5Pieces(path, request, 0).all();
+}
+
+class Hdf5Frames : public InputFrames {
+public:
+    Hdf5Frames(const std::string& path, const ReadRequest& request)
+        : pieces_(path, request, 0), frames_(pieces_.frames().value_or(1)) {}
+
+    bool next(Input& frame) override {
+        if (passed_ >= frames_) return false;
+        if (pieces_.frames()) pieces_.choose_frame(passed_);
+        frame = pieces_.all();
+        frame.frame = passed_++;
+        return true;
+    }
+    bool skip() override { return passed_ < frames_ && ++passed_ > 0; }
+    bool last(Input& frame) override {
+        passed_ = frames_ - std::min<std::uint64_t>(frames_, 1);
+        return next(frame);
+    }
+    std::optional<std::uint64_t> count_rest() override { return frames_ - passed_; }
+    [[nodiscard]] double fraction() const override {
+        return static_cast<double>(passed_) / static_cast<double>(std::max<std::uint64_t>(frames_, 1));
+    }
+    [[nodiscard]] const std::string& name() const override { return pieces_.path(); }
+
+private:
+    Hdf5Pieces pieces_;
+    std::uint64_t frames_;
+};
+
+std::unique_ptr<InputFrames> open_frames_of_hdf5(const std::string& path, const ReadRequest& request) {
+    begin_hdf5();
+    return std::make_unique<Hdf5Frames>(path, request);
 }
 
 std::unique_ptr<InputPieces> open(const std::string& path, const ReadRequest& request, std::size_t rows) {
@@ -324,11 +430,13 @@ std::unique_ptr<InputPieces> open(const std::string& path, const ReadRequest& re
 }  // namespace
 
 void write_hdf5(OutputFile& file, const OutputData& data);
+std::unique_ptr<FramesFile> create_hdf5_frames(OutputFile& file);
 std::unique_ptr<StreamedFile> create_hdf5(OutputFile& file);
 void write_grid_hdf5(OutputFile& file, const GridOutput& grid);
 
 }  // namespace clvotess
 
 extern "C" const clvotess::Hdf5Module clvotess_hdf5;
-const clvotess::Hdf5Module clvotess_hdf5{clvotess::read, clvotess::open, clvotess::write_hdf5, clvotess::create_hdf5,
+const clvotess::Hdf5Module clvotess_hdf5{clvotess::read,           clvotess::open,        clvotess::open_frames_of_hdf5,
+                                         clvotess::write_hdf5,     clvotess::create_hdf5, clvotess::create_hdf5_frames,
                                          clvotess::write_grid_hdf5};

@@ -54,7 +54,8 @@ public:
     }
 
 private:
-    // Reads `N atoms`, `lo hi xlo xhi`, `xy xz yz xy xz yz`. Skips other lines and sections.
+    // Reads `N atoms`, `lo hi xlo xhi`, `xy xz yz xy xz yz`, `x y z avec`, `x y z abc origin`. Skips other lines and
+    // sections.
     void read_header() {
         const std::size_t n = words_.size();
         if (n == 2 && words_[1] == "atoms") {
@@ -76,9 +77,16 @@ private:
             box_.xz = lines_.number(words_[1]);
             box_.yz = lines_.number(words_[2]);
         }
-        if (n >= 2 && (words_[n - 1] == "avec" || words_[n - 1] == "bvec" || words_[n - 1] == "cvec")) {
-            throw lines_.error("boxes written as avec, bvec, cvec are not supported");
+        constexpr std::array<std::string_view, 3> edges{"avec", "bvec", "cvec"};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (n == 4 && words_[3] == edges[k]) read_vector(box_.edges[k], edges_seen_[k]);
         }
+        if (n == 5 && words_[3] == "abc" && words_[4] == "origin") read_vector(box_.corner, corner_seen_);
+    }
+
+    void read_vector(LammpsBox::Vector3& vector, bool& seen) {
+        for (std::size_t axis = 0; axis < 3; ++axis) vector[axis] = lines_.number(words_[axis]);
+        box_.general = seen = true;
     }
 
     // Stores the words if they name columns, in a line before the rows or after `Atoms #`.
@@ -133,12 +141,15 @@ private:
         wanted_.emplace(request_, names, lines_.name());
         const std::array<std::size_t, 4> taken{0, columns.x, columns.x + 1, columns.x + 2};
         if (request_.all_columns) wanted_->add_others(names, taken, words_);
+        wanted_->find_words(words_);
         input.columns = wanted_->columns(static_cast<std::size_t>(*count_));
     }
 
     Input read_atoms(const Words& hint) {
         if (!count_) throw lines_.error("the section Atoms comes before the line \"N atoms\"");
-        const bool has_box = bounds_seen_[0] && bounds_seen_[1] && bounds_seen_[2];
+        if (box_.general && !(edges_seen_[0] && edges_seen_[1] && edges_seen_[2] && corner_seen_))
+            throw lines_.error("the header lacks a part of the box: lines with avec, bvec, cvec and abc origin");
+        const bool has_box = box_.general || (bounds_seen_[0] && bounds_seen_[1] && bounds_seen_[2]);
         if (!has_box) throw lines_.error("the header lacks the box: lines with xlo xhi, ylo yhi and zlo zhi");
         if (const std::string problem = box_.problem(); !problem.empty()) throw lines_.error(problem);
 
@@ -186,9 +197,12 @@ private:
                 }
                 if (columns.guessed) flags.back()[k - columns.names.size()] = static_cast<std::uint64_t>(*flag);
             }
-            wanted_->append(input.columns, [this](std::size_t k, const std::string& column) {
-                return half_ == k ? 0.5 * lines_.number(words_[diameter_], column) : lines_.number(words_[k], column);
-            });
+            wanted_->append(
+                input, [this](std::size_t k) { return words_[k]; },
+                [this](std::size_t k, const std::string& column) {
+                    return half_ == k ? 0.5 * lines_.number(words_[diameter_], column)
+                                      : lines_.number(words_[k], column);
+                });
         }
         if (!flags.empty()) check_guess(input.points, flags);
         return input;
@@ -205,7 +219,8 @@ private:
     std::optional<std::uint64_t> count_;
     std::string_view units_;
     LammpsBox box_;
-    std::array<bool, 3> bounds_seen_{};
+    std::array<bool, 3> bounds_seen_{}, edges_seen_{};
+    bool corner_seen_ = false;
     std::string names_text_;
     std::optional<AtomColumns> named_;  // points into names_text_
     bool names_commented_ = false;

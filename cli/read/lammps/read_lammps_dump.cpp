@@ -11,6 +11,7 @@
 #include "read/input.hpp"
 #include "read/lammps/lammps_box.hpp"
 #include "read/rows_by_threads.hpp"
+#include "read/text_frames.hpp"
 
 namespace clvotess {
 namespace {
@@ -23,55 +24,13 @@ struct Place {
 
 class DumpReader {
 public:
-    DumpReader(std::string_view text, const std::string& name, const ReadRequest& request)
-        : lines_(text, name), request_(request) {}
+    DumpReader(const std::string& name, const ReadRequest& request) : lines_({}, name), request_(request) {}
 
-    Input read() {
-        std::uint64_t frames = 0;
-        std::string_view timestep;
-        std::string_view line;
-        const std::uint64_t wanted = request_.frame.value_or(0);
-        bool begun = false;
-        while (lines_.next(line)) {
-            split_words(line, words_);
-            if (words_.empty()) continue;
-            if (words_[0] != "ITEM:") {
-                if (begun) throw more_rows();
-                throw lines_.error("no LAMMPS dump in text: it must begin with ITEM: TIMESTEP");
-            }
-            begun = true;
-            const std::string_view item = line.substr(line.find("ITEM:") + 5);
-            const std::string_view head = item.substr(std::min(item.find_first_not_of(' '), item.size()));
-            if (head.starts_with("TIMESTEP")) {
-                split_words(lines_.need("the timestep"), words_);
-                if (words_.size() != 1 || !read_double(words_[0]))
-                    throw lines_.error("expected one number, the timestep");
-                timestep = words_[0];
-                count_.reset();
-                has_box_ = false;
-            } else if (head.starts_with("NUMBER OF ATOMS")) {
-                read_count();
-            } else if (head.starts_with("BOX BOUNDS")) {
-                read_box();
-            } else if (head.starts_with("ATOMS")) {
-                if (!count_ || !has_box_) {
-                    throw lines_.error("ITEM: ATOMS before ITEM: NUMBER OF ATOMS and ITEM: BOX BOUNDS");
-                }
-                if (frames++ == wanted) return read_atoms(wanted, timestep);
-                skip_atoms();
-            } else if (head.starts_with("UNITS")) {
-                split_words(lines_.need("the units"), words_);
-                if (words_.size() == 1) units_ = words_[0];
-            } else if (head.starts_with("TIME")) {
-                (void)lines_.need("its value");
-            } else {
-                throw lines_.error("unknown block " + in_quotes(line));
-            }
-        }
-        if (frames == 0) throw lines_.error("the file ends before the atoms of a frame");
-        throw bad_input(lines_.name() + ": there is no frame " + std::to_string(wanted) + ", the file has " +
-                        std::to_string(frames) + ", counted from 0");
+    Input read_frame(std::string_view text) {
+        read_header(text);
+        return read_atoms();
     }
+    void skip_frame(std::string_view text) { read_header(text); }
 
     // Appends all rows of the text.
     void append_rows(Input& input) {
@@ -82,6 +41,53 @@ public:
     [[nodiscard]] const LineReader& lines() const noexcept { return lines_; }
 
 private:
+    // Reads a frame up to the line ITEM: ATOMS.
+    void read_header(std::string_view text) {
+        lines_.go_on(text);
+        count_.reset();
+        has_box_ = false;
+        timestep_.clear();
+        std::string_view line;
+        bool begun = false;
+        while (lines_.next(line)) {
+            split_words(line, words_);
+            if (words_.empty()) continue;
+            if (words_[0] != "ITEM:") {
+                if (begun || frames_ > 0) {
+                    throw lines_.error("more rows than the ITEM: NUMBER OF ATOMS of the frame before");
+                }
+                throw lines_.error("no LAMMPS dump in text: it must begin with ITEM: TIMESTEP");
+            }
+            begun = true;
+            const std::string_view item = line.substr(line.find("ITEM:") + 5);
+            const std::string_view head = item.substr(std::min(item.find_first_not_of(' '), item.size()));
+            if (head.starts_with("TIMESTEP")) {
+                split_words(lines_.need("the timestep"), words_);
+                if (words_.size() != 1 || !read_double(words_[0]))
+                    throw lines_.error("expected one number, the timestep");
+                timestep_ = words_[0];
+            } else if (head.starts_with("NUMBER OF ATOMS")) {
+                read_count();
+            } else if (head.starts_with("BOX BOUNDS")) {
+                read_box();
+            } else if (head.starts_with("ATOMS")) {
+                if (!count_ || !has_box_) {
+                    throw lines_.error("ITEM: ATOMS before ITEM: NUMBER OF ATOMS and ITEM: BOX BOUNDS");
+                }
+                ++frames_;
+                return;
+            } else if (head.starts_with("UNITS")) {
+                split_words(lines_.need("the units"), words_);
+                if (words_.size() == 1) units_ = words_[0];
+            } else if (head.starts_with("TIME")) {
+                (void)lines_.need("its value");
+            } else {
+                throw lines_.error("unknown block " + in_quotes(line));
+            }
+        }
+        throw lines_.error("the file ends before the atoms of a frame");
+    }
+
     void read_count() {
         split_words(lines_.need("the number of atoms"), words_);
         const auto count = words_.size() == 1 ? read_uint64(words_[0]) : std::nullopt;
@@ -96,12 +102,9 @@ private:
     void read_box() {
         // words_: ITEM: BOX BOUNDS [xy xz yz | abc origin] bx by bz, or without the boundaries in old files.
         const bool tilted = words_.size() >= 6 && words_[3] == "xy";
-        if (words_.size() >= 4 && words_[3] == "abc") {
-            throw lines_.error(
-                "boxes written as \"abc origin\" are not supported: use dump_modify triclinic/general no");
-        }
-        const std::size_t first = tilted ? 6 : 3;
         box_ = {};
+        box_.general = words_.size() >= 5 && words_[3] == "abc" && words_[4] == "origin";
+        const std::size_t first = tilted ? 6 : box_.general ? 5 : 3;
         if (words_.size() == first + 3) {
             for (std::size_t k = 0; k < 3; ++k) box_.periodic[k] = words_[first + k] == "pp";
             box_.periodic_from = DomainSource::stated;
@@ -111,6 +114,13 @@ private:
         std::array<double, 3> tilt{};
         for (std::size_t k = 0; k < 3; ++k) {
             split_words(lines_.need("the bounds of the box"), words_);
+            if (box_.general) {
+                if (words_.size() != 4)
+                    throw lines_.error("expected x y z of an edge of the box, and one of its corner");
+                for (std::size_t axis = 0; axis < 3; ++axis) box_.edges[k][axis] = lines_.number(words_[axis]);
+                box_.corner[k] = lines_.number(words_[3]);
+                continue;
+            }
             if (words_.size() != (tilted ? 3u : 2u)) {
                 throw lines_.error(tilted ? "expected lo hi tilt, the bounds of a tilted box"
                                           : "expected lo hi, the bounds of the box");
@@ -127,17 +137,6 @@ private:
         has_box_ = true;
     }
 
-    void skip_atoms() {
-        for (std::uint64_t i = 0; i < *count_; ++i) {
-            std::string_view line;
-            if (!lines_.next(line)) throw short_frame(i);
-        }
-    }
-
-    [[nodiscard]] Failure more_rows() const {
-        return lines_.error("more rows than the ITEM: NUMBER OF ATOMS of the frame before");
-    }
-
     [[nodiscard]] Failure short_frame(std::uint64_t rows) const {
         return lines_.error("the file ends after " + std::to_string(rows) + " of the " + std::to_string(*count_) +
                             " atoms of its frame");
@@ -149,6 +148,18 @@ private:
             if (found == names.end()) return std::nullopt;
             return static_cast<std::size_t>(found - names.begin());
         };
+        if (!request_.coordinates.empty()) {
+            Place place;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::string& name = request_.coordinates[k];
+                const auto found = at(name);
+                if (!found) throw lines_.error("no column " + in_quotes(name) + " of --columns");
+                place.columns[k] = *found;
+            }
+            constexpr std::array<std::string_view, 2> fractions{"xs", "xsu"};
+            place.scaled = std::ranges::find(fractions, request_.coordinates[0]) != fractions.end();
+            return place;
+        }
         for (const auto& [suffix, scaled] : {std::pair{"", false}, {"u", false}, {"s", true}, {"su", true}}) {
             const auto x = at(std::string("x") + suffix);
             const auto y = at(std::string("y") + suffix);
@@ -170,17 +181,19 @@ private:
         std::array<double, 3> position{};
         for (std::size_t k = 0; k < 3; ++k) position[k] = lines_.number(words_[place_.columns[k]]);
         if (place_.scaled) position = box_.unscaled(position);
-        if (others_) {
+        if (first_) {
             std::vector<std::size_t> taken(place_.columns.begin(), place_.columns.end());
             taken.push_back(id_.value_or(names_.size()));
-            wanted_->add_others(names_, taken, words_);
-            others_ = false;
+            if (request_.all_columns) wanted_->add_others(names_, taken, words_);
+            wanted_->find_words(words_);
+            first_ = false;
         }
         if (input.points.empty()) input.columns = wanted_->columns(max_rows());
         input.points.insert(input.points.end(), position.begin(), position.end());
         if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
-        wanted_->append(input.columns,
-                        [&](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
+        wanted_->append(
+            input, [&](std::size_t k) { return words_[k]; },
+            [&](std::size_t k, const std::string& column) { return lines_.number(words_[k], column); });
         return true;
     }
     // Returns how many rows may follow.
@@ -188,18 +201,19 @@ private:
         return std::min(static_cast<std::size_t>(*count_), lines_.rest().size() / (2 * names_.size()) + 2);
     }
 
-    Input read_atoms(std::uint64_t frame, std::string_view timestep) {
+    Input read_atoms() {
         names_.assign(words_.begin() + 2, words_.end());
         place_ = find_place(names_);
+        id_.reset();
         if (const auto id = std::find(names_.begin(), names_.end(), "id"); id != names_.end())
             id_ = static_cast<std::size_t>(id - names_.begin());
         wanted_.emplace(request_, names_, lines_.name());
-        others_ = request_.all_columns;
+        first_ = true;
 
         Input input;
         input.domain = box_.domain();
-        if (!units_.empty()) input.units.push_back({"units", std::string(units_)});
-        input.note = "frame " + std::to_string(frame) + ", timestep " + std::string(timestep);
+        if (!units_.empty()) input.units.push_back({"units", units_});
+        input.timestep = timestep_;
         const auto count = static_cast<std::size_t>(*count_);
         if (!can_hold(lines_.rest().size(), count, 2 * names_.size())) throw short_frame(0);
         input.points.reserve(3 * count);
@@ -209,33 +223,30 @@ private:
             if (!append_row(input)) throw short_frame(i);
             if (i == 0) append_by_threads(*this, input, count, request_.threads);
         }
-        std::string_view next;
-        if (lines_.next(next) && next.find_first_not_of(" \t\r") != std::string_view::npos &&
-            !next.starts_with("ITEM:")) {
-            throw more_rows();
-        }
         return input;
     }
 
     LineReader lines_;
-    const ReadRequest& request_;
+    ReadRequest request_;
     Words words_;
     std::optional<std::uint64_t> count_;
     bool has_box_ = false;
-    std::string_view units_;  // metal, lj, ...
+    std::uint64_t frames_ = 0;  // begun
+    std::string timestep_;
+    std::string units_;  // metal, lj, ...; the first frame states them
     LammpsBox box_;
     // Names and places of the atoms.
     Words names_;
     Place place_;
     std::optional<std::size_t> id_;
     std::optional<ColumnPlaces> wanted_;
-    bool others_ = false;  // more columns are known from the first row
+    bool first_ = false;  // whether the next row is the first
 };
 
 }  // namespace
 
-Input parse_lammps_dump(std::string_view text, const std::string& name, const ReadRequest& request) {
-    return DumpReader(text, name, request).read();
+std::unique_ptr<InputFrames> open_dump_frames(std::unique_ptr<TextSource> source, const ReadRequest& request) {
+    return std::make_unique<TextFrames<DumpReader>>(std::move(source), FrameKind::lammps_dump, request);
 }
 
 }  // namespace clvotess

@@ -71,10 +71,14 @@ def atoms():
     put("lammps_dump", "tilted", frame.format(5, box.format("xy xz yz pp pp pp", " 0.1", " 0", " -0.1"), "id xs ys zs element",
                                               rows("{i} {row} H")))
     put("lammps_dump", "no_flags", frame.format(5, box.format("", "", "", ""), "id xu yu zu", rows("{i} {row}")))
+    general = "ITEM: BOX BOUNDS abc origin pp pp ff\n0.6 0.8 0 0\n-0.8 0.6 0 0\n0 0 1 -2\n"
+    put("lammps_dump", "general", frame.format(5, general, "id xs ys zs", rows("{i} {row}")))
     head = "by hand, units = metal\n\n6 atoms\n1 atom types\n0 1 xlo xhi\n0 1 ylo yhi\n0 1 zlo zhi\n{}\nMasses\n\n1 1.0\n\nAtoms{}\n\n{}"
     put("lammps_data", "full", head.format("0.1 0 -0.1 xy xz yz\n", " # full", rows("{i} 1 1 {r} {row} 0 0 -1")))
     put("lammps_data", "sphere", head.format("", " # sphere", rows("{i} 1 {r} 1.5 {row}")))
     put("lammps_data", "any_words", head.format("", " # made by hand", rows("{i} 1 {row}")))
+    put("lammps_data", "general", "by hand\n\n6 atoms\n1 0 0.1 avec\n0 1 0 bvec\n-0.1 0 1 cvec\n0 0 -2 abc origin\n\nAtoms\n\n"
+        + rows("{i} 1 {row}"))
     put("lammps_data", "names", head.format("", "", "# id type q x y z\n" + rows("{i} 1 {r} {row}")))
 
 
@@ -145,6 +149,21 @@ def hdf5():
             group = group.create_group("g")
         group["points"] = POINTS
 
+    def h5md(file):
+        atoms = file.create_group("particles/all")
+        atoms["position/value"] = np.stack([POINTS, POINTS + 0.01])
+        atoms["position/step"] = [0, 5]
+        atoms["velocity/value"] = np.stack([POINTS, POINTS])
+        atoms["id/value"] = np.tile(np.arange(6), (2, 1))
+        atoms["mass"] = np.ones(6)
+        box = atoms.create_group("box")
+        box.attrs["boundary"] = ["periodic", "none", "periodic"]
+        box["edges/value"] = np.tile(np.eye(3), (2, 1, 1))
+
+    def mdtraj(file):
+        file["coordinates"] = np.stack([POINTS, POINTS]).astype("f4")
+        file["cell_lengths"], file["cell_angles"] = np.ones((2, 3), "f4"), np.tile(np.float32([90, 90, 60]), (2, 1))
+
     def ring(file):
         file["a/points"] = POINTS
         file["a/again"] = file["/"]
@@ -154,6 +173,8 @@ def hdf5():
     save("newest", snapshot, libver="latest")
     save("nested", nested, libver="latest")
     save("ring", ring)
+    save("h5md", h5md)
+    save("mdtraj", mdtraj)
 
 
 for make in [number, text, atoms, ply, arrays, hdf5]:

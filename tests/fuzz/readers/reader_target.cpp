@@ -14,8 +14,9 @@
 #include <string_view>
 
 #include "failure.hpp"
-#include "files/inflate.hpp"
 #include "files/numbers.hpp"
+#include "files/text_source.hpp"
+#include "read/frames.hpp"
 #include "read/input.hpp"
 
 #if VOTESS_FUZZ_HDF5
@@ -27,6 +28,9 @@ void write_hdf5(OutputFile&, const OutputData&) {
     std::abort();
 }
 std::unique_ptr<StreamedFile> create_hdf5(OutputFile&) {
+    std::abort();
+}
+std::unique_ptr<FramesFile> create_hdf5_frames(OutputFile&) {
     std::abort();
 }
 void write_grid_hdf5(OutputFile&, const GridOutput&) {
@@ -49,7 +53,9 @@ void check(const Input& input) {
     if (input.points.size() != 3 * count) complain("no whole number of points");
     if (!input.ids.empty() && input.ids.size() != count) complain("ids of another number than points");
     for (const InputColumn& column : input.columns)
-        if (column.values.size() != column.width * count) complain("values of another number than points");
+        if (column.values.size() + column.words.size() != column.width * count)
+            complain("values of another number than points");
+    if (!input.species.empty() && input.species.size() != count) complain("species of another number than points");
     if (one_line(input.note) != input.note) complain("a note of several lines");
 }
 
@@ -77,7 +83,11 @@ void read_all_ways(Read read, bool frames = false) {
     wishes.columns_may_lack = true;
     with(wishes);
     wishes.columns.clear();
-    wishes.all_columns = true;
+    wishes.all_columns = wishes.species = true;
+    with(wishes);
+    wishes.all_columns = false;
+    wishes.columns = {"species", "2"};
+    wishes.first_words = 0;
     with(wishes);
     if (!frames) return;
     wishes.frame = 1;
@@ -106,9 +116,62 @@ private:
 
 using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
 
-template <Parser parser, bool frames = false>
+template <Parser parser>
 void parse(std::string_view bytes) {
-    read_all_ways([&](const ReadRequest& request) { return parser(bytes, "file", request); }, frames);
+    read_all_ways([&](const ReadRequest& request) { return parser(bytes, "file", request); });
+}
+
+// Frames in one pass must equal single ones.
+using Opener = std::unique_ptr<InputFrames> (*)(std::string_view, const ReadRequest&);
+template <Opener opener>
+void parse_frames(std::string_view bytes) {
+    std::vector<Input> all;
+    (void)refusal([&] {
+        const auto frames = opener(bytes, {});
+        Input frame;
+        while (frames && frames->next(frame)) {
+            check(frame);
+            all.push_back(frame);
+        }
+    });
+    constexpr std::size_t max_tried = 4;
+    for (std::size_t k = 0; k < std::min(all.size(), max_tried); ++k) {
+        Input one;
+        const std::string refused = refusal([&] { one = read_frame(*opener(bytes, {}), k); });
+        // What follows the frame may be refused.
+        if (refused.empty() && (one.frame != all[k].frame || one.ids != all[k].ids ||
+                                one.points.size() != all[k].points.size() || one.timestep != all[k].timestep))
+            complain("frame " + std::to_string(k) + " differs from that of a pass");
+    }
+    (void)refusal([&] {
+        Input last;
+        const auto frames = opener(bytes, {});
+        if (frames && frames->last(last)) check(last);
+    });
+}
+
+std::unique_ptr<InputFrames> open_xyz_bytes(std::string_view bytes, const ReadRequest& request) {
+    auto source = std::make_unique<TextSource>(bytes, "file");
+    std::string head;
+    return open_xyz_frames(source, request, head);
+}
+std::unique_ptr<InputFrames> open_dump_bytes(std::string_view bytes, const ReadRequest& request) {
+    return open_dump_frames(std::make_unique<TextSource>(bytes, "file"), request);
+}
+void parse_xyz(std::string_view bytes) {
+    const auto read = [&](const ReadRequest& request) {
+        return read_xyz(std::make_unique<TextSource>(bytes, "file"), request);
+    };
+    read_all_ways(read, true);
+    parse_frames<open_xyz_bytes>(bytes);
+}
+void parse_dump(std::string_view bytes) {
+    read_all_ways(
+        [&](const ReadRequest& request) {
+            return read_frame(*open_dump_bytes(bytes, request), request.frame.value_or(0));
+        },
+        true);
+    parse_frames<open_dump_bytes>(bytes);
 }
 
 // Rows in pieces must equal those of the whole text, and so must refusals, which may come earlier.
@@ -134,7 +197,11 @@ void parse_rows(std::string_view bytes) {
 }
 
 void parse_gz(std::string_view bytes) {
-    (void)refusal([&] { check(parse_text(gunzip(bytes, "file"), TextKind::plain, "file")); });
+    const MemoryFile file(bytes);
+    (void)refusal([&] {
+        TextSource source(file.path(), true);
+        check(parse_text(rest_of(source), TextKind::plain, "file"));
+    });
 }
 
 void parse_npy(std::string_view bytes) {
@@ -164,6 +231,10 @@ void parse_hdf5(std::string_view bytes) {
     all.all_columns = true;
     (void)refusal([&] { check(clvotess_hdf5.read(file.path(), all)); });
     (void)refusal([&] {
+        const auto frames = clvotess_hdf5.open_frames(file.path(), {});
+        for (Input frame; frames->passed() < 4 && frames->next(frame);) check(frame);
+    });
+    (void)refusal([&] {
         const auto pieces = clvotess_hdf5.open(file.path(), {}, 2);
         for (Input piece; pieces->next(piece);) check(piece);
     });
@@ -175,9 +246,9 @@ using Target = void (*)(std::string_view bytes);
 const std::map<std::string, Target>& targets() {
     static const std::map<std::string, Target> all {
         {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
-            {"gz", parse_gz}, {"xyz", parse<parse_xyz, true>}, {"poscar", parse<parse_poscar>},
-            {"lammps_dump", parse<parse_lammps_dump, true>}, {"lammps_data", parse<parse_lammps_data>},
-            {"ply", parse<parse_ply>}, {"npy", parse_npy}, {"npz", parse<parse_npz>},
+            {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>}, {"lammps_dump", parse_dump},
+            {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>}, {"npy", parse_npy},
+            {"npz", parse<parse_npz>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif

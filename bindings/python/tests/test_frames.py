@@ -1,0 +1,214 @@
+"""Frames: read_frames(), and the files of clvotess --frames in other programs, where these are installed."""
+
+import gc
+import subprocess
+import types
+import unittest
+
+import numpy as np
+from helpers import Folder, vt
+from pyvotess import frames as module
+
+EDGES = np.array([(9.0, 0, 0), (2.0, 8.0, 0), (-1.5, 1.0, 7.0)])
+CORNER = np.array((-31.0, 17.5, 4.25))
+PBC = (True, True, False)
+
+
+def program():
+    try:
+        return module._program()
+    except ImportError:
+        return None
+
+
+def positions(frame, count=120):
+    return np.random.default_rng(frame).random((count, 3)) @ EDGES + CORNER
+
+
+def xyz_of(frame, count=120):
+    lattice, origin = " ".join(map(repr, EDGES.ravel().tolist())), " ".join(map(repr, CORNER.tolist()))
+    return (
+        f'{count}\nLattice="{lattice}" Origin="{origin}" pbc="T T F" Timestep={frame * 5} '
+        "Properties=species:S:1:pos:R:3:force:R:3:q:R:1\n"
+        + "".join(f"{'Cu' if i % 2 else 'Zr'} {x!r} {y!r} {z!r} 1 2 {i} {i / 4}\n"
+                  for i, (x, y, z) in enumerate(positions(frame, count).tolist()))
+    )
+
+
+def atoms_like_ase(frame):
+    return types.SimpleNamespace(get_positions=lambda: positions(frame), cell=EDGES, pbc=np.array(PBC), get_celldisp=lambda: CORNER)
+
+
+def expected(frame, **options):
+    return vt.tessellate(positions(frame), cell=EDGES, origin=CORNER, periodic=PBC, **options)
+
+
+class Lists(unittest.TestCase):
+    def test_list_and_iterator(self):
+        atoms = [atoms_like_ase(k) for k in range(4)]
+        for results in (vt.from_ase(atoms, threads=1, want="volumes"), vt.from_ase(tuple(atoms)), vt.from_ase(iter(atoms))):
+            results = list(results)
+            self.assertEqual(len(results), 4)
+            for k, t in enumerate(results):
+                np.testing.assert_array_equal(t.volumes, expected(k).volumes)
+        self.assertEqual(vt.from_ase([]), [])
+        seen = []
+
+        def endless():
+            for k in range(10**9):
+                seen.append(k)
+                yield atoms[k % 4]
+        results = vt.from_ase(endless(), want="volumes")
+        self.assertEqual([len(next(results)) for _ in range(3)], [120] * 3)
+        self.assertEqual(seen, [0, 1, 2])  # an iterator is read as it is used
+        with self.assertRaisesRegex(TypeError, "frame 1: atoms are a int"):
+            vt.from_ase([atoms[0], 2])
+
+
+@unittest.skipUnless(program(), "clvotess was not built")
+class Files(Folder):
+    def put(self, name, text):
+        path = self.folder / name
+        path.write_text(text)
+        return path
+
+    def run_cli(self, *arguments):
+        subprocess.run([program(), *map(str, arguments)], cwd=self.folder, check=True, capture_output=True)
+
+    def test_read_frames(self):
+        path = self.put("a.xyz", "".join(xyz_of(k) for k in range(6)))
+        with vt.Tessellator(threads=1) as tessellator:
+            numbers = []
+            for frame in vt.read_frames(path):
+                numbers.append(frame.number)
+                np.testing.assert_array_equal(frame.points, positions(frame.number))
+                self.assertEqual(frame.timestep, 5 * frame.number)
+                self.assertEqual(frame.species, ["Zr", "Cu"] * 60)
+                self.assertIsNone(frame.ids)
+                np.testing.assert_array_equal(frame.columns["q"], np.arange(120) / 4)
+                np.testing.assert_array_equal(frame.domain["cell"], EDGES)
+                np.testing.assert_array_equal(frame.domain["origin"], CORNER)
+                self.assertEqual(frame.domain["periodic"], PBC)
+                for t in (frame.tessellate(tessellator), frame.tessellate(), vt.tessellate(frame.points, **frame.domain)):
+                    np.testing.assert_array_equal(t.volumes, expected(frame.number).volumes)
+                self.assertIsNone(frame.tessellate(box=(-99, -99, -99, 99, 99, 99)).cell)
+                frame.points[0] = 0  # belongs to the caller
+        self.assertEqual(numbers, list(range(6)))
+        self.assertEqual([f.number for f in vt.read_frames(str(path), frames="1::2")], [1, 3, 5])
+        last, = vt.read_frames(path, frames="last", columns=["force", "q"])
+        self.assertEqual((last.number, list(last.columns)), (5, ["force", "q"]))
+        np.testing.assert_array_equal(last.columns["force"], np.column_stack((np.ones(120), np.full(120, 2), np.arange(120))))
+        self.assertEqual(next(vt.read_frames(path, columns=())).columns, {})
+        self.assertEqual(repr(last), "<pyvotess.Frame 5: 120 points, cell, origin, periodic>")
+        frames = vt.read_frames(path)
+        next(frames)
+        del frames  # ends the program that reads
+        gc.collect()
+
+    def test_files_without_frames(self):
+        points = positions(1)
+        np.save(self.folder / "a.npy", points)
+        self.put("a.txt", "".join(f"{x!r} {y!r} {z!r}\n" for x, y, z in points.tolist()))
+        self.put("a.csv", "id,x,y,z,m\n" + "".join(f"{i + 3},{x!r},{y!r},{z!r},{i}\n" for i, (x, y, z) in enumerate(points.tolist())))
+        for name in ("a.npy", "a.txt", "a.csv"):
+            frame, = vt.read_frames(self.folder / name)
+            np.testing.assert_array_equal(frame.points, points)
+            self.assertEqual((frame.number, frame.domain, frame.species), (0, {}, None))
+        np.testing.assert_array_equal(frame.ids, np.arange(120) + 3)
+        np.testing.assert_array_equal(frame.columns["m"], np.arange(120))
+
+    def test_refusals(self):
+        with self.assertRaisesRegex(ValueError, "^cannot open '.*nothing.xyz'"):
+            vt.read_frames(self.folder / "nothing.xyz")
+        path = self.put("a.xyz", xyz_of(0) + xyz_of(1)[:-20])
+        with self.assertRaisesRegex(ValueError, "--frames must be"):
+            vt.read_frames(path, frames="some")
+        with self.assertRaisesRegex(ValueError, "no column 'p'"):
+            vt.read_frames(path, columns="p")
+        frames = vt.read_frames(path)
+        self.assertEqual(next(frames).number, 0)
+        with self.assertRaisesRegex(ValueError, "a.xyz:24"):
+            next(frames)
+
+    def test_volumes_of_ovito(self):
+        try:
+            from ovito.io import import_file
+            from ovito.modifiers import VoronoiAnalysisModifier
+        except ImportError:
+            self.skipTest("OVITO is not installed")
+        path = self.put("a.xyz", "".join(xyz_of(k).replace('"T T F"', '"T T T"') for k in range(20)))
+        self.run_cli(path, "--frames", "all", "-o", "a.dump", "-o", "b.xyz")
+        pipeline = import_file(str(path))
+        pipeline.modifiers.append(VoronoiAnalysisModifier(compute_indices=True))
+        written = [(import_file(str(self.folder / name)), prefix) for name, prefix in (("a.dump", "c_"), ("b.xyz", ""))]
+        for k, frame in enumerate(vt.read_frames(path)):
+            t = frame.tessellate()
+            found = pipeline.compute(k).particles
+            np.testing.assert_allclose(t.volumes, found["Atomic Volume"], rtol=1e-6)
+            for pipe, prefix in written:
+                self.assertEqual(pipe.source.num_frames, 20)
+                data = pipe.compute(k)
+                np.testing.assert_allclose(data.particles[prefix + "volume"], t.volumes, rtol=1e-15)
+                np.testing.assert_array_equal(data.particles[prefix + "neighbors"], np.diff(t.neighbors.indptr))
+                np.testing.assert_allclose(np.asarray(data.cell), np.column_stack((EDGES.T, CORNER)), rtol=0, atol=1e-14)
+                index = data.particles["voronoi_index"] if not prefix else np.column_stack([data.particles[f"c_n{j}"] for j in range(3, 8)])
+                np.testing.assert_array_equal(np.asarray(index)[:, :4], np.asarray(found["Voronoi Index"])[:, 2:6])
+
+    def test_files_in_ase(self):
+        try:
+            import ase.io
+        except ImportError:
+            self.skipTest("ASE is not installed")
+        path = self.put("a.xyz", "".join(xyz_of(k) for k in range(5)))
+        self.run_cli(path, "--frames", "all", "-o", "a.dump", "-o", "b.xyz")
+        for name, prefix, kind in (("a.dump", "c_", "lammps-dump-text"), ("b.xyz", "", "extxyz")):
+            read = ase.io.read(self.folder / name, index=":", format=kind)
+            self.assertEqual(len(read), 5)
+            for k, atoms in enumerate(read):
+                t = expected(k, want="neighbors,volumes")
+                np.testing.assert_array_equal(np.ravel(atoms.arrays[prefix + "volume"]), t.volumes)
+                np.testing.assert_array_equal(np.ravel(atoms.arrays[prefix + "neighbors"]), np.diff(t.neighbors.indptr))
+                np.testing.assert_array_equal(atoms.positions, positions(k))
+                self.assertEqual(atoms.get_chemical_symbols(), ["Zr", "Cu"] * 60)
+                np.testing.assert_allclose(atoms.cell[:], EDGES, rtol=0, atol=1e-13)
+                self.assertEqual(tuple(atoms.pbc), PBC)
+
+    def test_the_same_system_from_everywhere(self):
+        """A shifted, tilted slab, written by other packages and read by both."""
+        try:
+            import ase
+            import ase.io
+        except ImportError:
+            self.skipTest("ASE is not installed")
+        t = expected(0)
+        folder = self.folder
+        atoms = ase.Atoms("Cu120", positions=positions(0) - CORNER, cell=EDGES, pbc=PBC)
+        for name, kind, digits in (("a.xyz", {"format": "extxyz"}, 1e-6), ("a.data", {"format": "lammps-data"}, 1e-9),
+                                   ("POSCAR", {"format": "vasp", "direct": False}, 1e-9)):
+            ase.io.write(folder / name, atoms, **kind)
+            frame, = vt.read_frames(folder / name)
+            np.testing.assert_allclose(frame.tessellate(periodic="xy").volumes, t.volumes, rtol=digits)
+        self.assertEqual(next(vt.read_frames(folder / "POSCAR")).species, ["Cu"] * 120)
+        try:
+            import ovito.data
+            from ovito.io import export_file
+            from ovito.pipeline import Pipeline, StaticSource
+        except ImportError:
+            return
+        data = ovito.data.DataCollection()
+        data.create_cell(np.column_stack((EDGES.T, CORNER)), pbc=PBC)
+        particles = data.create_particles(count=120)
+        particles.create_property("Position", data=positions(0))
+        particles.create_property("Particle Type", data=np.ones(120, int))
+        pipeline = Pipeline(source=StaticSource(data=data))
+        columns = ["Particle Type", "Position.X", "Position.Y", "Position.Z"]
+        export_file(pipeline, str(folder / "o.xyz"), "xyz", columns=columns, precision=17)
+        export_file(pipeline, str(folder / "o.dump"), "lammps/dump", columns=columns, precision=17)
+        export_file(pipeline, str(folder / "o.data"), "lammps/data", atom_style="atomic", precision=17)
+        for name in ("o.xyz", "o.dump", "o.data"):
+            frame, = vt.read_frames(folder / name)
+            np.testing.assert_allclose(frame.tessellate(periodic="xy").volumes, t.volumes, rtol=1e-12)
+
+
+if __name__ == "__main__":
+    unittest.main()

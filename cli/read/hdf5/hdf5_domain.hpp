@@ -1,0 +1,24 @@
+// Domains that HDF5 files state: those of clvotess, H5MD, MDTraj and cosmological snapshots.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "read/hdf5/hdf5_file.hpp"
+#include "read/input.hpp"
+
+namespace clvotess {
+
+struct FrameOfFile {
+    std::uint64_t number = 0, frames = 1;
+};
+
+// Returns the domain of a file. points: the dataset. frame: of it, if it has frames.
+[[nodiscard]] FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points,
+                                        const std::optional<FrameOfFile>& frame);
+
+// Returns the step of a frame in H5MD; empty without it.
+[[nodiscard]] std::string timestep_of_hdf5(const Hdf5File& file, const std::string& points, std::uint64_t frame);
+
+}  // namespace clvotess

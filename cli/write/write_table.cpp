@@ -1,0 +1,317 @@
+// Tables with a row for each seed: .csv, extended .xyz and LAMMPS .dump, in blocks of rows that threads make.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "files/numbers.hpp"
+#include "files/output_file.hpp"
+#include "in_order.hpp"
+#include "write/output.hpp"
+
+namespace clvotess {
+namespace {
+
+// One or several columns of numbers or words.
+struct TableColumn {
+    std::string name;
+    char type;  // as in extended XYZ: I, R or S
+    std::size_t width;
+    std::function<void(OutputBuffer& row, std::size_t i, std::size_t part)> put;
+};
+using Table = std::vector<TableColumn>;
+
+// Faces of 3, 4, 5, 6, and of 7 or more edges.
+constexpr std::size_t index_parts = 5;
+
+TableColumn of_numbers(std::string name, std::span<const double> values, std::size_t width = 1) {
+    return {std::move(name), 'R', width,
+            [=](OutputBuffer& row, std::size_t i, std::size_t part) { row.put_number(values[width * i + part]); }};
+}
+
+std::size_t neighbors_of(const votess::Tessellation& cells, std::size_t i) {
+    return static_cast<std::size_t>(std::ranges::count_if(cells.neighbors(i), [](auto j) { return j >= 0; }));
+}
+
+// Returns how many faces between cells have 3 + part edges, or at least as many for the last part.
+std::size_t faces_with(const votess::Tessellation& cells, std::size_t i, std::size_t part) {
+    const auto offsets = cells.face_offsets();
+    std::size_t count = 0;
+    for (auto entry = cells.indptr()[i]; entry < cells.indptr()[i + 1]; ++entry) {
+        const auto at = static_cast<std::size_t>(entry);
+        const auto edges = static_cast<std::size_t>(offsets[at + 1] - offsets[at]);
+        if (cells.indices()[at] >= 0 && std::clamp<std::size_t>(edges, 3, 2 + index_parts) == 3 + part) ++count;
+    }
+    return count;
+}
+
+TableColumn ids_of(const OutputData& data, std::int64_t first) {
+    const std::vector<std::int64_t>& ids = data.input.ids;
+    return {"id", 'I', 1, [&ids, first](OutputBuffer& row, std::size_t i, std::size_t) {
+                row.put_number(ids.empty() ? static_cast<std::int64_t>(i) + first : ids[i]);
+            }};
+}
+
+TableColumn words(std::string name, const std::vector<std::string>& values) {
+    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, std::size_t) { row.put(values[i]); }};
+}
+
+// Returns the columns of the cells, then those of the input.
+Table results_of(const OutputData& data) {
+    const votess::Tessellation& cells = data.tessellation;
+    const votess::Want& wanted = data.wanted;
+    Table table;
+    if (wanted.volumes) table.push_back(of_numbers("volume", cells.volumes()));
+    if (wanted.neighbors)
+        table.push_back({"neighbors", 'I', 1, [&cells](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put_number(neighbors_of(cells, i));
+                         }});
+    if (wanted.faces)
+        table.push_back(
+            {"voronoi_index", 'I', index_parts, [&cells](OutputBuffer& row, std::size_t i, std::size_t part) {
+                 row.put_number(faces_with(cells, i, part));
+             }});
+    if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), 3));
+    if (wanted.surfaces) table.push_back(of_numbers("surface_area", cells.surface_areas()));
+    if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
+    if (data.has_radii) table.push_back(of_numbers("radius", data.radii));
+    return table;
+}
+
+void add_carried(const OutputData& data, Table& table) {
+    for (const InputColumn& column : data.carried) {
+        const auto has = [&](std::string_view name) {
+            return std::ranges::find(table, name, &TableColumn::name) != table.end();
+        };
+        const bool named = column.name == "species" && (has("element") || has("type"));
+        if (named || has(column.name)) continue;  // the radius, or the species of the seeds
+        table.push_back(column.words.empty() ? of_numbers(column.name, column.values, column.width)
+                                             : words(column.name, column.words));
+    }
+}
+
+// Names that parts of a column have in a header: NAME_x, NAME_y, NAME_z, or NAME_3, NAME_4, ... of a Voronoi index.
+std::string part_name(const TableColumn& column, std::size_t part) {
+    if (column.width == 1) return column.name;
+    if (column.name == "voronoi_index") return std::string("n") + std::to_string(part + 3);
+    if (column.width == 3) return column.name + "_" + "xyz"[part];
+    return column.name + "_" + std::to_string(part + 1);
+}
+
+void write_rows(OutputFile& file, const OutputData& data, const Table& table, std::string_view before, char between) {
+    constexpr std::size_t block = 4096;
+    const std::size_t count = data.tessellation.size();
+    in_order((count + block - 1) / block, data.threads,
+             [&](std::size_t k) {
+                 OutputBuffer rows;
+                 for (std::size_t i = k * block; i < std::min(count, (k + 1) * block); ++i) {
+                     rows.put(before);
+                     bool first = true;
+                     for (const TableColumn& column : table) {
+                         for (std::size_t part = 0; part < column.width; ++part) {
+                             if (!first) rows.put(between);
+                             column.put(rows, i, part);
+                             first = false;
+                         }
+                     }
+                     rows.put('\n');
+                 }
+                 return rows;
+             },
+             [&](const OutputBuffer& rows) {
+                 file.write(rows.bytes());
+                 return true;
+             });
+}
+
+bool is_whole(const std::string& word) {
+    return read_int64(word).has_value();
+}
+
+// Returns the edges of the domain, a box or a cell, with its corner.
+votess::TriclinicBox edges_of(const votess::Tessellation& cells) {
+    if (cells.cell()) return *cells.cell();
+    const votess::Box& box = cells.box();
+    return {.origin = box.lower,
+            .a = {box.upper[0] - box.lower[0], 0, 0},
+            .b = {0, box.upper[1] - box.lower[1], 0},
+            .c = {0, 0, box.upper[2] - box.lower[2]},
+            .periodic = cells.periodic()};
+}
+
+void put_vector(OutputBuffer& text, const std::array<double, 3>& vector) {
+    text.put_three(vector[0], vector[1], vector[2]);
+}
+
+// Writes a box whose edges are those of LAMMPS by their bounds and tilts, others by the edges.
+void put_dump_box(OutputBuffer& text, const votess::Tessellation& cells) {
+    const votess::TriclinicBox box = edges_of(cells);
+    const auto& [a, b, c] = std::tie(box.a, box.b, box.c);
+    const bool restricted =
+        a[1] == 0 && a[2] == 0 && b[2] == 0 && a[0] > 0 && b[1] > 0 && c[2] > 0 && cells.cell().has_value();
+    std::string flags;
+    for (const bool axis : cells.periodic()) flags += axis ? " pp" : " ff";
+    text.put("ITEM: BOX BOUNDS");
+    if (!cells.cell()) {
+        text.put(flags + "\n");
+        for (std::size_t k = 0; k < 3; ++k) {
+            text.put_number(cells.box().lower[k]);
+            text.put(' ');
+            text.put_number(cells.box().upper[k]);
+            text.put('\n');
+        }
+        return;
+    }
+    text.put((restricted ? " xy xz yz" : " abc origin") + flags + "\n");
+    const double xy = b[0], xz = c[0], yz = c[1];
+    const std::array<double, 3> below{std::min({0.0, xy, xz, xy + xz}), std::min(0.0, yz), 0},
+        above{std::max({0.0, xy, xz, xy + xz}), std::max(0.0, yz), 0}, side{a[0], b[1], c[2]}, tilt{xy, xz, yz};
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (restricted) {
+            text.put_three(box.origin[k] + below[k], box.origin[k] + side[k] + above[k], tilt[k]);
+        } else {
+            put_vector(text, k == 0 ? a : k == 1 ? b : c);
+            text.put(' ');
+            text.put_number(box.origin[k]);
+        }
+        text.put('\n');
+    }
+}
+
+}  // namespace
+
+// The columns have the prefix c_, by which LAMMPS, OVITO and ASE know computed numbers.
+void write_dump(OutputFile& file, const OutputData& data) {
+    OutputBuffer head;
+    head.put("ITEM: TIMESTEP\n");
+    if (read_int64(data.input.timestep)) {
+        head.put(data.input.timestep);
+    } else {
+        head.put_number(data.input.frame.value_or(0));
+    }
+    head.put("\nITEM: NUMBER OF ATOMS\n");
+    head.put_number(data.tessellation.size());
+    head.put('\n');
+    put_dump_box(head, data.tessellation);
+
+    const std::vector<std::string>& species = data.input.species;
+    Table table{ids_of(data, 1)};
+    if (std::ranges::all_of(species, is_whole)) {
+        table.push_back({"type", 'I', 1, [&species](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put(species.empty() ? std::string_view("1") : species[i]);
+                         }});
+    } else {
+        table.push_back(words("element", species));
+    }
+    for (std::size_t k = 0; k < 3; ++k)
+        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put_number(data.input.points[3 * i + k]);
+                         }});
+    for (TableColumn& column : results_of(data)) {
+        if (column.name != "radius") column.name.insert(0, "c_");
+        table.push_back(std::move(column));
+    }
+    add_carried(data, table);
+    head.put("ITEM: ATOMS");
+    for (const TableColumn& column : table) {
+        for (std::size_t part = 0; part < column.width; ++part) {
+            head.put(' ');
+            const bool index = column.name == "c_voronoi_index";
+            head.put(index ? "c_n" + std::to_string(part + 3) : part_name(column, part));
+        }
+    }
+    head.put('\n');
+    file.write(head.bytes());
+    write_rows(file, data, table, "", ' ');
+}
+
+void write_xyz(OutputFile& file, const OutputData& data) {
+    const votess::TriclinicBox box = edges_of(data.tessellation);
+    OutputBuffer head;
+    head.put_number(data.tessellation.size());
+    head.put("\nLattice=\"");
+    put_vector(head, box.a);
+    head.put(' ');
+    put_vector(head, box.b);
+    head.put(' ');
+    put_vector(head, box.c);
+    head.put("\" Origin=\"");
+    put_vector(head, box.origin);
+    head.put("\" pbc=\"");
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (k > 0) head.put(' ');
+        head.put(data.tessellation.periodic()[k] ? 'T' : 'F');
+    }
+    head.put('"');
+    if (data.input.frame) {
+        head.put(" frame=");
+        head.put_number(*data.input.frame);
+    }
+    if (!data.input.timestep.empty()) head.put(" Timestep=" + data.input.timestep);
+
+    const std::vector<std::string>& species = data.input.species;
+    Table table;
+    if (!species.empty() && std::ranges::all_of(species, is_whole)) {
+        table.push_back(words("type", species));
+        table.back().type = 'I';
+    } else {
+        table.push_back({"species", 'S', 1, [&species](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put(species.empty() ? std::string_view("X") : species[i]);
+                         }});
+    }
+    table.push_back(of_numbers("pos", data.input.points, 3));
+    if (!data.input.ids.empty()) table.push_back(ids_of(data, 0));
+    for (TableColumn& column : results_of(data)) table.push_back(std::move(column));
+    add_carried(data, table);
+    head.put(" Properties=");
+    for (std::size_t c = 0; c < table.size(); ++c) {
+        const TableColumn& column = table[c];
+        head.put((c > 0 ? ":" : "") + column.name + ":" + column.type + ":" + std::to_string(column.width));
+    }
+    head.put('\n');
+    file.write(head.bytes());
+    write_rows(file, data, table, "", ' ');
+}
+
+void write_csv(OutputFile& file, const OutputData& data) {
+    Table table{ids_of(data, 0)};
+    for (std::size_t k = 0; k < 3; ++k)
+        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put_number(data.input.points[3 * i + k]);
+                         }});
+    for (TableColumn& column : results_of(data)) table.push_back(std::move(column));
+    add_carried(data, table);
+    if (data.place != FramePlace::later) {
+        std::string head = data.place == FramePlace::first ? "frame" : "";
+        for (const TableColumn& column : table)
+            for (std::size_t part = 0; part < column.width; ++part)
+                head.append(head.empty() ? "" : ",").append(part_name(column, part));
+        file.write(head.append("\n"));
+    }
+    const bool framed = data.place != FramePlace::alone;
+    write_rows(file, data, table, framed ? std::to_string(data.input.frame.value_or(0)) + "," : "", ',');
+}
+
+bool is_table_column(std::string_view name) {
+    constexpr std::array<std::string_view, 17> names{"id",
+                                                     "x",
+                                                     "y",
+                                                     "z",
+                                                     "pos",
+                                                     "volume",
+                                                     "neighbors",
+                                                     "voronoi_index",
+                                                     "centroid",
+                                                     "surface_area",
+                                                     "security_radius",
+                                                     "frame",
+                                                     "n3",
+                                                     "n4",
+                                                     "n5",
+                                                     "n6",
+                                                     "n7"};
+    if (name.starts_with("c_")) name.remove_prefix(2);  // in a dump
+    return std::ranges::find(names, name) != names.end();
+}
+
+}  // namespace clvotess

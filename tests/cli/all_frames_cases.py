@@ -1,0 +1,281 @@
+"""--frames: several frames of a file, in one pass."""
+
+import gzip
+import os
+import subprocess
+import threading
+
+import numpy as np
+
+from cli_test import CliTest, random_points, text_of
+
+try:
+    import h5py
+except ImportError:
+    h5py = None
+
+EDGES = np.array([(2.0, 0, 0), (0.5, 1.5, 0), (-0.25, 0.125, 1.0)])
+
+
+class AllFrames(CliTest):
+    def frames(self, count=5, points=30):
+        """Returns the points of frames whose number of points and cell change."""
+        return [random_points(points + k, k) @ (EDGES * (1 + 0.1 * k)) + [1, -2, 3] for k in range(count)]
+
+    def xyz(self, frames, name="a.xyz"):
+        text = ""
+        for k, points in enumerate(frames):
+            lattice = " ".join(map(repr, (EDGES * (1 + 0.1 * k)).ravel().tolist()))
+            text += f'{len(points)}\nLattice="{lattice}" Origin="1 -2 3" Timestep={10 * k} Properties=species:S:1:pos:R:3:m:R:1\n'
+            text += "".join(f"{'Cu' if i % 2 else 'Zr'} {row} {i + k / 8}\n" for i, row in enumerate(text_of(points).splitlines()))
+        return self.put(name, text)
+
+    def dump(self, frames, name="a.dump"):
+        text = ""
+        for k, points in enumerate(frames):
+            text += "ITEM: UNITS\nmetal\n" if k == 0 else ""  # LAMMPS writes them once
+            text += f"ITEM: TIMESTEP\n{10 * k}\nITEM: NUMBER OF ATOMS\n{len(points)}\nITEM: BOX BOUNDS pp pp ff\n"
+            text += "-9 9\n-9 9\n-9 9\nITEM: ATOMS id type x y z m\n"
+            text += "".join(f"{i + 5} {i % 2 + 1} {row} {i}\n" for i, row in enumerate(text_of(points).splitlines()))
+        return self.put(name, text)
+
+    def test_text_equals_single_frames(self):
+        frames = self.frames()
+        for name in [self.xyz(frames), self.dump(frames), self.put("a.xyz.gz", gzip.compress((self.folder / "a.xyz").read_bytes()))]:
+            single = [self.rows(name, "--frame", k, "--copy", "m", "--format", "%i %q %n %v") for k in range(5)]
+            for chosen, numbers in [("all", range(5)), ("last", [4]), ("1:4", [1, 2, 3]), ("::2", [0, 2, 4]), ("3:", [3, 4]),
+                                    ("1::3", [1, 4]), (":2", [0, 1]), ("4:99", [4])]:
+                for threads in ["1", "0"]:
+                    rows = self.rows(name, "--frames", chosen, "-t", threads, "--copy", "m", "--format", "%i %q %n %v")
+                    expected = []
+                    for k in numbers:
+                        expected += [f"# frame {k}, timestep {10 * k}, {len(frames[k])} points", *single[k]]
+                    self.assertEqual(rows, expected, (name, chosen))
+            done = self.json(name, "--frames", "1:3", "--verify")
+            self.assertEqual((done["frames"], done["points"], done["verified"]), (2, 63, True))
+            self.assertRegex(self.run_cli(name, "--frames", "all").stdout, "(?m)^frames +5, from number 0 to 4, of 30 to 34 points$")
+        self.assertRegex(self.run_cli("a.xyz", "--frames", "all").stdout, "(?m)^domain .*; moves from frame to frame$")
+        self.assertRegex(self.run_cli("a.dump").stdout, r"(?m)^input +frame 1 of 5 \(--frame 0\), timestep 0$")
+
+    def test_tables(self):
+        frames = self.frames()
+        self.xyz(frames)
+        self.run_cli("a.xyz", "--frames", "all", "-o", "t.csv", "-o", "t.xyz", "-o", "t.dump", "-o", "t.txt", "--format", "%i %v %s",
+                     "--copy", "m,species")
+        table = np.genfromtxt(self.folder / "t.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+        self.assertEqual(table.dtype.names, ("frame", "id", "x", "y", "z", "volume", "neighbors", "n3", "n4", "n5", "n6", "n7", "m",
+                                             "species"))
+        text = [row.split() for row in (self.folder / "t.txt").read_text().splitlines() if row[0] != "#"]
+        np.testing.assert_array_equal(table["volume"], np.array([row[1] for row in text], float))
+        np.testing.assert_array_equal(table["neighbors"], np.array([row[2] for row in text], int))
+        np.testing.assert_array_equal(sum(table[f"n{k}"] for k in range(3, 8)), table["neighbors"])
+        np.testing.assert_array_equal(np.column_stack([table[c] for c in "xyz"]), np.concatenate(frames))
+        self.assertEqual(table["species"][:3].tolist(), ["Zr", "Cu", "Zr"])
+        for name, volume in [("t.xyz", "volume"), ("t.dump", "c_volume")]:
+            for k in range(5):
+                chosen = table[table["frame"] == k]
+                rows = [row.split() for row in self.rows(name, "--frame", k, "--copy", f"{volume},m,species", "--format", "%q %v")]
+                np.testing.assert_array_equal(np.array([row[:3] for row in rows], float), frames[k])
+                np.testing.assert_array_equal(np.array([row[4] for row in rows], float), chosen["volume"])
+                # A dump states the bounds of a tilted box, which rounds them.
+                np.testing.assert_allclose(np.array([row[3] for row in rows], float), chosen["volume"], rtol=1e-12)
+                self.assertEqual([row[5] for row in rows], [repr(float(m)).removesuffix(".0") for m in chosen["m"]])
+                self.assertEqual([row[6] for row in rows], chosen["species"].tolist())
+            self.assertIn(f"timestep {20}", self.run_cli(name, "--frame", 2).stdout if name == "t.dump" else "timestep 20")
+        for out in ["out.csv", "out.xyz", "out.dump"]:
+            self.refuse("t.dump", "--copy", "c_volume", "-o", out, says=["'c_volume'", f"'{out}'", "rename"])
+        self.run_cli("t.dump", "--copy", "element,m", "-o", "again.csv")
+        self.assertIn(",m\n", (self.folder / "again.csv").read_text().replace("element,", ""))
+        self.run_cli("a.xyz", "-o", "w.csv", "--want", "centroids,surfaces")
+        head = (self.folder / "w.csv").read_text().splitlines()[0]
+        self.assertEqual(head, "id,x,y,z,centroid_x,centroid_y,centroid_z,surface_area")
+
+    def test_domain_of_tables(self):
+        """Boxes, tilted cells and cells of any orientation come back from .xyz and .dump."""
+        turned = EDGES @ np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+        for name, domain, tolerance in [("box", ["--box=-1,0,0.5,3,2,2.25"], 0), ("cell", ["--cell", EDGES], 1e-15),
+                                        ("turned", ["--cell", turned], 0)]:
+            inside = random_points(40)
+            if len(domain) == 2:
+                points = inside @ domain[1] + [7, 0, -1]
+                domain = ["--cell", ",".join(map(repr, domain[1].ravel().tolist())), "--origin", "7,0,-1"]
+            else:
+                points = inside * [4, 2, 1.75] + [-1, 0, 0.5]
+            self.put("p.npy", points)
+            for axes in ["none", "xy", "xyz"]:
+                options = [*domain, "--periodic", axes, "--outside", "drop"]
+                expected = self.json("p.npy", *options, "-o", "d.xyz", "-o", "d.dump")["domain"]
+                for file in ["d.xyz", "d.dump"]:
+                    found = self.json(file, "--outside", "drop")["domain"]
+                    self.assertEqual((found["periodic"], found["from"]), (expected["periodic"], "stated"), (name, file))
+                    np.testing.assert_allclose(found["lower"] + found["upper"], expected["lower"] + expected["upper"],
+                                               rtol=tolerance, atol=tolerance)
+                    self.assertAlmostEqual(self.json(file)["volume_sum"], self.json("p.npy", *options)["volume_sum"], 11)
+
+    def test_numbers_as_species(self):
+        self.dump(self.frames(2))
+        self.run_cli("a.dump", "-o", "t.xyz", "-o", "t.dump", "--want", "volumes")
+        self.assertIn(" Properties=type:I:1:pos:R:3:id:I:1:volume:R:1\n", (self.folder / "t.xyz").read_text())
+        self.assertIn("\nITEM: ATOMS id type x y z c_volume\n5 1 ", (self.folder / "t.dump").read_text())
+        self.put("p.npy", random_points(5))
+        self.run_cli("p.npy", "-o", "t.xyz", "-o", "t.dump", "--want", "volumes")
+        self.assertIn("\nX ", (self.folder / "t.xyz").read_text())
+        self.assertIn("\nITEM: ATOMS id type x y z c_volume\n1 1 ", (self.folder / "t.dump").read_text())
+
+    def test_refusals(self):
+        frames = self.frames()
+        whole = (self.folder / self.xyz(frames)).read_text()
+        for value in ["1", "a", "1:2:3:4", "3:1", "::0", "-2:", "1.5:2", "all:"]:
+            self.refuse("a.xyz", f"--frames={value}", says=["--frames must be all, last or a:b:c", f"'{value}'"])
+        self.refuse("a.xyz", "--frames", "7:9", "-o", "out.txt", says=["no frame 7:9", "has 5"])
+        self.refuse("a.xyz", "--frames", "all", "--frame", 1, says="--frame or --frames")
+        for name in ["out.npz", "out.vtu", "out.ply", "out.glb"]:
+            self.refuse("a.xyz", "--frames", "all", "-o", name, says=[f"'{name}'", "--frame N"])
+        self.refuse("a.xyz", "--frames", "all", "--image", "out.png", says="--image")
+        self.refuse("a.xyz", "--frames", "all", "--volumes", "m", says="--volumes")
+        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.txt", says="--frames")
+        self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "-", says="--frames")
+        self.refuse("--random", 5, "--frames", "all", says="--frames")
+        self.refuse("a.xyz", "--points", says="--frames")
+        # A failure in a later frame leaves no file. Frames before it can be read.
+        line = whole.count("\n", 0, whole.rindex("Zr")) + 1
+        for last, says in [("Zr 1 2\n", f"a.xyz:{line}: this row has 3 columns"), ("", "the file ends after"),
+                           ("Zr 1 2 3 4\nCu 99 99 99 4\nmore\n", f"a.xyz:{line + 2}: more rows")]:
+            self.put("a.xyz", whole[:whole.rindex("Zr")] + last)
+            for threads in ["0", "1"]:
+                self.refuse("a.xyz", "--frames", "all", "-o", "out.txt", "-t", threads, says=says)
+            self.run_cli("a.xyz", "--frames", "0:4", "-q", "-o", "four.txt")
+            (self.folder / "four.txt").unlink()
+        self.assertRegex(self.run_cli("a.xyz", "--frame", 1).stdout, r"(?m)^input +frame 2 of several \(--frame 1\), timestep 10$")
+        self.xyz(frames)
+        self.refuse("a.xyz", "--frames", "all", "--box=0,-9,-9,9,9,2.9", "-o", "out.txt", says=["frame 0: ", "outside"])
+
+    def test_frames_of_different_kinds(self):
+        """Frames without atoms, and with other columns."""
+        first = 'Lattice="1 0 0 0 1 0 0 0 1" Properties=species:S:1:pos:R:3:m:R:1\n'
+        second = "2\n" + first.replace(":m:R:1", ":q:R:1:m:R:1") + "C .1 .1 .1 8 4\nH .6 .6 .6 9 5\n\n\n"
+        self.put("a.xyz", f"0\n{first}{second}")
+        rows = self.rows("a.xyz", "--frames", "all", "-o", "t.csv", "-o", "t.dump", "-o", "t.h5", "--copy", "m,species", "--radii", "covalent",
+                         "--format", "%i %r")
+        self.assertEqual(rows, ["# frame 0, 0 points", "# frame 1, 2 points", "0 0.76 4 C", "1 0.31 5 H"])
+        table = [row.split(",") for row in (self.folder / "t.csv").read_text().splitlines()]
+        self.assertEqual([len(row) for row in table], [15] * 3)
+        self.assertEqual(self.rows("t.dump", "--frames", "all", "--format", "%i"), ["# frame 0, timestep 0, 0 points",
+                                                                                    "# frame 1, timestep 1, 2 points", "1", "2"])
+        self.put("b.xyz", f"1\n{first}C 0 0 0 1\n{second}")
+        self.refuse("b.xyz", "--frames", "all", "--copy", "all", "-o", "out.csv", says=["frame 1: other columns", "--copy"])
+        self.run_cli("b.xyz", "--frames", "all", "--copy", "all", "-o", "t.xyz")
+        self.run_cli("b.xyz", "--frames", "all", "--copy", "m", "-o", "t.csv")
+
+    def test_pipe_and_memory(self):
+        frames = self.frames(400, 100)
+        self.xyz(frames)
+        os.mkfifo(self.folder / "pipe.xyz")
+        expected = self.rows("a.xyz", "--frames", "all")
+
+        def feed():
+            (self.folder / "pipe.xyz").write_bytes((self.folder / "a.xyz").read_bytes())
+        thread = threading.Thread(target=feed)
+        thread.start()
+        self.assertEqual(self.rows("pipe.xyz", "--frames", "all"), expected)
+        thread.join()
+        few, all_of_them = (self.json("a.xyz", "--frames", chosen, "-x", "cpu")["peak_memory_bytes"] for chosen in [":20", "all"])
+        self.assertLess(all_of_them, few + 3e6)  # the file has 7.9 MB
+        self.assertGreater((self.folder / "a.xyz").stat().st_size, 7e6)
+
+    def test_stopped(self):
+        self.xyz(self.frames(200, 500))
+        with self.start("a.xyz", "--frames", "all", "-o", "out.txt", "--verify", stderr=subprocess.PIPE) as process:
+            threading.Timer(0.3, process.terminate).start()
+            self.assertEqual(process.wait(30), 143)
+        self.assertNotIn("out.txt", self.files())
+
+
+class FramesOfHdf5(CliTest):
+    def setUp(self):
+        super().setUp()
+        if h5py is None:
+            self.skipTest("h5py is not installed")
+
+    def test_groups(self):
+        points = [random_points(20 + k, k) for k in range(3)]
+        self.put("a.xyz", "".join(f'{len(p)}\nLattice="1 0 0 0 1 0 0 0 1"\n' + "".join(f"H {row}\n" for row in text_of(p).splitlines())
+                                  for p in points))
+        self.run_cli("a.xyz", "--frames", "1:", "-o", "all.h5", "--want", "volumes,neighbors,centroids", "--copy", "species")
+        with h5py.File(self.folder / "all.h5") as file:
+            self.assertEqual(list(file), ["frame_000001", "frame_000002"])
+            for k in [1, 2]:
+                self.run_cli("a.xyz", "--frame", k, "-o", "one.h5", "--want", "volumes,neighbors,centroids", "--copy", "species")
+                with h5py.File(self.folder / "one.h5") as one:
+                    group = file[f"frame_{k:06d}"]
+                    self.assertEqual(sorted(group), sorted(one))
+                    for name in one:
+                        np.testing.assert_array_equal(group[name][()], one[name][()])
+                    self.assertEqual(one["species"][0], b"H")
+                    self.assertEqual(set(group.attrs) - set(one.attrs), {"frame"})
+                    np.testing.assert_array_equal(group.attrs["cell"], one.attrs["cell"])
+            group = file["frame_000002"]
+        got = np.array([row.split() for row in self.rows("all.h5", "--dataset", "frame_000001/centroids", "--format", "%q")], float)
+        self.assertEqual(got.shape, (21, 3))
+
+    def test_h5md(self):
+        """As MDAnalysis, pyh5md and others write it."""
+        frames = np.stack([random_points(25, k) @ EDGES for k in range(4)])
+        cells = np.stack([EDGES * (1 + 0.1 * k) for k in range(4)])
+        with h5py.File(self.folder / "a.h5", "w") as file:
+            file.create_group("h5md").attrs["version"] = [1, 1]
+            atoms = file.create_group("particles/all")
+            atoms["position/value"] = frames
+            atoms["position/step"] = [0, 5, 10, 20]
+            atoms["velocity/value"] = frames
+            atoms["force/value"] = frames
+            atoms["id/value"] = np.tile(np.arange(25) + 3, (4, 1))
+            atoms["mass"] = np.arange(25.0)
+            atoms["charge/value"] = np.arange(100.0).reshape(4, 25)
+            box = atoms.create_group("box")
+            box["edges/value"] = cells
+            box.attrs["boundary"] = ["periodic", "none", "periodic"]
+        for k in range(4):
+            self.put("p.npy", frames[k])
+            options = ["--cell", ",".join(map(repr, cells[k].ravel().tolist())), "--periodic", "xz", "--outside", "drop"]
+            expected = self.rows("p.npy", *options, "--format", "%v %s")
+            rows = [row.split() for row in self.rows("a.h5", "--frame", k, "--outside", "drop", "--copy", "mass,charge", "--format",
+                                                     "%i %v %s")]
+            self.assertEqual([" ".join(row[1:3]) for row in rows], expected)
+            np.testing.assert_array_equal(np.array([[row[0], *row[3:]] for row in rows], float),
+                                          np.column_stack((np.arange(25) + 3, np.arange(25), np.arange(25) + 25 * k)))
+        self.assertRegex(self.run_cli("a.h5", "--frame", 3, "--outside", "drop").stdout,
+                         r"(?m)^input +frame 4 of 4 \(--frame 3\), timestep 20$")
+        domain = self.json("a.h5", "--frames", "all", "--outside", "drop")["domain"]
+        self.assertEqual((domain["from"], domain["periodic_from"], domain["periodic"]), ("stated", "stated", [True, False, True]))
+        self.refuse("a.h5", "--frame", 4, says=["no frame 4", "has 4"])
+        for name, memory in [("whole.h5", []), ("pieces.h5", ["--memory", "1G"])]:
+            self.run_cli("a.h5", "--frame", 2, "--outside", "drop", "--copy", "charge", "-o", name, *memory)
+        with h5py.File(self.folder / "whole.h5") as whole, h5py.File(self.folder / "pieces.h5") as pieces:
+            for array in ["charge", "ids", "volumes", "indices"]:
+                np.testing.assert_array_equal(whole[array], pieces[array])
+        self.refuse("a.h5", "--dataset", "particles/all/nothing", says=["particles/all/position/value"])
+        with h5py.File(self.folder / "a.h5", "a") as file:
+            del file["particles/all/box/edges"]
+            file["particles/all/box/edges"] = [8.0, 9.0, 10.0]
+        self.assertEqual(self.json("a.h5", "--frame", 2)["box_volume"], 720)
+        with h5py.File(self.folder / "a.h5", "a") as file:
+            del file["particles/all/box/edges"]
+            file["particles/all/box/edges/value"] = np.ones((3, 3))
+        self.refuse("a.h5", says=["box/edges/value", "each of the 4 frames"])
+
+    def test_mdtraj(self):
+        frames = np.stack([random_points(25, k) * [2, 3, 4] for k in range(3)]).astype(np.float32)
+        with h5py.File(self.folder / "a.h5", "w") as file:
+            file["coordinates"], file["time"] = frames, np.arange(3.0)
+            file["cell_lengths"] = np.tile(np.float32([2, 3, 4]), (3, 1))
+            file["cell_angles"] = np.array([[90, 90, 90], [90, 90, 60], [90, 90, 90]], np.float32)
+        for k, cell in enumerate(["2,0,0,0,3,0,0,0,4", f"2,0,0,1.5,{3 * np.sqrt(0.75)!r},0,0,0,4"]):
+            self.put("p.npy", frames[k].astype(float))
+            rows = self.rows("a.h5", "--frame", k, "--format", "%q %n %v")
+            expected = self.rows("p.npy", "--cell", cell, "--format", "%q %n %v")
+            self.assertEqual([row.split()[:-1] for row in rows], [row.split()[:-1] for row in expected])
+            np.testing.assert_allclose([float(row.split()[-1]) for row in rows], [float(row.split()[-1]) for row in expected],
+                                       rtol=1e-12)
+        self.assertEqual(self.json("a.h5", "--frames", "all")["frames"], 3)
+        self.assertEqual(self.json("a.h5", "--frames", "all")["domain"]["periodic_from"], "assumed")
