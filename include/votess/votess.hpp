@@ -200,6 +200,9 @@ struct Options {
 
     ProgressCallback progress;
     LogCallback log;
+    // Points of the plane: cells are polygons, `volumes` holds areas, `face_areas` lengths and `surface_areas`
+    // perimeters. Vectors have two components. Leave z out of walls, and 0 in a box.
+    bool planar = false;
 };
 // Returns the arrays that a result holds: options.want, and those that it, min_face and min_area need. Throws
 // invalid_argument or unsupported for options that are wrong for any seeds.
@@ -307,6 +310,7 @@ public:
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
+    [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
     [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
     [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
     [[nodiscard]] const Stats& stats() const noexcept;
@@ -334,7 +338,8 @@ public:
     Tessellator(Tessellator&&) noexcept;
     Tessellator& operator=(Tessellator&&) noexcept;
 
-    // Returns the cells of the points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box.
+    // Returns the cells of the points: 3N coordinates x0 y0 z0 x1 ..., or 2N x0 y0 x1 ... if options.planar. Any length
+    // unit, finite, inside options.box.
     // float32 is widened without loss. N = 0 gives an empty result; 2^31 points or more are `unsupported`. The call
     // copies points and weights first: if another thread writes to them meanwhile, cells are wrong, but nothing else
     // is.

@@ -44,6 +44,7 @@ def tessellate(
     k_init: int = 0,
     chunk_size: int = 0,
     instructions: str = "",
+    planar: bool = False,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -94,6 +95,8 @@ def tessellate(
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
+    planar : points of the plane: cells are polygons, `volumes` holds areas, `face_areas` lengths and
+        `surface_areas` perimeters. Vectors have two components. Leave z out of walls, and 0 in a box.
 
     The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
 
@@ -167,6 +170,7 @@ class Tessellator:
         outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
+        planar: bool = False,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())
