@@ -90,7 +90,8 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
         columns = cell_columns(t)
         name = _PLOT_WORDS.get(color, color)
         if name in columns:
-            return np.asarray(columns[name], np.float64), {"area": "surface area"}.get(color, color)
+            labels = {"volume": "area", "area": "perimeter"} if t.planar else {"area": "surface area"}
+            return np.asarray(columns[name], np.float64), labels.get(color, color)
         if name in ARRAYS or any(name in names_of(word) for word in ARRAYS):
             getattr(t, name)  # raises with the word for want, or the name of the array
         raise ValueError(
