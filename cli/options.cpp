@@ -72,11 +72,6 @@ outside. The axis of a cone points from its apex inwards; ANGLE is that
 between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          {.repeats = true}},
-        {"--2d",
-         R"(points of the plane: cells are polygons, `volumes` holds areas, `face_areas`
-lengths and `surface_areas` perimeters. Vectors have two components. Leave z
-out of walls, and 0 in a box)",
-         {.member = Flag(&Options::planar)}},
         {"--outside error|drop",
          R"(points outside the domain: an error, or dropped, which leaves an empty cell
 with the status `outside`)",

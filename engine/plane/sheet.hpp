@@ -1,5 +1,5 @@
-// Two dimensions: the cells of points of the plane are those of a thin sheet between two walls, seen from above. Each is
-// a prism over a polygon. The walls lie at z = -h and z = h, where h is a power of two. So areas and lengths are the
+// Two dimensions: the cells of points of the plane are those of a thin sheet between two walls, seen from above. Each
+// is a prism over a polygon. The walls lie at z = -h and z = h, where h is a power of two. So areas and lengths are the
 // volumes and areas of the sheet divided by 2h, without rounding.
 #pragma once
 
@@ -30,8 +30,8 @@ private:
 
     std::vector<double> points_;
     Options options_;
-    Want wanted_;            // of the plane
-    bool list_walls_;        // of the plane
+    Want wanted_;      // of the plane
+    bool list_walls_;  // of the plane
     double height_ = 1;
 };
 

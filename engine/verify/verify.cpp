@@ -165,7 +165,8 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
         if (t.status()[i] != again.status()[i]) fail(i, "status");
         if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), again.neighbors(i))) fail(i, "neighbors");
-        if (!t.volumes().empty() && !(std::abs(t.volumes()[i] - again.volumes()[i]) <= tolerance * mean)) fail(i, "area");
+        if (!t.volumes().empty() && !(std::abs(t.volumes()[i] - again.volumes()[i]) <= tolerance * mean))
+            fail(i, "area");
         if (!t.face_counts().empty() && t.face_counts()[i] != again.face_counts()[i]) fail(i, "numbers of edges");
     }
     return report;

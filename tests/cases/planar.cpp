@@ -107,14 +107,16 @@ PlanarCell exact_cell(const PlanarSet& set, std::size_t i) {
             periodic[k] = o.periodic[k];
             if (periodic[k]) continue;
             const auto wall = -1 - 2 * static_cast<std::int32_t>(k);
-            HalfPlane lower{{}, -mpq_class(o.box->lower[k]), {wall, 0, 0}}, upper{{}, o.box->upper[k], {wall - 1, 0, 0}};
+            HalfPlane lower{{}, -mpq_class(o.box->lower[k]), {wall, 0, 0}},
+                upper{{}, o.box->upper[k], {wall - 1, 0, 0}};
             lower.n[k] = -1, upper.n[k] = 1;
             planes.push_back(lower);
             planes.push_back(upper);
         }
     }
     for (std::size_t w = 0; w < o.walls.size(); ++w)
-        planes.push_back({{o.walls[w].normal[0], o.walls[w].normal[1]}, o.walls[w].offset, {-7 - static_cast<int>(w), 0, 0}});
+        planes.push_back(
+            {{o.walls[w].normal[0], o.walls[w].normal[1]}, o.walls[w].offset, {-7 - static_cast<int>(w), 0, 0}});
     const auto weight = [&](std::size_t j) { return set.weights.empty() ? mpq_class(0) : mpq_class(set.weights[j]); };
     if (is_duplicate(set, i)) return {};
     const Vector x{set.points[2 * i], set.points[2 * i + 1]};
@@ -127,8 +129,7 @@ PlanarCell exact_cell(const PlanarSet& set, std::size_t i) {
                 Vector y{set.points[2 * j], set.points[2 * j + 1]};
                 for (std::size_t k = 0; k < 2; ++k) y[k] += s * edges[0][k] + t * edges[1][k];
                 const Vector n{y[0] - x[0], y[1] - x[1]};
-                const mpq_class h =
-                    (y[0] * y[0] + y[1] * y[1] - x[0] * x[0] - x[1] * x[1] + weight(i) - weight(j)) / 2;
+                const mpq_class h = (y[0] * y[0] + y[1] * y[1] - x[0] * x[0] - x[1] * x[1] + weight(i) - weight(j)) / 2;
                 planes.push_back({n, h, {static_cast<std::int32_t>(j), s, t}});
             }
     }
@@ -140,8 +141,16 @@ std::string compare_cells(const PlanarSet& set) {
     options.planar = options.list_walls = true;
     options.weights = set.weights;
     options.device = "cpu";
-    options.want = {.neighbors = true, .volumes = true, .centroids = true, .counts = true, .areas = true,
-                    .normals = true, .surfaces = true, .radii = true, .vertices = true, .faces = true};
+    options.want = {.neighbors = true,
+                    .volumes = true,
+                    .centroids = true,
+                    .counts = true,
+                    .areas = true,
+                    .normals = true,
+                    .surfaces = true,
+                    .radii = true,
+                    .vertices = true,
+                    .faces = true};
     const votess::Tessellation t = votess::tessellate(std::span<const double>(set.points), options);
     if (!t.planar()) return "the result is not planar";
     for (std::size_t i = 0; i < t.size(); ++i) {
@@ -163,7 +172,8 @@ std::string compare_cells(const PlanarSet& set) {
             if (t.face_offsets()[e + 1] - t.face_offsets()[e] != 2) return name + "an edge has not two corners";
             const std::int32_t from = t.face_vertices()[first], to = t.face_vertices()[first + 1];
             const auto at = std::ranges::find(corners, from);
-            if (at == corners.end() || corners[static_cast<std::size_t>(at - corners.begin() + 1) % corners.size()] != to)
+            if (at == corners.end() ||
+                corners[static_cast<std::size_t>(at - corners.begin() + 1) % corners.size()] != to)
                 return name + "its polygon lacks an edge";
             const double dx = t.vertices()[2 * to] - t.vertices()[2 * from],
                          dy = t.vertices()[2 * to + 1] - t.vertices()[2 * from + 1];
@@ -172,14 +182,15 @@ std::string compare_cells(const PlanarSet& set) {
             if (t.face_areas()[e] > 1e-6 && normal[0] * dy - normal[1] * dx < 0.999999 * t.face_areas()[e])
                 return name + "a normal is wrong";
         }
-        if (lengths.size() != cell.lengths.size()) return name + std::to_string(lengths.size()) + " edges, not " +
-                                                          std::to_string(cell.lengths.size());
+        if (lengths.size() != cell.lengths.size())
+            return name + std::to_string(lengths.size()) + " edges, not " + std::to_string(cell.lengths.size());
         for (const auto& [label, length] : cell.lengths)
             if (!lengths.contains(label) || std::abs(lengths[label] - length) > 1e-9)
                 return name + "wrong edge with " + std::to_string(std::get<0>(label));
         if (std::abs(t.volumes()[i] - cell.area.get_d()) > 1e-9) return name + "wrong area";
         if (std::abs(t.surface_areas()[i] - perimeter) > 1e-12 * perimeter) return name + "wrong perimeter";
-        if (t.face_counts()[i] != cell.corners || t.edge_counts()[i] != cell.corners || t.vertex_counts()[i] != cell.corners)
+        if (t.face_counts()[i] != cell.corners || t.edge_counts()[i] != cell.corners ||
+            t.vertex_counts()[i] != cell.corners)
             return name + "wrong counts";
         if (corners.size() != cell.corners) return name + "wrong number of corners";
         if (cell.corners == 0) continue;
@@ -209,7 +220,8 @@ PlanarSet random_set(std::uint64_t number) {
     const bool periodic[2] = {random.chance(0.5), random.chance(0.5)};
     switch (number % 5) {
         case 0:  // oblique
-            o.cell = votess::TriclinicBox{{}, {size, 0, 0}, {random.chance(0.5) ? 5.0 : -7.0, size, 0}, {}, {true, true, true}};
+            o.cell = votess::TriclinicBox{
+                {}, {size, 0, 0}, {random.chance(0.5) ? 5.0 : -7.0, size, 0}, {}, {true, true, true}};
             // The points lie inside: their parts of the edges are coordinates over 16.
             for (std::size_t i = 0; i < n; ++i) set.points[2 * i] += set.points[2 * i + 1] / size * o.cell->b[0];
             break;

@@ -58,8 +58,6 @@ def tessellate_points(
     """
     array, progress = as_points(given.pop("points"), planar=True), given.pop("progress")
     domain = Domain(**{field.name: given.pop(field.name) for field in fields(Domain)})
-    if given.setdefault("planar", False) and array.shape[1] == 3:
-        raise ValueError(f"points has shape {array.shape}, but planar points have the shape (N, 2)")
     given["planar"] = array.shape[1] == 2
     set_options(options, given)
     kept = domain.fill(options, len(array))

@@ -44,13 +44,13 @@ def tessellate(
     k_init: int = 0,
     chunk_size: int = 0,
     instructions: str = "",
-    planar: bool = False,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, any length unit; N may be 0.
+    points : (N, 3) array of real numbers, any length unit; N may be 0. Or (N, 2): then the cells are polygons, and
+        box, cell, origin and walls have two components each, see the page "Two dimensions".
         float64 and float32 in C order are copied; other arrays are converted without loss. If another thread changes
         the array during the call, cells are wrong, but nothing crashes.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
@@ -95,8 +95,6 @@ def tessellate(
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
-    planar : points of the plane: cells are polygons, `volumes` holds areas, `face_areas` lengths and
-        `surface_areas` perimeters. Vectors have two components. Leave z out of walls, and 0 in a box.
 
     The GIL is released. Ctrl-C in the main thread stops the run and raises KeyboardInterrupt.
 
@@ -170,8 +168,7 @@ class Tessellator:
         outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
-        planar: bool = False,
-    ) -> Tessellation:
+        ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())
         del given["self"]

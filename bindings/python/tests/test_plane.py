@@ -108,7 +108,6 @@ class Plane(unittest.TestCase):
 
     def test_refusals(self):
         for text, arguments in (
-            ("planar points have the shape", {"points": np.zeros((3, 3)), "planar": True}),
             ("box has shape", {"box": (0, 0, 0, 1, 1, 1)}),
             ("cell", {"cell": np.eye(3)}),
             ("walls", {"walls": [(1, 0, 0, 1)]}),
