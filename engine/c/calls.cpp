@@ -20,8 +20,9 @@ votess_status tessellate(votess_tessellator* tessellator, const Coordinate* poin
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
-        const std::span<const Coordinate> input = coordinates(points, count);
         const votess::Options converted = convert_options(options, count);
+        const std::span<const Coordinate> input =
+            coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
         *out = new votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
                                                         : tessellator->tessellator.tessellate(input, converted)};
     });
@@ -150,8 +151,8 @@ votess_status votess_verify(const votess_result* result, const double* points, s
         const ReportOut out{passed, skipped, sampled, failure, failure_size};
         begin_report(out);
         require(result, "result");
-        write_report(votess::verify(result->tessellation, coordinates(points, count), verify_options(sample, rng_seed)),
-                     out);
+        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        write_report(votess::verify(result->tessellation, input, verify_options(sample, rng_seed)), out);
     });
 }
 
@@ -167,7 +168,7 @@ votess_status votess_count_tiny_faces(const votess_result* result, const double*
 votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
     return guarded([&] {
         require(result, "result");
-        const auto input = coordinates(points, count);
+        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
         require_array(places, count, "places", "count");
         std::ranges::copy(votess::wrapped_points(result->tessellation, input), places);
     });

@@ -93,9 +93,9 @@ VOTESS_API void require_array(const void* array, std::uint64_t count, const char
 
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points",
-                                        const char* count_name = "count") {
+                                        const char* count_name = "count", std::size_t dimensions = 3) {
     require_array(points, count, name, count_name);
-    return {points, 3 * count};
+    return {points, dimensions * count};
 }
 
 // Calls a callback. An exception of the callback becomes an error that names it.

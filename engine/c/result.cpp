@@ -126,6 +126,12 @@ const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* l
     return expose(result, length, &votess::Tessellation::duplicate_of);
 }
 
+int votess_result_planar(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.planar() ? 1 : 0;
+    set_last_error("result is NULL");
+    return 0;
+}
+
 int votess_result_lists_walls(const votess_result* result) {
     if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
     set_last_error("result is NULL");

@@ -9,14 +9,15 @@
 
 namespace votess {
 
-Box default_box(const Box& bounds, std::size_t count) {
+Box default_box(const Box& bounds, std::size_t count, int dimensions) {
     if (count == 0) return {{0, 0, 0}, {1, 1, 1}};
     double longest = 0, largest = 0;
     for (int k = 0; k < 3; ++k) {
         longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
         largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
     }
-    double margin = 0.5 * longest / std::cbrt(static_cast<double>(count));
+    const auto number_of_seeds = static_cast<double>(count);
+    double margin = 0.5 * longest / (dimensions == 2 ? std::sqrt(number_of_seeds) : std::cbrt(number_of_seeds));
     if (longest == 0) margin = largest == 0 ? 0.5 : 0.5 * largest;
     Box box;
     for (int k = 0; k < 3; ++k) {

@@ -17,6 +17,7 @@ Options domain_options(const Tessellation& t) {
     else
         options.box = t.box(), options.periodic = t.periodic();
     options.walls.assign(t.walls().begin(), t.walls().end());
+    options.planar = t.planar();
     options.outside = Outside::drop;
     return options;
 }
@@ -25,6 +26,7 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.probed())
         throw Error(ErrorCode::invalid_argument,
                     function + ": cells of probes do not form a diagram: give a result of tessellate()");
+    if (t.planar()) throw Error(ErrorCode::invalid_argument, function + ": works in three dimensions only");
 }
 
 void move_into_domain(const Job& job, std::span<double> places) {
@@ -39,20 +41,6 @@ void move_into_domain(const Job& job, std::span<double> places) {
         const auto at = exact::differences({}, exact::Plane::bisector(x, *shift, domain.lattice)).x;
         for (std::size_t k = 0; k < 3; ++k) places[3 * i + k] = at[k].high / job.scale;
     }
-}
-
-std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
-    require_whole_diagram(t, "wrapped_points");
-    if (points.size() != 3 * t.size())
-        throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells");
-    std::vector<double> wrapped(points.begin(), points.end());
-    if (t.periodic() == std::array<bool, 3>{}) return wrapped;
-    const std::vector<double> copy = wrapped;  // read once, see input/snapshot.hpp
-    const Job job = validate({copy, {}}, domain_options(t));
-    move_into_domain(job, wrapped);
-    return wrapped;
 }
 
 }  // namespace votess

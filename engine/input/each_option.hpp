@@ -33,6 +33,7 @@ void each_option(const Use& use) {
     use("k_init", &Options::k_init, &votess_options::k_init, UpTo<unsigned>{1024});
     use("chunk_size", &Options::chunk_size, &votess_options::chunk_size, UpTo<unsigned>{4294967295});
     use("instructions", &Options::instructions, &votess_options::instructions, anything);
+    use("planar", &Options::planar, &votess_options::planar, anything);
 }
 
 }  // namespace votess

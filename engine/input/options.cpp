@@ -443,12 +443,8 @@ void check_options(const Options& options) {
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+    if (options.planar) refuse("points of the plane (planar): only tessellate() and verify() work in two dimensions");
     check_domain(options);
-}
-
-Want implied_want(const Options& options) {
-    check_options(options);
-    return with_implied(options);
 }
 
 Box box_of(const Options& options, const Box& bounds, std::uint64_t count) {

@@ -14,6 +14,7 @@ struct Result {
     std::optional<TriclinicBox> cell;
     std::vector<Wall> walls;
     std::vector<double> weights;
+    bool planar = false;  // in two dimensions: vectors have two components
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     double least_face = 0;

@@ -1,5 +1,9 @@
 #include <atomic>
 
+#include "input/domain_of_result.hpp"
+#include "input/implied_wants.hpp"
+#include "input/options.hpp"
+#include "plane/sheet.hpp"
 #include "result/result_pool.hpp"
 #include "run/engines.hpp"
 #include "votess/votess.hpp"
@@ -113,6 +117,9 @@ std::span<const Wall> Tessellation::walls() const noexcept {
 std::span<const double> Tessellation::weights() const noexcept {
     return result_->weights;
 }
+bool Tessellation::planar() const noexcept {
+    return result_->planar;
+}
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }
@@ -157,7 +164,15 @@ Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points&
     detail::TessellatorState& state = *shared;
     const CallGuard turn(state);
     try {
-        auto result = state.results->share(run_on(state.engines, points, options, state.results->take()));
+        detail::Result made;
+        if (options.planar) {
+            const Sheet sheet(points, options);
+            made = run_on(state.engines, sheet.points(), sheet.options(), state.results->take());
+            sheet.flatten(made);
+        } else {
+            made = run_on(state.engines, points, options, state.results->take());
+        }
+        auto result = state.results->share(std::move(made));
         const Stats& s = result->stats;
         log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
                          std::to_string(s.seconds.total) + " s");
@@ -185,6 +200,34 @@ Tessellation tessellate(std::span<const double> points, const Options& options) 
 }
 Tessellation tessellate(std::span<const float> points, const Options& options) {
     return Tessellator().tessellate(points, options);
+}
+
+Want implied_want(const Options& options) {
+    check_options(options.planar ? sheet_options(options, 1) : options);
+    return with_implied(options);
+}
+
+std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
+    const Options options = domain_options(t);
+    if (!t.planar()) require_whole_diagram(t, "wrapped_points");
+    if (points.size() != (t.planar() ? 2 : 3) * t.size())
+        throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
+                                                     " coordinates, the result has " + std::to_string(t.size()) +
+                                                     " cells");
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    std::vector<double> wrapped = copy;
+    if (t.periodic() == std::array<bool, 3>{}) return wrapped;
+    if (!t.planar()) {
+        move_into_domain(validate({copy, {}}, options), wrapped);
+        return wrapped;
+    }
+    const Sheet sheet({copy, {}}, options);
+    const std::span<const double> places = sheet.points().f64;
+    std::vector<double> moved(places.begin(), places.end());
+    move_into_domain(validate(sheet.points(), sheet.options()), moved);
+    for (std::size_t i = 0; i < t.size(); ++i)
+        for (std::size_t k = 0; k < 2; ++k) wrapped[2 * i + k] = moved[3 * i + k];
+    return wrapped;
 }
 
 std::vector<DeviceInfo> devices() {

@@ -1,7 +1,9 @@
 // verify() of a whole result: its rows go through the RowChecker in pieces, and its polygons are compared.
 #include <algorithm>
+#include <cmath>
 
 #include "input/domain_of_result.hpp"
+#include "plane/sheet.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
 #include "verify/row_checker.hpp"
@@ -135,7 +137,45 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     return tessellate(points, options).stats().tiny_faces.value();
 }
 
+namespace {
+
+// Checks the cells of the plane by those of a sheet, whose own cells are verified.
+VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
+    if (points.size() != 2 * t.size())
+        throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(points.size()) +
+                                                     " coordinates, the result has " + std::to_string(t.size()) +
+                                                     " cells in two dimensions");
+    Options options = domain_options(t);
+    options.weights = t.weights();
+    options.list_walls = t.lists_walls();
+    options.min_area = t.least_face();
+    options.device = "cpu";
+    options.want = {.neighbors = true, .volumes = true, .counts = true};
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    const Sheet sheet({copy, {}}, options);
+    VerifyReport report = verify(tessellate(sheet.points().f64, sheet.options()), sheet.points().f64, how);
+    if (!report.passed) return report;
+    const Tessellation again = tessellate(std::span<const double>(copy), options);
+    const auto fail = [&](std::size_t i, const char* what) {
+        report.passed = false;
+        report.failure = "cell " + std::to_string(i) + " has other " + what + " than a second run";
+    };
+    const double tolerance = t.stats().precision == Precision::single ? 1e-4 : 1e-9;
+    const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
+    for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
+        if (t.status()[i] != again.status()[i]) fail(i, "status");
+        if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), again.neighbors(i))) fail(i, "neighbors");
+        if (!t.volumes().empty() && !(std::abs(t.volumes()[i] - again.volumes()[i]) <= tolerance * mean))
+            fail(i, "area");
+        if (!t.face_counts().empty() && t.face_counts()[i] != again.face_counts()[i]) fail(i, "numbers of edges");
+    }
+    return report;
+}
+
+}  // namespace
+
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+    if (t.planar()) return verify_plane(t, points, options);
     require_points(t, points, "verify");
     const Result& result = *t.result_;
     const bool single = t.stats().precision == Precision::single;

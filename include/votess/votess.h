@@ -120,6 +120,7 @@ typedef struct votess_options {
     void* progress_user;
     votess_log_callback log;  // may be NULL
     void* log_user;
+    int32_t planar;  // nonzero: two dimensions, see Options::planar in votess.hpp; the points are 2 * count coordinates
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -171,8 +172,9 @@ VOTESS_API void votess_tessellator_free(votess_tessellator* tessellator);
 // Tessellates. On success *out is a new result, which does not need the tessellator; else it is NULL.
 // tessellator: NULL = one for this call. One call at a time: a second one, from another thread or a callback, fails
 // with VOTESS_ERROR_INVALID_USE. No other thread may free it before the call returns.
-// points: 3 * count coordinates, x y z per seed; NULL only when count is 0. The call copies them first: if another
-// thread writes to them meanwhile, cells are wrong, but nothing else is. options: NULL = defaults.
+// points: 3 * count coordinates, x y z per seed, or 2 * count if options->planar; NULL only when count is 0. The call
+// copies them first: if another thread writes to them meanwhile, cells are wrong, but nothing else is. options: NULL =
+// defaults.
 VOTESS_API votess_status votess_tessellate(votess_tessellator* tessellator, const double* points, size_t count,
                                            const votess_options* options, votess_result** out);
 VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, const float* points, size_t count,
@@ -201,6 +203,7 @@ VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* 
 VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
+VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
 // Weights of a power diagram; walls, 4 numbers each, as in votess_options.

@@ -162,6 +162,13 @@ struct Options {
     // List walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces of a cell
     // across a, b and c; -7, -8, ... = walls.
     bool list_walls = false;
+    // Two dimensions: the points are 2N coordinates x y, and the cells are polygons. `volumes` holds areas,
+    // `surface_areas` perimeters and `face_areas` lengths of edges; min_area is a length. Centroids, normals, vertices
+    // and shifts have two components. All counts are the number of edges. The corners of a cell, cell_vertex_indices,
+    // are counterclockwise; face_vertices holds two for each edge, in that order. Leave z 0 in box, walls and cell, and
+    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only tessellate(), verify() and wrapped_points()
+    // work in two dimensions; other functions throw invalid_argument.
+    bool planar = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi
     // diagram.
@@ -307,8 +314,9 @@ public:
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
-    [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
-    [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
+    [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
+    [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
+    [[nodiscard]] bool probed() const noexcept;       // whether Diagram::probe() made the cells
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
@@ -334,12 +342,12 @@ public:
     Tessellator(Tessellator&&) noexcept;
     Tessellator& operator=(Tessellator&&) noexcept;
 
-    // Returns the cells of the points: 3N coordinates x0 y0 z0 x1 ..., any length unit, finite, inside options.box.
-    // float32 is widened without loss. N = 0 gives an empty result; 2^31 points or more are `unsupported`. The call
-    // copies points and weights first: if another thread writes to them meanwhile, cells are wrong, but nothing else
-    // is.
-    // Throws Error: invalid_argument, out_of_memory, cancelled, unsupported, internal, device_lost, invalid_use,
-    // no_threads. A Tessellator that was moved from may only be assigned or destroyed, else `invalid_use`.
+    // Returns the cells of the points: 3N coordinates x0 y0 z0 x1 ..., or 2N x0 y0 x1 ... if options.planar. Any length
+    // unit, finite, inside options.box. float32 is widened without loss. N = 0 gives an empty result; 2^31 points or
+    // more are `unsupported`. The call copies points and weights first: if another thread writes to them meanwhile,
+    // cells are wrong, but nothing else is. Throws Error: invalid_argument, out_of_memory, cancelled, unsupported,
+    // internal, device_lost, invalid_use, no_threads. A Tessellator that was moved from may only be assigned or
+    // destroyed, else `invalid_use`.
     [[nodiscard]] Tessellation tessellate(std::span<const double> points, const Options& options = {});
     [[nodiscard]] Tessellation tessellate(std::span<const float> points, const Options& options = {});
 

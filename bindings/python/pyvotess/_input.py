@@ -46,21 +46,31 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
-def as_points(points: Any, name: str = "points") -> npt.NDArray[Any]:
+def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.NDArray[Any]:
+    """Returns (N, 3) points. With ``planar`` they may have the shape (N, 2) instead."""
     array = as_float64_or_float32(points, name)
-    if array.ndim != 2 or array.shape[1] != 3:
-        raise ValueError(f"{name} has shape {array.shape}: it must be (N, 3)")
+    if array.ndim != 2 or array.shape[1] not in (3, 3 - planar):
+        raise ValueError(f"{name} has shape {array.shape}: it must be (N, 3)" + (" or (N, 2)" if planar else ""))
     return array
 
 
-def as_box(box: Any) -> Float64Array:
+def as_box(box: Any, planar: bool = False) -> Float64Array:
     array = as_float64_or_float32(box, "box").astype(np.float64)
+    if planar:
+        if array.shape not in ((4,), (2, 2)):
+            raise ValueError(f"box has shape {array.shape}: give (x0, y0, x1, y1) or ((x0, y0), (x1, y1))")
+        return _with_zero(array.reshape(2, 2), 2)
     if array.shape not in ((6,), (2, 3), (3, 2)):
         raise ValueError(
             f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or "
             "((x0, x1), (y0, y1), (z0, z1))"
         )
     return np.ascontiguousarray(array.T) if array.shape == (3, 2) else array.reshape(2, 3)
+
+
+def _with_zero(rows: Float64Array, column: int) -> Float64Array:
+    """Returns the rows with a column of zeros: the missing z."""
+    return np.insert(rows, column, 0.0, axis=1)
 
 
 def as_count(value: Any, name: str, bits: int) -> int:
@@ -118,7 +128,12 @@ def as_vector(values: Any, name: str) -> Float64Array:
     return np.ascontiguousarray(_as_numbers(values, name, (3,), "(x, y, z)"))
 
 
-def _as_periodic(periodic: Any) -> Tuple[bool, bool, bool]:
+def _as_periodic(periodic: Any, planar: bool) -> Tuple[bool, bool, bool]:
+    if planar and not isinstance(periodic, str):
+        if np.ndim(periodic) == 0:
+            return (bool(periodic), bool(periodic), False)
+        if len(tuple(periodic)) == 2:
+            periodic = (*periodic, False)
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
             raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy'")
@@ -151,28 +166,39 @@ class Domain:
     def fill(self, options: _c_api.Options, count: int) -> List[Any]:
         """Sets the domain in the options. Returns arrays that must live as long as the options are used.
 
-        ``count``: number of points.
+        ``count``: number of points. ``options.planar`` is set.
         """
+        planar = bool(options.planar)
         if self.box is not None:
-            lower, upper = as_box(self.box)
+            lower, upper = as_box(self.box, planar)
             options.has_box = 1
             options.box_lower[:] = lower.tolist()
             options.box_upper[:] = upper.tolist()
-        axes = None if self.periodic is None else _as_periodic(self.periodic)
+        axes = None if self.periodic is None else _as_periodic(self.periodic, planar)
         if self.cell is None:
             options.periodic[:] = axes or (False, False, False)
         else:
-            rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
+            if planar:
+                rows = np.zeros((3, 3))
+                rows[:2, :2] = _as_numbers(self.cell, "cell", (2, 2), "two vectors ((ax, ay), (bx, by))")
+            else:
+                rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
             options.has_cell = 1
             options.cell_periodic[:] = axes or (True, True, True)
             options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
         if self.origin is not None:
             if self.cell is None:
                 raise ValueError("origin needs cell: the corners of a box define its place")
-            options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
+            if planar:
+                options.cell_origin[:2] = _as_numbers(self.origin, "origin", (2,), "(x, y)").tolist()
+            else:
+                options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
         kept: List[Any] = []
         if len(self.walls) > 0:
-            rows = _as_numbers(self.walls, "walls", (len(self.walls), 4), "(M, 4) rows nx, ny, nz, d")
+            if planar:
+                rows = _with_zero(_as_numbers(self.walls, "walls", (len(self.walls), 3), "(M, 3) rows nx, ny, d"), 2)
+            else:
+                rows = _as_numbers(self.walls, "walls", (len(self.walls), 4), "(M, 4) rows nx, ny, nz, d")
             walls = np.ascontiguousarray(rows)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)

@@ -53,11 +53,12 @@ def tessellate_points(
 ) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], bool]:
     """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
 
-    Returns the library's result, the (N, 3) points that it read, the words of ``want`` that it holds, and whether
-    the domain was given.
+    Returns the library's result, the (N, 3) or (N, 2) points that it read, the words of ``want`` that it holds, and
+    whether the domain was given.
     """
-    array, progress = as_points(given.pop("points")), given.pop("progress")
+    array, progress = as_points(given.pop("points"), planar=True), given.pop("progress")
     domain = Domain(**{field.name: given.pop(field.name) for field in fields(Domain)})
+    given["planar"] = array.shape[1] == 2
     set_options(options, given)
     kept = domain.fill(options, len(array))
     wanted = implied_words(options)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import warnings
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
@@ -53,10 +53,11 @@ class ResultData:
 
     arrays: Dict[str, npt.NDArray[Any]]
     box: Float64Array
-    periodic: Tuple[bool, bool, bool]
+    periodic: Tuple[bool, ...]
     origin: Optional[Float64Array]
     cell: Optional[Float64Array]
     walls: Float64Array
+    planar: bool
     lists_walls: bool
     least_face: float
     stats: Stats
@@ -69,14 +70,20 @@ def _constant(values: Any) -> Float64Array:
 
 
 def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
+    planar = bool(lib.votess_result_planar(result.pointer))
+    size = 2 if planar else 3  # of vectors
+
+    def flat(vectors: Any) -> Float64Array:
+        return _constant(np.array(vectors)[..., :size])
+
     arrays = {
-        name: array_of(result, name, dtype, columns)
+        name: array_of(result, name, dtype, min(columns, size))
         for word in wanted
         for name, dtype, columns in ARRAYS[word]
     }
     arrays["status"] = array_of(result, "status", np.uint8)
     for name, dtype, columns in _OPTIONAL:
-        array = array_of(result, name, dtype, columns)
+        array = array_of(result, name, dtype, min(columns, size))
         if len(array):
             arrays[name] = array
     lower, upper = _Vector(), _Vector()
@@ -85,13 +92,15 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
     has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
     raise_on_failure(lib.votess_result_cell(result.pointer, ctypes.byref(has_cell), *vectors))
+    walls = array_of(result, "walls", np.float64, columns=4)
     return ResultData(
         arrays=arrays,
-        box=_constant((lower, upper)),
-        periodic=(bool(axes[0]), bool(axes[1]), bool(axes[2])),
-        origin=_constant(vectors[0]) if has_cell.value else None,
-        cell=_constant(vectors[1:]) if has_cell.value else None,
-        walls=array_of(result, "walls", np.float64, columns=4),
+        box=flat((lower, upper)),
+        periodic=tuple(bool(axis) for axis in axes[:size]),
+        origin=flat(vectors[0]) if has_cell.value else None,
+        cell=flat(vectors[1 : size + 1]) if has_cell.value else None,
+        walls=_constant(walls[:, [0, 1, 3]]) if planar else walls,
+        planar=planar,
         lists_walls=bool(lib.votess_result_lists_walls(result.pointer)),
         least_face=float(lib.votess_result_least_face(result.pointer)),
         stats=read_stats(result),
@@ -307,8 +316,8 @@ class Cells:
         return self._data.box
 
     @property
-    def periodic(self) -> Tuple[bool, bool, bool]:
-        """Whether the domain is periodic along x, y, z, or along the edges of ``cell``."""
+    def periodic(self) -> Tuple[bool, ...]:
+        """Whether the domain is periodic along x, y, z, or along the edges of ``cell``. Two flags in the plane."""
         return self._data.periodic
 
     @property
@@ -327,6 +336,25 @@ class Cells:
         return self._data.walls
 
     @property
+    def planar(self) -> bool:
+        """Whether the points are (N, 2): all vectors then have two components, see the page "two dimensions"."""
+        return self._data.planar
+
+    @property
+    def polygons(self) -> List[Float64Array]:
+        """The cells of the plane: N arrays (K, 2) of corners, counterclockwise. Needs "vertices" in want.
+
+        In a periodic domain each lies where its seed is in ``wrapped_points``.
+        """
+        if not self.planar:
+            raise AttributeError("polygons are cells of the plane: in space use faces")
+        return [self.vertices[corners] for corners in self.cell_vertices]
+
+    def _require_space(self, what: str) -> None:
+        if self.planar:
+            raise ValueError(f"{what} works in three dimensions only")
+
+    @property
     def lists_walls(self) -> bool:
         """Whether the rows list walls."""
         return self._data.lists_walls
@@ -343,6 +371,7 @@ class Cells:
         Warns about faces far smaller than the mean, as in a rounded lattice. ``min_face`` drops them; the other faces
         keep short edges, which ``edge_threshold`` ignores.
         """
+        self._require_space("voronoi_indices()")
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(

@@ -110,6 +110,8 @@ class Tessellation(SeedCells):
     ) -> Any:
         """Plots the cells. Needs "faces" in want, and "volumes" unless another color is given.
 
+        Cells of the plane need "vertices" instead, and are drawn with matplotlib.
+
         ``slice=("z", 0.5)`` draws a plane section with matplotlib, into ``ax`` or a new figure, and returns the axes.
         Without a slice, PyVista shows the cells in space, without those of one octant, and the plotter is returned
         (``t.plot().show()``). Without PyVista the section through the middle is drawn.
@@ -206,6 +208,8 @@ class Tessellation(SeedCells):
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
         report = verify(lib.votess_verify, seeds, sample, rng_seed)
+        if self.planar:
+            return report
         tiny = ctypes.c_uint64()
         raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
         return replace(report, tiny_faces=tiny.value)

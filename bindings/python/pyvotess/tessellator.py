@@ -49,7 +49,8 @@ def tessellate(
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, any length unit; N may be 0.
+    points : (N, 3) array of real numbers, any length unit; N may be 0. Or (N, 2): then the cells are polygons, and
+        box, cell, origin and walls have two components each, see the page "Two dimensions".
         float64 and float32 in C order are copied; other arrays are converted without loss. If another thread changes
         the array during the call, cells are wrong, but nothing crashes.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
@@ -167,7 +168,7 @@ class Tessellator:
         outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
-    ) -> Tessellation:
+        ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())
         del given["self"]

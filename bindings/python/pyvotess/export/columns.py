@@ -29,7 +29,7 @@ def neighbor_counts(t: SeedCells) -> npt.NDArray[np.int32]:
 def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     """Returns all numbers of the cells in the result, as (N,) columns by name."""
     points = np.asarray(t.points)
-    columns: Dict[str, npt.NDArray[Any]] = {axis: points[:, k] for k, axis in enumerate("xyz")}
+    columns: Dict[str, npt.NDArray[Any]] = dict(zip("xyz", points.T))
     if t.weights is not None:
         columns["weights"] = t.weights
     if "neighbors" in t.wanted:
@@ -37,7 +37,7 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     if "volumes" in t.wanted:
         columns["volumes"] = t.volumes
     if "centroids" in t.wanted:
-        columns.update({f"centroid_{axis}": t.centroids[:, k] for k, axis in enumerate("xyz")})
+        columns.update({f"centroid_{axis}": column for axis, column in zip("xyz", t.centroids.T)})
     for word in ("surfaces", "radii", "counts"):
         if word in t.wanted:
             columns.update({name: getattr(t, name) for name in names_of(word)})
@@ -90,7 +90,8 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
         columns = cell_columns(t)
         name = _PLOT_WORDS.get(color, color)
         if name in columns:
-            return np.asarray(columns[name], np.float64), {"area": "surface area"}.get(color, color)
+            labels = {"volume": "area", "area": "perimeter"} if t.planar else {"area": "surface area"}
+            return np.asarray(columns[name], np.float64), labels.get(color, color)
         if name in ARRAYS or any(name in names_of(word) for word in ARRAYS):
             getattr(t, name)  # raises with the word for want, or the name of the array
         raise ValueError(

@@ -40,7 +40,7 @@ def _rows(t: SeedCells) -> List[Tuple[str, str]]:
 
 def _picture(t: SeedCells) -> str:
     """Returns the section through the middle, across the shortest side of the domain; "" without one."""
-    if "faces" not in t.wanted or not 0 < len(t) <= _MAX_SEEDS:
+    if t.planar or "faces" not in t.wanted or not 0 < len(t) <= _MAX_SEEDS:
         return ""
     box = np.asarray(t.box)
     sides = np.ptp(box, axis=0)

@@ -74,6 +74,7 @@ def _records(columns: Any, count: int) -> Any:
 
 def to_freud(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_freud`."""
+    t._require_space("to_freud()")
     areas = t.face_areas  # raises with the word for want
     freud = imported("freud", "to_freud()", "freud-analysis")
     pairs = make_pairs(t)

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Un
 
 import numpy as np
 
+from ..pairs import edges_of
 from .colors import limits
 from .columns import color_values
 from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
+from .optional import imported
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -118,7 +120,10 @@ def _parse_slice(t: SeedCells, where: Any) -> Tuple[int, float]:
     return axis, value
 
 
-def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, **style: Any) -> Any:
+def _draw(
+    t: SeedCells, cells: Int64Array, polygons: List[Float64Array], axes: Tuple[int, int], color: Any, ax: Any, style: Any
+) -> Any:
+    """Draws polygons of cells in the plane of two axes."""
     import matplotlib.pyplot as plt
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import LogNorm, Normalize
@@ -129,22 +134,40 @@ def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, **st
     style.setdefault("edgecolors", (0, 0, 0, 0.6))
     style.setdefault("linewidths", 0.5)
     box = np.asarray(t.box)
-    across, up = (k for k in range(3) if k != axis)
-    cells, polygons = sections_in_box(t, axis, value)
+    across, up = axes
     if ax is None:
         ax = plt.subplots()[1]
     collection = PolyCollection(polygons, array=values[cells], **style)
     ax.add_collection(collection)
-    ax.set(
-        xlim=box[:, across],
-        ylim=box[:, up],
-        xlabel=_AXES[across],
-        ylabel=_AXES[up],
-        aspect="equal",
-        title=f"{_AXES[axis]} = {value:g}",
-    )
+    ax.set(xlim=box[:, across], ylim=box[:, up], xlabel=_AXES[across], ylabel=_AXES[up], aspect="equal")
     ax.figure.colorbar(collection, ax=ax, label=label, extend="both")
     return ax
+
+
+def _plot_slice(t: SeedCells, axis: int, value: float, color: Any, ax: Any, style: Any) -> Any:
+    cells, polygons = sections_in_box(t, axis, value)
+    across, up = (k for k in range(3) if k != axis)
+    ax = _draw(t, cells, polygons, (across, up), color, ax, style)
+    ax.set_title(f"{_AXES[axis]} = {value:g}")
+    return ax
+
+
+def _plot_plane(t: SeedCells, color: Any, ax: Any, style: Any) -> Any:
+    """Draws the cells of the plane, in a periodic domain with their images inside the box."""
+    try:
+        polygons = t.polygons
+    except AttributeError:
+        raise ValueError("plot() needs the polygons of the cells: put 'vertices' into want") from None
+    box, edges = np.asarray(t.box), edges_of(t)
+    steps = [(-1, 0, 1) if repeats else (0,) for repeats in t.periodic]
+    cells, images = [], []
+    for shift in itertools.product(*steps):
+        for cell, polygon in enumerate(polygons):
+            image = polygon + shift @ edges
+            if len(image) and (image.max(axis=0) > box[0]).all() and (image.min(axis=0) < box[1]).all():
+                cells.append(cell)
+                images.append(image)
+    return _draw(t, np.array(cells, np.int64), images, (0, 1), color, ax, style)
 
 
 def _polyhedra(t: SeedCells) -> Tuple[Int64Array, Int64Array, Float64Array]:
@@ -181,6 +204,11 @@ def plot(
     **style: Any,
 ) -> Any:
     """See :meth:`Tessellation.plot`."""
+    if t.planar:
+        if slice is not None:
+            raise ValueError("plot(): a slice needs three dimensions: leave it out")
+        imported("matplotlib", "plot()")
+        return _plot_plane(t, color, ax, style)
     mesh_of(t, "plot()")
     if slice is None and ax is None:
         try:
@@ -196,4 +224,4 @@ def plot(
         raise ImportError(f"plot() needs {needed}: pip install {needed.split()[-1].lower()}") from None
     middle = float(np.asarray(t.box)[:, 2].mean())
     axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))
-    return _plot_slice(t, axis, value, color, ax, **style)
+    return _plot_slice(t, axis, value, color, ax, style)
