@@ -72,9 +72,10 @@ outside. The axis of a cone points from its apex inwards; ANGLE is that
 between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          {.repeats = true}},
-        {"--outside error|drop",
-         R"(points outside the domain: an error, or dropped, which leaves an empty cell
-with the status `outside`)",
+        {"--outside error|drop|keep",
+         R"(points outside the domain: an error; or dropped, which leaves an empty cell
+with the status `outside`; or kept, which gives each the part of its cell
+inside the domain, or the status `empty`)",
          {.member = Word<votess::Outside>(&Options::outside), .start = "error"}},
         {"--min-face SHARE",
          R"(drop faces between two cells with an area below this share of the mean of

@@ -14,6 +14,7 @@ static_assert(same(VOTESS_DUPLICATES_MERGE, Duplicates::merge));
 static_assert(same(VOTESS_DUPLICATES_ERROR, Duplicates::error));
 static_assert(same(VOTESS_OUTSIDE_ERROR, Outside::error));
 static_assert(same(VOTESS_OUTSIDE_DROP, Outside::drop));
+static_assert(same(VOTESS_OUTSIDE_KEEP, Outside::keep));
 static_assert(same(VOTESS_PRECISION_SINGLE, Precision::single));
 static_assert(same(VOTESS_PRECISION_DOUBLE, Precision::double_));
 

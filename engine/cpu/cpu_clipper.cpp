@@ -66,6 +66,7 @@ void CpuClipper::sort() {
     else
         sort_inside(job_.points, job_.scale, job_.options.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
+    gather_beyond();
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -120,6 +121,13 @@ void CpuClipper::gather_weights() {
     for (std::size_t image = round_up(seeds_.size(), group_size); image < seeds_.images_end; ++image)
         seeds_.weights[image] =
             seeds_.weights[static_cast<std::size_t>(images_.home(static_cast<std::int32_t>(image)))];
+}
+
+void CpuClipper::gather_beyond() {
+    seeds_.beyond.clear();
+    if (job_.beyond.empty()) return;
+    seeds_.beyond.reserve(seeds_.size());
+    for (const std::int32_t i : seeds_.input) seeds_.beyond.push_back(job_.beyond[static_cast<std::size_t>(i)]);
 }
 
 void CpuClipper::set_empty(ResultBuilder& out) {
@@ -274,7 +282,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (!worker.budget.worth_a_star() || !worker.star->build(seed)) {
+            if (seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
                 search(seed, worker);
                 continue;
             }

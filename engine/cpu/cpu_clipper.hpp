@@ -69,6 +69,7 @@ private:
     };
 
     void gather_weights();
+    void gather_beyond();
     void begin_workers(ResultBuilder& out);
     void find_positions();
     void put_in_sorted_order(std::span<const std::int32_t> cells);

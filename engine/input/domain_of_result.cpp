@@ -1,5 +1,7 @@
 #include "input/domain_of_result.hpp"
 
+#include <algorithm>
+
 #include "core/progress.hpp"
 #include "input/options.hpp"
 
@@ -17,7 +19,8 @@ Options domain_options(const Tessellation& t) {
     else
         options.box = t.box(), options.periodic = t.periodic();
     options.walls.assign(t.walls().begin(), t.walls().end());
-    options.outside = Outside::drop;
+    const bool dropped = std::ranges::find(t.status(), CellStatus::outside) != t.status().end();
+    options.outside = dropped ? Outside::drop : Outside::keep;
     return options;
 }
 

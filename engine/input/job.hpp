@@ -34,7 +34,8 @@ struct Job {
     double box_volume = 0;  // of the domain, as given
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale
-    std::vector<CellStatus> outside;       // N if seeds lie outside: `outside` for those
+    std::vector<CellStatus> outside;       // N if seeds outside are dropped: `outside` for those
+    std::vector<bool> beyond;              // N if seeds outside are kept: whether a seed is one
     // N: the place of each seed in the order of the rows, if that is not the order of the indices. The last digits of
     // measures depend on this order alone.
     std::span<const std::int32_t> row_order;

@@ -150,7 +150,9 @@ void CellWriter::write(Cell& cell) {
 void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
     shape_.weighted = domain_->has_weights();
-    if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+    // The kernel measures around the seed, which must not lie beyond a wall.
+    const bool beyond = probe_ == nullptr && seeds_.is_beyond(seed_);
+    if (!beyond && shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
         measure_exactly(cell, faces_, ranks, measures_, many_areas_);

@@ -450,19 +450,20 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 }
 
 // In a power diagram the bisector with a farther seed may lie on the plane of a face. The face becomes the farther
-// seed's, whose power is least beyond the plane. The first of equal walls has the face, in whatever order clip_walls()
-// clips by them. Returns whether the planes are equal.
+// seed's, whose power is least beyond the plane. A wall takes the face of a bisector, and the first of equal walls has
+// it, in whatever order clip_walls() clips by them. Returns whether the planes are equal.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     const bool is_wall = plane.source.kind == exact::Plane::Kind::wall;
     if (!is_wall && (!plane.source.is_bisector() || plane.source.is_reversed())) return false;
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
-        if (is_wall ? face.source.kind != plane.source.kind
-                    : (!face.source.has_power() && !plane.source.has_power()) || !face.source.is_bisector() ||
-                          face.source.is_reversed())
+        const bool of_seed = face.source.is_bisector() && !face.source.is_reversed();
+        if (is_wall ? !of_seed && face.source.kind != plane.source.kind
+                    : !of_seed || (!face.source.has_power() && !plane.source.has_power()))
             continue;
         if (!exact::same_plane(seed_, face.source, plane.source)) continue;
-        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        if (is_wall ? of_seed || plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source))
+            face = plane;
         return true;
     }
     return false;

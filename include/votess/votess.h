@@ -73,6 +73,7 @@ typedef enum votess_cell_status {
 
 #define VOTESS_OUTSIDE_ERROR 0
 #define VOTESS_OUTSIDE_DROP 1
+#define VOTESS_OUTSIDE_KEEP 2
 
 // Relative error of volumes, centroids and areas; see Precision in votess.hpp.
 typedef enum votess_precision {

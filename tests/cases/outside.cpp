@@ -27,9 +27,74 @@ Options dropping(const std::optional<votess::Box>& box = test::unit_box()) {
     return options;
 }
 
+// A domain of one kind, and seeds of which about a half lie up to `far` of its size beyond the walls.
+struct Scattered {
+    Coordinates points;
+    std::vector<double> weights;
+    Options options;
+};
+constexpr int kinds_of_domain = 6;
+Scattered scattered(int kind, std::size_t count, double far, bool weighted, std::uint64_t rng_seed) {
+    test::Random random(rng_seed);
+    Scattered s;
+    s.options = test::all_options(test::unit_box());
+    s.options.outside = votess::Outside::keep;
+    if (kind == 1) s.options.periodic = {true, false, false};
+    if (kind == 2) s.options.periodic = {true, false, true};
+    if (kind == 3) s.options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 0.45, 20);
+    if (kind == 4 || kind == 5) {
+        s.options.box.reset();
+        s.options.cell = {{0.125, 0.25, 0}, {1, 0.25, 0}, {-0.5, 1.25, 0.25}, {0.125, -0.5, 0.75}, {}};
+        if (kind == 5) s.options.cell->periodic = {false, true, false};
+    }
+    for (std::size_t i = 0; i < 3 * count; ++i) {
+        const double beyond = i / 3 % 2 == 0 ? far : 0;
+        s.points.push_back(random.uniform(-beyond, 1 + beyond));
+    }
+    for (std::size_t i = 0; i < count && weighted; ++i) {
+        // Heavy enough for seeds outside to reach the domain.
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double from = s.points[3 * i + k] - 0.5;
+            square += from * from;
+        }
+        s.weights.push_back(square * random.uniform(0.8, 1) + random.uniform(0, 0.02));
+    }
+    s.options.weights = s.weights;
+    return s;
+}
+
+std::size_t cells_of(const Scattered& s, const votess::Tessellation& t, bool outside) {
+    std::size_t cells = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        bool beyond = false;
+        for (std::size_t k = 0; k < 3; ++k)
+            beyond = beyond || !(s.points[3 * i + k] >= 0 && s.points[3 * i + k] <= 1);
+        if (beyond == outside && t.status()[i] == certified) ++cells;
+    }
+    return cells;
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
+    TEST_CASE("outside: seeds that are kept have exactly the parts of their cells inside") {
+        for (int kind = 0; kind < kinds_of_domain; ++kind)
+            for (const bool weighted : {false, true})
+                for (const double far : {0.3, 5.0}) {
+                    CAPTURE(kind);
+                    CAPTURE(weighted);
+                    CAPTURE(far);
+                    const Scattered s = scattered(kind, 24, far, weighted, 7 + static_cast<std::uint64_t>(kind));
+                    const auto t = votess::tessellate(s.points, s.options);
+                    CHECK(test::check_against_half_spaces(t, s.points, s.options) == "");
+                    CHECK(test::check_domain(t) == "");
+                    CHECK(votess::verify(t, s.points).failure == "");
+                    if (weighted || far < 1) CHECK(cells_of(s, t, true) > 0);
+                    CHECK(std::ranges::find(t.status(), outside) == t.status().end());
+                }
+    }
+
     TEST_CASE("outside: a seed beyond the box is refused") {
         const Options options = test::all_options(test::unit_box());
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -98,7 +163,7 @@ TEST_SUITE("cases") {
         const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
         CHECK(refusal(points, options) ==
               "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
-              "0.693: move it, or drop points outside (outside = drop)");
+              "0.693: move it, or drop points outside (outside = drop) or keep them (outside = keep)");
         options.outside = votess::Outside::drop;
         const auto t = votess::tessellate(points, options);
         CHECK(statuses(t) == std::vector{certified, outside, certified, certified});  // the third is on the wall

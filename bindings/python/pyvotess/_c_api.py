@@ -65,7 +65,7 @@ WANT_BITS: Dict[str, int] = {
     "faces": 512,
 }
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
-OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
+OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1, "keep": 2}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 #: Options whose value is a word.
 WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE, "precision": PRECISIONS}
@@ -82,7 +82,7 @@ WantName = Literal[
     "face_vertices", "status", "duplicate_of", "ids",
 ]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
-OutsideWord = Literal["error", "drop"]
+OutsideWord = Literal["error", "drop", "keep"]
 PrecisionWord = Literal["single", "double"]
 NaturalWord = Literal["sibson", "laplace"]
 GridWord = Literal["mean", "dtfe", "nearest", "sibson"]

@@ -89,8 +89,9 @@ def tessellate(
         lists, areas, normals, polygons and face counts; walls and vertices stay. The cell of lower index decides for
         both, so lists stay symmetric. 0 drops none.
     min_area : drop faces below this area, as min_face does; the larger limit counts (length unit squared).
-    outside : "error" or "drop"; points outside the domain: an error, or dropped, which leaves an empty cell with
-        the status `outside`.
+    outside : "error" or "drop" or "keep"; points outside the domain: an error; or dropped, which leaves an empty
+        cell with the status `outside`; or kept, which gives each the part of its cell inside the domain, or the status
+        `empty`.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
