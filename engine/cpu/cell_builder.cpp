@@ -188,6 +188,8 @@ std::array<double, 3> CellBuilder::way_into_domain() const {
 
 void CellBuilder::clip_if_hidden(bool beyond) {
     std::array<double, 3> x = beyond ? way_into_domain() : std::array<double, 3>{};
+    // The nearest seeds clip a cell that begins among them.
+    if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     for (int owners = 0; owners < owners_of_hidden; ++owners) {
         const std::int32_t owner = owner_of(x);
         if (owner < 0) return;

@@ -149,10 +149,9 @@ void CellWriter::write(Cell& cell) {
 // Measures as the walk does, so that results do not depend on how a cell was found; else from exact corners.
 void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
-    shape_.weighted = domain_->has_weights();
-    // The kernel measures around the seed, which must not lie beyond a wall.
     const bool beyond = probe_ == nullptr && seeds_.is_beyond(seed_);
-    if (!beyond && shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+    shape_.weighted = domain_->has_weights() || beyond;
+    if (shape_reader_.read(cell, faces_, ranks, beyond, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
         measure_exactly(cell, faces_, ranks, measures_, many_areas_);

@@ -165,7 +165,7 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
 std::array<double, 3> mirror_image(const CellPlane& wall) {
     const auto& [x, y, z] = wall.n;
     if (!wall.source.is_oblique()) return {2 * wall.h * x, 2 * wall.h * y, 2 * wall.h * z};
-    if (!wall.reliable || !(wall.h > 0)) return {};
+    if (!wall.reliable) return {};
     const double times = 2 * wall.h / (wall.norm * wall.norm);
     return {times * x, times * y, times * z};
 }

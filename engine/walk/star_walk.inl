@@ -1629,8 +1629,10 @@ void StarWalk<Isa>::wall_plane(std::int32_t id, Four& n, double& h) {
             wall.h = 2 * distance * distance;
         } else {  // moves are along walls
             const CellPlane plane = make_plane(base_.point, id, wall.plane);
-            std::ranges::copy(mirror_image(plane), wall.n.x);
-            if (plane.reliable && plane.h > 0) wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
+            if (plane.reliable && plane.h > 0) {
+                std::ranges::copy(mirror_image(plane), wall.n.x);
+                wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
+            }
         }
     }
     wide(n) = wide(wall.n) * scale_;

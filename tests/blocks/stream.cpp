@@ -229,7 +229,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
           "point 3000: y = nan is not finite");
     CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
           "point 3999: z = 2 is outside the box, which spans 0 to 1, by 1: move it, or drop points outside "
-          "(outside = drop)");
+          "(outside = drop) or keep them (outside = keep)");
     std::vector<double> radii(set.size(), 0.1);
     radii[2500] = -1;
     options.radii = radii;
