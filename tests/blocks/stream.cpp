@@ -11,6 +11,7 @@
 #include "blocks/streamed.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 #include "verify/row_checker.hpp"
 
 namespace {
@@ -67,6 +68,15 @@ std::string message(const auto& work) {
 }
 
 }  // namespace
+
+TEST_CASE("stream: seeds outside that are kept") {
+    test::Scattered s;
+    for (int kind = 0; kind < test::kinds_of_scattered; ++kind) {
+        CAPTURE(kind);
+        test::scatter(kind, test::by_size(4000, 2000), 0.2, kind % 2 == 1, 21, s);
+        check_stream({"scattered", s.points, s.options.box}, s.options);
+    }
+}
 
 TEST_CASE("stream: the families have the lists of all seeds at once") {
     std::size_t number = 0;
