@@ -445,6 +445,7 @@ void make_domain(Job& job) {
         keep_outside_box(job, *domain);
     }
     set_walls(job, *domain);
+    domain->seeds_beyond = !job.beyond.empty();
     widen_covering_radius(job, *domain);
     set_weights(job, *domain);
     job.domain = std::move(domain);
