@@ -515,6 +515,13 @@ void CellBuilder::clip_far(double from) {
     }
 }
 
+double CellBuilder::more_weight_of(const ImageNode& node) const {
+    if (seeds_.weights.empty()) return 0;
+    const double heaviest =
+        node.level < 0 ? seeds_.weights[node.node] : hierarchy_.largest_weight(node.level, node.node);
+    return std::min(more_weight_, heaviest - weight_);
+}
+
 void CellBuilder::push_far(const ImageNode& node) {
     const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_),
                                  seeds_.images->rounding_of_seeds());
@@ -555,8 +562,9 @@ void CellBuilder::clip_far_images() {
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
-        if (!cell_.in_reach(entry.images, more_weight_)) continue;
-        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
+        const double more = more_weight_of(entry.at);
+        if (!cell_.in_reach(entry.images, more)) continue;
+        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more)) continue;
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {

@@ -108,6 +108,8 @@ private:
     [[nodiscard]] std::array<double, 3> way_into_domain() const;
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
+    // Returns a bound on the excess of the weights of a node over the seed's.
+    [[nodiscard]] double more_weight_of(const ImageNode& node) const;
     void push_far(const ImageNode& node);
     void clip_far_group(const FarEntry& entry, double from);
 
