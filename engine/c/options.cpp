@@ -88,6 +88,9 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
     }
     if (given.weights != nullptr) options.weights = {given.weights, count};
     if (given.radii != nullptr) options.radii = {given.radii, count};
+    if (given.has_only == 0) return;
+    require_array(given.only, given.only_count, "options.only", "only_count");
+    options.only = std::span(given.only, given.only_count);
 }
 
 }  // namespace

@@ -134,7 +134,8 @@ void CpuClipper::set_empty(ResultBuilder& out) {
     if (job_.domain->has_weights()) sort();
     std::size_t empty = 0;
     const auto set = [&](std::size_t i, CellStatus status) {
-        if (i >= out.status().size()) return;  // after clip_first()
+        if (job_.only) i = static_cast<std::size_t>(job_.only->row_of(static_cast<std::int32_t>(i)));
+        if (i >= out.status().size()) return;  // after clip_first(), or not in the subset
         out.set_empty(i, status);
         ++empty;
     };
@@ -193,16 +194,33 @@ void CpuClipper::cut_into_blocks(std::size_t count) {
     }
 }
 
+void CpuClipper::cut_into_small_blocks(std::size_t count) {
+    const std::size_t per_block =
+        std::clamp(count / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
+    blocks_.assign(1, 0);
+    while (blocks_.back() < count) blocks_.push_back(std::min(count, blocks_.back() + per_block));
+}
+
+void CpuClipper::clip_only(ResultBuilder& out, const Share& share) {
+    std::vector<bool> wanted(job_.points.count());
+    for (const std::int32_t id : job_.only->ids()) wanted[static_cast<std::size_t>(id)] = true;
+    order_.clear();
+    for (std::size_t s = 0; s < seeds_.size(); ++s)
+        if (wanted[static_cast<std::size_t>(seeds_.input[s])]) order_.push_back(static_cast<std::int32_t>(s));
+    const std::span<std::int32_t> rows = out.allocate_cells(order_.size());
+    std::ranges::transform(order_, rows.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
+    cut_into_small_blocks(rows.size());
+    clip_blocks(
+        rows, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, false, out, share);
+}
+
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
     if (cells.empty()) return;
     prepare();
     put_in_sorted_order(cells);
     const std::span<std::int32_t> kept = out.allocate_cells(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
-    const std::size_t per_block =
-        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
-    blocks_.assign(1, 0);
-    while (blocks_.back() < kept.size()) blocks_.push_back(std::min(kept.size(), blocks_.back() + per_block));
+    cut_into_small_blocks(kept.size());
     clip_blocks(
         kept, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
     for (const std::int32_t cell : kept) {

@@ -32,6 +32,7 @@ void check(const Options& options, const FitOptions& fit) {
     check_options(options);
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
+    if (options.only) refuse("a fit needs all cells: leave out `only`");
     if (options.outside != Outside::error) refuse("points outside have no volume to fit: leave out the option `outside`");
 }
 

@@ -28,6 +28,9 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.probed())
         throw Error(ErrorCode::invalid_argument,
                     function + ": cells of probes do not form a diagram: give a result of tessellate()");
+    if (t.is_subset())
+        throw Error(ErrorCode::invalid_argument,
+                    function + ": cells of some seeds do not form a diagram: leave out `only`");
 }
 
 void move_into_domain(const Job& job, std::span<double> places) {

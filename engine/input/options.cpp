@@ -424,6 +424,27 @@ void widen_covering_radius(const Job& job, Domain& domain) {
     domain.covering_radius = (domain.covering_radius + more) * rounding;
 }
 
+// Checks and copies the seeds of the rows.
+void take_subset(Job& job) {
+    if (!job.options.only) return;
+    const auto given = *job.options.only;
+    const std::size_t count = job.points.count();
+    std::vector<bool> taken(count);
+    std::vector<std::int32_t> ids;
+    ids.reserve(given.size());
+    for (std::size_t k = 0; k < given.size(); ++k) {
+        const std::int64_t id = given[k];
+        const auto name = [&] { return "only: seed " + std::to_string(id) + " at place " + std::to_string(k); };
+        if (id < 0 || static_cast<std::uint64_t>(id) >= count)
+            refuse(name() + " is not among the " + std::to_string(count) + " points: give indices from 0 on");
+        if (taken[static_cast<std::size_t>(id)]) refuse(name() + " was named before: give each seed once");
+        taken[static_cast<std::size_t>(id)] = true;
+        ids.push_back(static_cast<std::int32_t>(id));
+    }
+    job.only = std::make_shared<const Subset>(std::move(ids));
+    job.options.only.reset();
+}
+
 void make_domain(Job& job) {
     auto domain = std::make_shared<Domain>();
     if (job.options.cell) {
@@ -511,9 +532,14 @@ void check_box(const Box& box) {
 void check_options(const Options& options) {
     each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
     check_instructions(options.instructions);
+    if (options.only && (options.min_face > 0 || options.min_area > 0))
+        refuse("min_face and min_area need the faces of all cells: leave them out, or `only`");
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+    if (options.only && options.device != "auto" && options.device != "cpu")
+        throw Error(ErrorCode::unsupported, "device " + in_quotes(options.device) +
+                                                ": the CPU makes the cells of some seeds, give cpu or auto with `only`");
     check_domain(options);
 }
 
@@ -555,6 +581,7 @@ Job validate(const Points& points, const Options& options) {
     }
     check_scaled(job);
     make_domain(job);
+    take_subset(job);
     return job;
 }
 

@@ -57,7 +57,8 @@ private:
     static constexpr std::size_t max_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     void set_output(std::size_t seed) {
-        output_ = static_cast<std::size_t>(seeds_.input[seed]);
+        const std::int32_t input = seeds_.input[seed];
+        output_ = static_cast<std::size_t>(only_ == nullptr ? input : only_->row_of(input));
         seed_ = seed;
         probe_ = nullptr;
     }
@@ -91,6 +92,7 @@ private:
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
     const Domain* domain_ = nullptr;
+    const Subset* only_ = nullptr;
     std::int32_t probe_id_ = 0, probe_number_ = 0;  // of images of a probe: in its cell, in its row
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;

@@ -70,7 +70,7 @@ std::size_t sum_of(std::span<const std::uint32_t> lengths) {
 }  // namespace
 
 void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
-    const std::size_t count = job.points.count();
+    const std::size_t count = job.rows();
     const Want& want = job.options.want;
     if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
         result_ = std::move(*job.arrays);
@@ -93,10 +93,15 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     // Scaling by a power of two loses nothing.
     result_.weights.clear();
     if (!job.options.weights.empty() || !job.options.radii.empty())
-        for (const double weight : job.domain->weights) result_.weights.push_back(weight / job.scale / job.scale);
+        for (std::size_t i = 0; i < (job.only ? count : job.domain->weights.size()); ++i) {
+            const std::size_t seed = job.only ? static_cast<std::size_t>(job.only->ids()[i]) : i;
+            result_.weights.push_back(job.domain->weights[seed] / job.scale / job.scale);
+        }
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();
+    result_.is_subset = job.only != nullptr;
+    result_.ids = job.only ? job.only->ids() : std::vector<std::int32_t>();
     result_.least_face = 0;
     result_.dropped_offsets.resize_uninitialized(0);
     result_.dropped_vertices.resize_uninitialized(0);
@@ -449,7 +454,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
         sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
     });
     stats.volume_sum = accurate_sum(sums);
-    if (faces_.cells() == cells && !result_.probed) count_tiny_faces(stats);
+    if (faces_.cells() == cells && !result_.probed && !result_.is_subset) count_tiny_faces(stats);
     stats.box_volume = box_volume_;
     stats.threads = pool.size();
     stats.peak_memory_bytes = system::peak_memory();

@@ -121,6 +121,10 @@ typedef struct votess_options {
     void* progress_user;
     votess_log_callback log;  // may be NULL
     void* log_user;
+    // The seeds whose cells to make, see Options::only in votess.hpp. has_only 0: all cells.
+    int32_t has_only;
+    uint64_t only_count;
+    const int64_t* only;  // only_count indices
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -202,6 +206,7 @@ VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* 
 VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
+VOTESS_API const int32_t* votess_result_ids(const votess_result* result, size_t* length);  // with options.only
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
 // Weights of a power diagram; walls, 4 numbers each, as in votess_options.

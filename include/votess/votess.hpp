@@ -161,6 +161,9 @@ struct Options {
     // Points outside the domain: an error; or dropped, which leaves an empty cell with the status `outside`; or kept,
     // which gives each the part of its cell inside the domain, or the status `empty`.
     Outside outside = Outside::error;
+    // The seeds whose cells to make, by index, each once; all of them if it is not set. Rows come in this order, and
+    // their neighbors are indices among all seeds. The CPU makes the cells. Copied by the call.
+    std::optional<std::span<const std::int64_t>> only;
     // List walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces of a cell
     // across a, b and c; -7, -8, ... = walls.
     bool list_walls = false;
@@ -311,6 +314,9 @@ public:
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
     [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
     [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
+    [[nodiscard]] bool is_subset() const noexcept;                   // whether Options::only was set
+    // The seeds of the rows if Options::only was set, else empty: row k is the cell of seed ids()[k].
+    [[nodiscard]] std::span<const std::int32_t> ids() const noexcept;
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
