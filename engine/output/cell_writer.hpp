@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
 #include "kernels/star_kernels.hpp"
 #include "output/polygon_writer.hpp"
@@ -41,6 +42,13 @@ public:
     }
     void write(std::size_t output, const Probe& probe, Cell& cell) {
         set_output(output, probe);
+        write(cell);
+    }
+    // Writes the cell of a seed to the place `output`.
+    void write(std::size_t output, std::size_t seed, Cell& cell) {
+        set_output(seed);
+        output_ = output;
+        moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
         write(cell);
     }
     void write_none(std::size_t output, CellStatus status);

@@ -267,7 +267,7 @@ void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
     if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
 }
 
-void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
+void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool, bool have_cells) {
     auto& r = result_;
     r.duplicate_of.resize_uninitialized(duplicate_of.size());
     std::atomic<std::uint64_t> duplicates{0};
@@ -277,7 +277,10 @@ void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, T
             r.duplicate_of[i] = duplicate_of[i];
             if (duplicate_of[i] < 0) continue;
             ++found;
-            set_empty(i, CellStatus::duplicate);
+            if (have_cells)
+                r.status[i] = CellStatus::duplicate;
+            else
+                set_empty(i, CellStatus::duplicate);
         }
         duplicates += found;
     });

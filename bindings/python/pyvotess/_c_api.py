@@ -130,6 +130,9 @@ class Options(ctypes.Structure):
         ("progress_user", c_void_p),
         ("log", LogCallback),
         ("log_user", c_void_p),
+        ("has_only", c_int32),
+        ("only_count", c_uint64),
+        ("only", c_void_p),
     ]
 
 
@@ -273,6 +276,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_cell_vertex_indices": _ARRAY,  # int32
     "votess_result_status": _ARRAY,  # uint8
     "votess_result_duplicate_of": _ARRAY,  # int32
+    "votess_result_ids": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),
     "votess_result_weights": _ARRAY,  # float64

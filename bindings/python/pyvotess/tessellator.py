@@ -44,6 +44,7 @@ def tessellate(
     k_init: int = 0,
     chunk_size: int = 0,
     instructions: str = "",
+    only: Optional[npt.ArrayLike] = None,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -92,6 +93,9 @@ def tessellate(
     outside : "error" or "drop" or "keep"; points outside the domain: an error; or dropped, which leaves an empty
         cell with the status `outside`; or kept, which gives each the part of its cell inside the domain, or the status
         `empty`.
+    only : the points whose cells to make, as indices or as a mask of N flags. The rows of the result come in this
+        order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
+        refused. The CPU makes the cells, in the time that they and the sort of all points take.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -168,6 +172,7 @@ class Tessellator:
         outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
+        only: Optional[npt.ArrayLike] = None,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())
