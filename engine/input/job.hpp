@@ -44,7 +44,7 @@ public:
     }
 
 private:
-    std::vector<std::int32_t> ids_;                           // by row
+    std::vector<std::int32_t> ids_;                            // by row
     std::vector<std::pair<std::int32_t, std::int32_t>> rows_;  // of ids, ascending
 };
 
@@ -58,7 +58,7 @@ struct Job {
     std::shared_ptr<const Domain> domain;  // times scale
     std::vector<CellStatus> outside;       // N if seeds outside are dropped: `outside` for those
     std::vector<bool> beyond;              // N if seeds outside are kept: whether a seed is one
-    std::shared_ptr<const Subset> only;  // null: all seeds have rows
+    std::shared_ptr<const Subset> only;    // null: all seeds have rows
     // N: the place of each seed in the order of the rows, if that is not the order of the indices. The last digits of
     // measures depend on this order alone.
     std::span<const std::int32_t> row_order;

@@ -194,7 +194,6 @@ void keep_seed(Job& job, std::size_t i, const exact::Point& at, double largest) 
     job.beyond[i] = true;
 }
 
-
 // Returns the distance of a seed outside, for a message; "" if it overflows. rounding: bound of its error.
 std::string distance_text(double distance, double rounding) {
     if (!std::isfinite(distance)) return {};
@@ -399,7 +398,8 @@ void keep_outside_box(Job& job, const Domain& domain) {
             beyond = beyond || (!domain.periodic[k] && !(x >= job.box.lower[k] && x <= job.box.upper[k]));
         }
         if (beyond)
-            keep_seed(job, i, scaled(exact::Point{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}, job.scale),
+            keep_seed(job, i,
+                      scaled(exact::Point{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}, job.scale),
                       largest);
     }
 }
@@ -538,8 +538,9 @@ void check_options(const Options& options) {
         refuse("device " + in_quotes(options.device) +
                " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.only && options.device != "auto" && options.device != "cpu")
-        throw Error(ErrorCode::unsupported, "device " + in_quotes(options.device) +
-                                                ": the CPU makes the cells of some seeds, give cpu or auto with `only`");
+        throw Error(ErrorCode::unsupported,
+                    "device " + in_quotes(options.device) +
+                        ": the CPU makes the cells of some seeds, give cpu or auto with `only`");
     check_domain(options);
 }
 

@@ -299,7 +299,8 @@ bool Cell::may_cut(const Box& relative, double more) {
             size += std::abs(term);
             length += std::abs(q);
         }
-        const double slack = 8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
+        const double slack =
+            8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
         found = found || !(sum > more + slack);
     });
     if (found && ++passed_ == passed_before_sharpening) sharpen();

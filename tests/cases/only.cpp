@@ -31,7 +31,8 @@ std::string difference(const votess::Tessellation& some, const votess::Tessellat
         if (!same(some.volumes()[k], all.volumes()[i])) return test::text("the volume of ", i);
         if (some.face_counts()[k] != all.face_counts()[i]) return test::text("the faces of ", i);
         for (std::size_t c = 0; c < 3; ++c)
-            if (!same(some.centroids()[3 * k + c], all.centroids()[3 * i + c])) return test::text("the centroid of ", i);
+            if (!same(some.centroids()[3 * k + c], all.centroids()[3 * i + c]))
+                return test::text("the centroid of ", i);
         const auto from = static_cast<std::size_t>(some.indptr()[k]), to = static_cast<std::size_t>(all.indptr()[i]);
         for (std::size_t e = 0; e < some.neighbors(k).size(); ++e) {
             if (some.face_areas()[from + e] != all.face_areas()[to + e]) return test::text("an area of ", i);

@@ -33,8 +33,7 @@ std::size_t cells_of(const test::Scattered& s, const votess::Tessellation& t, bo
     std::size_t cells = 0;
     for (std::size_t i = 0; i < t.size(); ++i) {
         bool beyond = false;
-        for (std::size_t k = 0; k < 3; ++k)
-            beyond = beyond || !(s.points[3 * i + k] >= 0 && s.points[3 * i + k] <= 1);
+        for (std::size_t k = 0; k < 3; ++k) beyond = beyond || !(s.points[3 * i + k] >= 0 && s.points[3 * i + k] <= 1);
         if (beyond == outside && t.status()[i] == certified) ++cells;
     }
     return cells;
@@ -61,8 +60,8 @@ TEST_SUITE("cases") {
                 }
     }
 
-    // p' = c + s (p - c) and w' = s^2 q^2 - s (q^2 - w) with q = |p - c| leave every power as it was, times s and plus the
-    // same. All numbers here are exact.
+    // p' = c + s (p - c) and w' = s^2 q^2 - s (q^2 - w) with q = |p - c| leave every power as it was, times s and plus
+    // the same. All numbers here are exact.
     TEST_CASE("outside: a Laguerre diagram whose seeds are moved out is the same") {
         test::Random random(3);
         for (const double s : {2.0, 8.0}) {

@@ -106,9 +106,7 @@ votess::Options Job::options(const std::string& device) const {
     options.periodic = periodic;
     options.cell = cell;
     options.walls = walls;
-    options.outside = keep   ? votess::Outside::keep
-                      : drop ? votess::Outside::drop
-                             : votess::Outside::error;
+    options.outside = keep ? votess::Outside::keep : drop ? votess::Outside::drop : votess::Outside::error;
     options.list_walls = list_walls;
     bool* const wants[] = {&options.want.neighbors, &options.want.volumes, &options.want.centroids,
                            &options.want.counts,    &options.want.areas,   &options.want.normals,

@@ -182,7 +182,7 @@ class Domains(unittest.TestCase):
             ("weights and radii", {"weights": np.zeros(10), "radii": np.zeros(10)}),
             ("radius 3 = -1 is negative", {"radii": [0, 0, 0, -1, 0, 0, 0, 0, 0, 0]}),
             ("weight 2 = nan", {"weights": [0, 0, float("nan"), 0, 0, 0, 0, 0, 0, 0]}),
-            ("outside is 'keep'", {"outside": "keep"}),
+            ("outside is 'far'", {"outside": "far"}),
             ("min_face", {"min_face": -1}),
             ("min_area", {"min_area": float("nan")}),
         ]:
