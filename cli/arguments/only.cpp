@@ -56,7 +56,8 @@ std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) 
 InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& only) {
     InputColumn some{column.name, column.width, {}};
     for (const std::int64_t i : only) {
-        const auto begin = column.values.begin() + static_cast<std::ptrdiff_t>(i * static_cast<std::int64_t>(column.width));
+        const auto begin =
+            column.values.begin() + static_cast<std::ptrdiff_t>(i * static_cast<std::int64_t>(column.width));
         some.values.insert(some.values.end(), begin, begin + static_cast<std::ptrdiff_t>(column.width));
     }
     return some;
@@ -66,7 +67,8 @@ Input points_of(const Input& input, const std::vector<std::int64_t>& only) {
     Input some;
     some.units = input.units;
     some.points = rows_of({"points", 3, input.points}, only).values;
-    for (const std::int64_t i : only) some.ids.push_back(input.ids.empty() ? i : input.ids[static_cast<std::size_t>(i)]);
+    for (const std::int64_t i : only)
+        some.ids.push_back(input.ids.empty() ? i : input.ids[static_cast<std::size_t>(i)]);
     return some;
 }
 
