@@ -220,9 +220,10 @@ In a periodic domain queries are wrapped)",
 added to the points: a row or polyhedron each, by --want, --list-walls and
 --format, into text, .npz, .h5 or .vtu. Neighbors are indices of points in
 the input from 0; the number of points is the query itself. Status 7:
-outside the domain; 5: at the place of a point, whose cell this is and which duplicate_of
-names; 6: heavier points leave no cell. With --weights or --radii the column of
-that name or number is read from QUERIES too; 0 if it has none)",
+outside the domain; 5: at the place of a point, whose cell this is and
+which duplicate_of names; 6: heavier points leave no cell. With --weights
+or --radii the column of that name or number is read from QUERIES too; 0 if
+it has none)",
          {.needs = Needs::all_points}},
         {"--interpolate QUERIES",
          R"(the field of --values at each point of the file QUERIES, from its natural

@@ -179,8 +179,8 @@ void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
 
 constexpr const char* outside_remedy =
     ": move it, or drop points outside (outside = drop) or keep them (outside = keep)";
-// A seed that is kept may lie this many times the largest coordinate of the domain away from 0. So no product of
-// three lengths leaves the range of double, and a centroid keeps its digits.
+// A seed that is kept may lie this many times the largest coordinate of the domain away from 0, so that no product of
+// lengths leaves the range of double.
 constexpr double farthest_kept = 0x1p40;
 
 // Refuses a seed that is too far outside to keep. at: scaled.

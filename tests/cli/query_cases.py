@@ -149,7 +149,7 @@ class Probe(CliTest):
         self.assertEqual([int(words[0]) for words in text], [0, -1, -2, -3])
         np.testing.assert_array_equal(np.array([words[1:4] for words in text], float), queries)
         self.assertEqual([[int(j) for j in words[5:] if int(j) >= 0] for words in text], [row[row >= 0].tolist() for row in rows])
-        self.assertIn(b'NumberOfCells="3"', (self.folder / "a.vtu").read_bytes())
+        self.assertIn(b'NumberOfCells="4"', (self.folder / "a.vtu").read_bytes())
         summary = self.json(*asked, "-o", "b.txt")
         self.assertEqual(list(summary), ["version", "points", "queries", "outside", "duplicates", "empty", "seconds"])
         self.assertEqual([summary[k] for k in list(summary)[1:6]], [40, 4, 0, 1, 0])
