@@ -15,6 +15,7 @@
 
 #include "arguments/arguments.hpp"
 #include "arguments/carried.hpp"
+#include "arguments/only.hpp"
 #include "core/system.hpp"
 #include "domain.hpp"
 #include "failure.hpp"
@@ -119,6 +120,8 @@ int run(const Arguments& arguments) {
     arguments.coloring.check(carried);
     summary.input_note = input.note;
     const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options);
+    std::vector<std::int64_t> only;
+    if (!arguments.only.empty()) options.only = only = read_only(arguments.only, input.size());
     // Faces for a picture add walls to the rows. An output without --list-walls then needs a second run.
     const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
     votess::Options for_picture = options;
@@ -162,9 +165,19 @@ int run(const Arguments& arguments) {
             image.emplace(arguments.picture->file).write(png);
             image->finish();
         }
+        const std::vector<std::int64_t> all_ids = input.ids;
+        std::span<const double> radii = options.radii;
+        InputColumn radii_of_rows;
+        if (options.only) {
+            input = points_of(input, only);
+            for (InputColumn& column : carried) column = rows_of(column, only);
+            if (!radii.empty())
+                radii = (radii_of_rows = rows_of({"radii", 1, {radii.begin(), radii.end()}}, only)).values;
+        }
         write_outputs(arguments.outputs,
-                      {input, tessellation, arguments.wanted, arguments.format, options.radii, domain_from, carried,
-                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii});
+                      {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried,
+                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii,
+                       all_ids});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

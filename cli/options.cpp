@@ -87,10 +87,16 @@ outside. The axis of a cone points from its apex inwards; ANGLE is that
 between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          {.repeats = true}},
-        {"--outside error|drop",
-         R"(points outside the domain: an error, or dropped, which leaves an empty cell
-with the status `outside`)",
+        {"--outside error|drop|keep",
+         R"(points outside the domain: an error; or dropped, which leaves an empty cell
+with the status `outside`; or kept, which gives each the part of its cell
+inside the domain, or the status `empty`)",
          {.member = Word<votess::Outside>(&Options::outside), .start = "error"}},
+        {"--only FILE|RANGE",
+         R"(cells of some points among all: a range of indices from 0, as 5, 0:100 or
+::10, or a file of indices. Rows come in this order, and `ids` names their
+points. Into text, .npz or .h5)",
+         {.needs = Needs::all_cells}},
         {"--min-face SHARE",
          R"(drop faces between two cells with an area below this share of the mean of
 all such faces. They leave lists, areas, normals, polygons and face counts;
@@ -234,9 +240,10 @@ In a periodic domain queries are wrapped)",
 added to the points: a row or polyhedron each, by --want, --list-walls and
 --format, into text, .npz, .h5 or .vtu. Neighbors are indices of points in
 the input from 0; the number of points is the query itself. Status 7:
-outside the domain; 5: at the place of a point, which duplicate_of names;
-6: heavier points leave no cell. With --weights or --radii the column of
-that name or number is read from QUERIES too; 0 if it has none)",
+outside the domain; 5: at the place of a point, whose cell this is and
+which duplicate_of names; 6: heavier points leave no cell. With --weights
+or --radii the column of that name or number is read from QUERIES too; 0 if
+it has none)",
          {.needs = Needs::all_points}},
         {"--interpolate QUERIES",
          R"(the field of --values at each point of the file QUERIES, from its natural

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "arguments/only.hpp"
 #include "arguments/typed.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
@@ -319,6 +320,10 @@ Arguments read_arguments(int count, const char* const* values) {
         return arguments;
     }
     read_outputs(typed, arguments);
+    if (const std::string* only = typed.value("--only")) {
+        arguments.only = *only;
+        check_only(arguments);
+    }
     arguments.picture = read_picture(typed, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;

@@ -50,6 +50,8 @@ struct Arguments {
     std::uint64_t memory = 0;    // --memory in bytes; 0: everything stays in memory
     std::string temporary;       // folder of temporary files
 
+    std::string only;  // a range or file of indices; empty: all cells
+
     bool verify = false;
     bool json = false;
     bool quiet = false;

@@ -46,12 +46,13 @@ struct OutputData {
     const TextFormat& format;
     std::span<const double> radii;  // for %r; may be empty
     const DomainFrom& domain_from;
-    const std::vector<InputColumn>& carried;  // columns of the input, after the arrays of the cells
-    const Coloring& coloring;                 // for .glb
-    bool reports_size = false;                // print the size of a .glb on stderr before it is written
-    unsigned threads = 1;                     // that make text; 0: one per processor
-    FramePlace place = FramePlace::alone;     // among the frames of the output
-    bool has_radii = false;                   // --radii is given, also where there are no points
+    const std::vector<InputColumn>& carried;     // columns of the input, after the arrays of the cells
+    const Coloring& coloring;                    // for .glb
+    bool reports_size = false;                   // print the size of a .glb on stderr before it is written
+    unsigned threads = 1;                        // that make text; 0: one per processor
+    FramePlace place = FramePlace::alone;        // among the frames of the output
+    bool has_radii = false;                      // --radii is given, also where there are no points
+    std::span<const std::int64_t> all_ids = {};  // of all points, where the input has those of a subset; may be empty
 };
 
 // An output of several frames.

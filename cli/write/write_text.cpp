@@ -150,10 +150,13 @@ private:
         return data_.input.ids.empty() ? static_cast<std::int64_t>(i) : data_.input.ids[i];
     }
 
-    // Returns the id of a neighbor, or the number of a wall, for an entry of indices. Probes list seeds by index.
+    // Returns the id of a neighbor, or the number of a wall, for an entry of indices. Probes list seeds by index. A
+    // subset has neighbors among all points.
     [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
         const std::int32_t j = cells_.indices()[entry];
-        return j < 0 || cells_.probed() ? j : id_of(static_cast<std::size_t>(j));
+        if (j < 0 || cells_.probed()) return j;
+        if (cells_.is_subset()) return data_.all_ids.empty() ? j : data_.all_ids[static_cast<std::size_t>(j)];
+        return id_of(static_cast<std::size_t>(j));
     }
 
     // Fills order_ with the entries of row i: walls first, then by id. Without ids, indices are already in that order.

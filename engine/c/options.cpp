@@ -14,6 +14,7 @@ static_assert(same(VOTESS_DUPLICATES_MERGE, Duplicates::merge));
 static_assert(same(VOTESS_DUPLICATES_ERROR, Duplicates::error));
 static_assert(same(VOTESS_OUTSIDE_ERROR, Outside::error));
 static_assert(same(VOTESS_OUTSIDE_DROP, Outside::drop));
+static_assert(same(VOTESS_OUTSIDE_KEEP, Outside::keep));
 static_assert(same(VOTESS_PRECISION_SINGLE, Precision::single));
 static_assert(same(VOTESS_PRECISION_DOUBLE, Precision::double_));
 
@@ -87,6 +88,9 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
     }
     if (given.weights != nullptr) options.weights = {given.weights, count};
     if (given.radii != nullptr) options.radii = {given.radii, count};
+    if (given.has_only == 0) return;
+    require_array(given.only, given.only_count, "options.only", "only_count");
+    options.only = std::span(given.only, given.only_count);
 }
 
 }  // namespace

@@ -132,6 +132,10 @@ int votess_result_planar(const votess_result* result) {
     return 0;
 }
 
+const int32_t* votess_result_ids(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::ids);
+}
+
 int votess_result_lists_walls(const votess_result* result) {
     if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
     set_last_error("result is NULL");

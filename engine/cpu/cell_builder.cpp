@@ -60,6 +60,7 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 
 // Returns the least power |x - q|^2 - w that the bound of a box's weights allows, rounded.
 double least_power(const Hierarchy& hierarchy, int level, std::size_t node, const Box& box, const exact::Point& x) {
+    if (!hierarchy.has_weights()) return box_distance(box, {x, x});
     const WeightBlock& bounds = hierarchy.weight_bounds(level, node / Hierarchy::fan);
     const std::size_t i = node % Hierarchy::fan;
     double power = -bounds.top[i];
@@ -100,7 +101,7 @@ void CellBuilder::set_seed(std::size_t seed) {
     coincident_ = -1;
     at_ = {seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]};
     base_ = seeds_.images == nullptr ? SeedImages::Base{at_, {}} : seeds_.images->base(seed);
-    if (!seeds_.weights.empty()) weight_ = seeds_.weights[seed];
+    weight_ = seeds_.weights.empty() ? 0 : seeds_.weights[seed];
 }
 
 void CellBuilder::start() {
@@ -167,7 +168,8 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
         for (std::size_t i = begin; i < end; ++i) {
             const double d[3] = {seeds_.x[i] - at[0], seeds_.y[i] - at[1], seeds_.z[i] - at[2]};
             const auto id = static_cast<std::int32_t>(i);
-            const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - seeds_.weights[i];
+            const double weight = seeds_.weights.empty() ? 0 : seeds_.weights[i];
+            const double power = d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - weight;
             if (!(power < least) || id == own_ || id == coincident_) continue;
             least = power;
             owner = id;
@@ -176,8 +178,18 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     return owner;
 }
 
-void CellBuilder::clip_if_hidden() {
-    std::array<double, 3> x{};
+std::array<double, 3> CellBuilder::way_into_domain() const {
+    if (domain_->triclinic || !domain_->walls.empty()) return cell_.middle();
+    std::array<double, 3> way{};
+    for (std::size_t k = 0; k < 3; ++k)
+        if (!domain_->periodic[k]) way[k] = std::clamp(at_[k], domain_->box.lower[k], domain_->box.upper[k]) - at_[k];
+    return way;
+}
+
+void CellBuilder::clip_if_hidden(bool beyond) {
+    std::array<double, 3> x = beyond ? way_into_domain() : std::array<double, 3>{};
+    // The nearest seeds clip a cell that begins among them.
+    if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     for (int owners = 0; owners < owners_of_hidden; ++owners) {
         const std::int32_t owner = owner_of(x);
         if (owner < 0) return;
@@ -353,7 +365,8 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     max_tests_ = max_tests;
     if (max_tests == 0) return nullptr;
     start();
-    if (!seeds_.weights.empty()) clip_if_hidden();
+    const bool beyond = !probing_ && seeds_.is_beyond(static_cast<std::size_t>(own_));
+    if (!seeds_.weights.empty() || beyond) clip_if_hidden(beyond);
     const double from = cell_.empty() ? infinity : clip_window();
     clip_walls();
     if (from < infinity) clip_far(from);
@@ -418,7 +431,7 @@ Cell& CellBuilder::build_from(std::size_t seed, std::span<const std::int32_t> ca
 
 Cell& CellBuilder::rebuild(CellFaces& faces) {
     cell_.canonical_faces(faces);
-    if (!plain_) return rebuild_by_planes(faces);
+    if (!plain_ || cell_.empty() || !seeds_.beyond.empty()) return rebuild_by_planes(faces);
     neighbors_.clear();
     for (const std::int32_t p : faces.planes)
         if (const std::int32_t id = cell_.planes()[p].id; id >= 0) neighbors_.push_back(id);
@@ -502,6 +515,13 @@ void CellBuilder::clip_far(double from) {
     }
 }
 
+double CellBuilder::more_weight_of(const ImageNode& node) const {
+    if (seeds_.weights.empty()) return 0;
+    const double heaviest =
+        node.level < 0 ? seeds_.weights[node.node] : hierarchy_.largest_weight(node.level, node.node);
+    return std::min(more_weight_, heaviest - weight_);
+}
+
 void CellBuilder::push_far(const ImageNode& node) {
     const Box images = seen_from({}, images_of(*domain_, box_of(node, seeds_, hierarchy_), node.shifts, at_),
                                  seeds_.images->rounding_of_seeds());
@@ -542,8 +562,9 @@ void CellBuilder::clip_far_images() {
         if (entry.distance_squared >= reach || reach <= known * known) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
-        if (!cell_.in_reach(entry.images, more_weight_)) continue;
-        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more_weight_)) continue;
+        const double more = more_weight_of(entry.at);
+        if (!cell_.in_reach(entry.images, more)) continue;
+        if (tests_ > max_tests_by_reach && !cell_.may_cut(entry.images, more)) continue;
         const bool single = entry.at.shifts.is_single();
         if (single && entry.at.shifts == ShiftRange{}) continue;  // the seeds themselves
         if (single && entry.at.level == 0) {

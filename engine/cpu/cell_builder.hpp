@@ -101,10 +101,15 @@ private:
     // the seed.
     [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& x);
     // Clips a cell that does not hold its seed by the owner of its middle, again and again, until it is empty or holds
-    // its middle. So a cell without volume takes few planes, wherever they come from.
-    void clip_if_hidden();
+    // its middle. So a cell without volume takes few planes, wherever they come from. beyond: the seed lies outside of
+    // the domain.
+    void clip_if_hidden(bool beyond);
+    // Returns the vector from a seed outside to a place of the domain, the nearest where that is known.
+    [[nodiscard]] std::array<double, 3> way_into_domain() const;
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
+    // Returns a bound on the excess of the weights of a node over the seed's.
+    [[nodiscard]] double more_weight_of(const ImageNode& node) const;
     void push_far(const ImageNode& node);
     void clip_far_group(const FarEntry& entry, double from);
 

@@ -66,6 +66,7 @@ void CpuClipper::sort() {
     else
         sort_inside(job_.points, job_.scale, job_.options.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
+    gather_beyond();
     if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
@@ -122,11 +123,19 @@ void CpuClipper::gather_weights() {
             seeds_.weights[static_cast<std::size_t>(images_.home(static_cast<std::int32_t>(image)))];
 }
 
+void CpuClipper::gather_beyond() {
+    seeds_.beyond.clear();
+    if (job_.beyond.empty()) return;
+    seeds_.beyond.reserve(seeds_.size());
+    for (const std::int32_t i : seeds_.input) seeds_.beyond.push_back(job_.beyond[static_cast<std::size_t>(i)]);
+}
+
 void CpuClipper::set_empty(ResultBuilder& out) {
     if (job_.domain->has_weights()) sort();
     std::size_t empty = 0;
     const auto set = [&](std::size_t i, CellStatus status) {
-        if (i >= out.status().size()) return;  // after clip_first()
+        if (job_.only) i = static_cast<std::size_t>(job_.only->row_of(static_cast<std::int32_t>(i)));
+        if (i >= out.status().size()) return;  // after clip_first(), or not in the subset
         out.set_empty(i, status);
         ++empty;
     };
@@ -185,16 +194,33 @@ void CpuClipper::cut_into_blocks(std::size_t count) {
     }
 }
 
+void CpuClipper::cut_into_small_blocks(std::size_t count) {
+    const std::size_t per_block =
+        std::clamp(count / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
+    blocks_.assign(1, 0);
+    while (blocks_.back() < count) blocks_.push_back(std::min(count, blocks_.back() + per_block));
+}
+
+void CpuClipper::clip_only(ResultBuilder& out, const Share& share) {
+    std::vector<bool> wanted(job_.points.count());
+    for (const std::int32_t id : job_.only->ids()) wanted[static_cast<std::size_t>(id)] = true;
+    order_.clear();
+    for (std::size_t s = 0; s < seeds_.size(); ++s)
+        if (wanted[static_cast<std::size_t>(seeds_.input[s])]) order_.push_back(static_cast<std::int32_t>(s));
+    const std::span<std::int32_t> rows = out.allocate_cells(order_.size());
+    std::ranges::transform(order_, rows.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
+    cut_into_small_blocks(rows.size());
+    clip_blocks(
+        rows, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, false, out, share);
+}
+
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
     if (cells.empty()) return;
     prepare();
     put_in_sorted_order(cells);
     const std::span<std::int32_t> kept = out.allocate_cells(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
-    const std::size_t per_block =
-        std::clamp(order_.size() / (pool_->size() * blocks_per_thread), min_block_seeds, shortest_block);
-    blocks_.assign(1, 0);
-    while (blocks_.back() < kept.size()) blocks_.push_back(std::min(kept.size(), blocks_.back() + per_block));
+    cut_into_small_blocks(kept.size());
     clip_blocks(
         kept, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
     for (const std::int32_t cell : kept) {
@@ -274,7 +300,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (!worker.budget.worth_a_star() || !worker.star->build(seed)) {
+            if (seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
                 search(seed, worker);
                 continue;
             }

@@ -47,6 +47,8 @@ public:
     void sort();
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
+    // Replaces clip_all(): makes the cells of the job's subset.
+    void clip_only(ResultBuilder& out, const Share& share);
     // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
     // points are only neighbors. powers: by cell, Star::power_found(), or the power of all vertices of a clipped cell.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
@@ -69,10 +71,18 @@ private:
     };
 
     void gather_weights();
+    void gather_beyond();
     void begin_workers(ResultBuilder& out);
     void find_positions();
     void put_in_sorted_order(std::span<const std::int32_t> cells);
     void cut_into_blocks(std::size_t count);
+    // Cuts few cells, so that all threads get some.
+    void cut_into_small_blocks(std::size_t count);
+    // Returns the row of a sorted seed.
+    [[nodiscard]] std::int32_t row_of(std::size_t seed) const {
+        const std::int32_t input = seeds_.input[seed];
+        return job_.only ? job_.only->row_of(input) : input;
+    }
     // cells[k] is the input index of the sorted seed seed_at(k). blocks_ holds the beginnings of tasks.
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,

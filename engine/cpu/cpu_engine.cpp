@@ -1,5 +1,8 @@
 #include "cpu/cpu_engine.hpp"
 
+#include <algorithm>
+#include <vector>
+
 #include "input/snapshot.hpp"
 
 namespace votess::cpu {
@@ -20,10 +23,20 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
     result_.touch(1, 0, clipper_.pool());
-    clipper_.clip_all(result_, clipping);
+    if (job.only)
+        clipper_.clip_only(result_, clipping);
+    else
+        clipper_.clip_all(result_, clipping);
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
-    result_.set_duplicates(clipper_.duplicate_of(), clipper_.pool());
+    std::span<const std::int32_t> duplicate_of = clipper_.duplicate_of();
+    std::vector<std::int32_t> of_rows;
+    if (job.only && !duplicate_of.empty()) {
+        for (const std::int32_t id : job.only->ids()) of_rows.push_back(duplicate_of[static_cast<std::size_t>(id)]);
+        if (std::ranges::all_of(of_rows, [](std::int32_t of) { return of < 0; })) of_rows.clear();
+        duplicate_of = of_rows;
+    }
+    result_.set_duplicates(duplicate_of, clipper_.pool());
     clipper_.release_pages();
     result_.finish(result, clipper_.pool());
     result.stats.device = "cpu";

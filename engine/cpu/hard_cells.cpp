@@ -56,7 +56,7 @@ bool CpuClipper::triangulate() {
 template <class Build>
 void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder& out, const Build& build) {
     const std::span<std::int32_t> cells = out.allocate_cells(seeds.size());
-    std::ranges::transform(seeds, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
+    std::ranges::transform(seeds, cells.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
     pool_->run(ceil_div(cells.size(), block_cells), [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);

@@ -34,6 +34,8 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::invalid_argument,
                     "min_face and min_area drop faces of a result: a Diagram has whole cells, leave them out");
+    if (options.only)
+        throw Error(ErrorCode::invalid_argument, "a Diagram needs all seeds: leave out `only`, and probe some places");
     if (points.size() / 3 > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported,
                     std::to_string(points.size() / 3) + " seeds are too many: at most 2147483647");

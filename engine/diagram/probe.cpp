@@ -48,7 +48,7 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
     for (const DiagramState::Searcher& searcher : state.searchers) state.result.count(searcher.rows.counters());
     clock.enter(&StageSeconds::download);
     if (std::ranges::any_of(duplicate_of, [](std::int32_t seed) { return seed >= 0; }))
-        state.result.set_duplicates(duplicate_of, pool);
+        state.result.set_duplicates(duplicate_of, pool, true);
     auto result = std::make_shared<Result>();
     state.result.finish(*result, pool);
     result->stats.device = "cpu";

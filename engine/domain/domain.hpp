@@ -44,6 +44,7 @@ struct Domain {
     double volume = 0;
     std::vector<exact::Plane> walls;  // ids -7, -8, ... in this order
     WallTree wall_tree;               // of many walls, else empty
+    bool seeds_beyond = false;        // some seeds of the job lie beyond walls
 
     bool triclinic = false;
     exact::Point origin{};

@@ -32,7 +32,9 @@ void check(const Options& options, const FitOptions& fit) {
     check_options(options);
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
-    if (options.outside != Outside::error) refuse("points that are dropped have no volume: leave out Outside::drop");
+    if (options.only) refuse("a fit needs all cells: leave out `only`");
+    if (options.outside != Outside::error)
+        refuse("points outside have no volume to fit: leave out the option `outside`");
 }
 
 // Returns the targets as volumes that sum to that of the domain.

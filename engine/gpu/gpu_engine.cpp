@@ -70,6 +70,9 @@ void GpuEngine::run(const Job& job, const DeviceDomain* domain, StageClock& cloc
     device_clips_ = domain != nullptr && job_.points.count() > 0 && find_seeds(*domain);
     if (device_clips_) {
         find_parts();
+        // A shader takes a seed beyond a wall for one on it.
+        for (std::size_t i = 0; i < job_.beyond.size(); ++i)
+            if (job_.beyond[i]) pending_.add(static_cast<std::int32_t>(i), &FallbackReasons::domain);
         for (std::size_t index = 0; index < parts_->size(); ++index) {
             clock.enter(&StageSeconds::upload);
             upload_part(index);
@@ -136,6 +139,7 @@ bool GpuEngine::find_seeds(const DeviceDomain& domain) {
         periodic_ = periodic_part(job_, *domain.images, max_seeds(), clipper_.pool());
         if (!periodic_) return false;
     }
+    if (!job_.beyond.empty() && job_.points.count() > max_seeds()) return false;
     box_ = domain.box;
     seeds_.set_walls(device_walls(job_, box_));
     return true;

@@ -43,6 +43,7 @@ public:
         return {{b.lower[0][i], b.lower[1][i], b.lower[2][i]}, {b.upper[0][i], b.upper[1][i], b.upper[2][i]}};
     }
 
+    [[nodiscard]] bool has_weights() const { return has_weights_; }
     // 0 without weights.
     [[nodiscard]] double largest_weight(int level, std::size_t node) const {
         return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;

@@ -300,7 +300,10 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     double size = widest;
     for (int k = 0; k < 3; ++k) {
         double extent = std::abs(domain_->origin[k]) + widest;
-        for (int j = 0; j < 3; ++j) extent += 2 * std::abs(basis_->vector[j][k]);
+        for (std::size_t j = 0; j < 3; ++j) {  // seeds may lie beyond walls
+            const double farthest = 1 + std::max(std::abs(all.lower[j]), std::abs(all.upper[j]));
+            extent += std::max(2.0, farthest) * std::abs(basis_->vector[j][k]);
+        }
         size = std::max(size, extent);
     }
     for (int j = 0; j < 3; ++j) {

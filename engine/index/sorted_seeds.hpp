@@ -24,9 +24,11 @@ struct SortedSeeds {
     const SeedImages* images = nullptr;  // of a periodic domain, else null
     std::size_t images_end = 0;          // behind the last image, in a periodic domain
     std::vector<double> weights;         // of all places in a power diagram, padding too; else empty
+    std::vector<bool> beyond;            // M if some lie outside of the domain: whether a seed does
 
     [[nodiscard]] std::size_t size() const { return input.size(); }  // M
     [[nodiscard]] std::size_t places() const { return x.size(); }
+    [[nodiscard]] bool is_beyond(std::size_t seed) const { return !beyond.empty() && beyond[seed]; }
     [[nodiscard]] std::size_t group_end(std::size_t begin) const {
         const std::size_t end = begin + group_size;
         return begin < size() ? std::min(end, size()) : std::min(end, images_end);

@@ -1,5 +1,7 @@
 #include "input/domain_of_result.hpp"
 
+#include <algorithm>
+
 #include "core/progress.hpp"
 #include "input/options.hpp"
 
@@ -18,7 +20,8 @@ Options domain_options(const Tessellation& t) {
         options.box = t.box(), options.periodic = t.periodic();
     options.walls.assign(t.walls().begin(), t.walls().end());
     options.planar = t.planar();
-    options.outside = Outside::drop;
+    const bool dropped = std::ranges::find(t.status(), CellStatus::outside) != t.status().end();
+    options.outside = dropped ? Outside::drop : Outside::keep;
     return options;
 }
 
@@ -26,6 +29,9 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.probed())
         throw Error(ErrorCode::invalid_argument,
                     function + ": cells of probes do not form a diagram: give a result of tessellate()");
+    if (t.is_subset())
+        throw Error(ErrorCode::invalid_argument,
+                    function + ": cells of some seeds do not form a diagram: leave out `only`");
     if (t.planar()) throw Error(ErrorCode::invalid_argument, function + ": works in three dimensions only");
 }
 

@@ -21,7 +21,7 @@ constexpr struct {
 // greatest one, the words in the order of the enumerators, or anything. tools/options.py writes the calls.
 template <class Use>
 void each_option(const Use& use) {
-    use("outside", &Options::outside, &votess_options::outside, std::array{"error", "drop"});
+    use("outside", &Options::outside, &votess_options::outside, std::array{"error", "drop", "keep"});
     use("min_face", &Options::min_face, &votess_options::min_face, UpTo<double>{infinity});
     use("min_area", &Options::min_area, &votess_options::min_area, UpTo<double>{infinity});
     use("duplicates", &Options::duplicates, &votess_options::duplicates, std::array{"merge", "error"});

@@ -90,6 +90,12 @@ std::array<double, 3> scaled(const std::array<double, 3>& x, double scale) {
     return {x[0] * scale, x[1] * scale, x[2] * scale};
 }
 
+exact::Point middle_of(const Box& box) {
+    exact::Point middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * box.lower[k] + 0.5 * box.upper[k];
+    return middle;
+}
+
 double volume_of(const Box& box) {
     double volume = 1;
     for (int k = 0; k < 3; ++k) volume *= box.upper[k] - box.lower[k];
@@ -171,7 +177,22 @@ void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
     outside[i] = CellStatus::outside;
 }
 
-constexpr const char* outside_remedy = ": move it, or drop points outside (outside = drop)";
+constexpr const char* outside_remedy =
+    ": move it, or drop points outside (outside = drop) or keep them (outside = keep)";
+// A seed that is kept may lie this many times the largest coordinate of the domain away from 0, so that no product of
+// lengths leaves the range of double.
+constexpr double farthest_kept = 0x1p40;
+
+// Refuses a seed that is too far outside to keep. at: scaled.
+void keep_seed(Job& job, std::size_t i, const exact::Point& at, double largest) {
+    for (std::size_t k = 0; k < 3; ++k)
+        if (!(std::abs(at[k]) <= farthest_kept * largest))
+            refuse("point " + std::to_string(job.points.first + i) + ": " + axis_name[k] + " = " +
+                   number(job.points[3 * i + k]) +
+                   " is too far outside to be kept: give at most 1e12 times the largest coordinate of the domain");
+    if (job.beyond.empty()) job.beyond.resize(job.points.count());
+    job.beyond[i] = true;
+}
 
 // Returns the distance of a seed outside, for a message; "" if it overflows. rounding: bound of its error.
 std::string distance_text(double distance, double rounding) {
@@ -224,7 +245,7 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
             if (beyond && options.outside == Outside::drop)
                 drop_seed(i, points.count(), outside);
-            else if (beyond)
+            else if (beyond && options.outside == Outside::error)
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
                        number(options.box->upper[k]) +
@@ -292,6 +313,8 @@ void set_walls(Job& job, Domain& domain) {
     std::vector<exact::Plane> as_given;
     for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
     std::optional<exact::Point> any_inside;
+    const bool keep = job.options.outside == Outside::keep;
+    const double largest = largest_coordinate(domain.box);
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (i % points_per_stop_check == 0) check_stop();
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;  // of the box
@@ -305,9 +328,13 @@ void set_walls(Job& job, Domain& domain) {
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
                    beyond_wall(walls, wall, as_given[wall], x) + outside_remedy);
-        drop_seed(i, job.points.count(), job.outside);
+        if (keep)
+            keep_seed(job, i, at, largest);
+        else
+            drop_seed(i, job.points.count(), job.outside);
     }
     job.box_volume = 0;
+    if (keep) any_inside = middle_of(domain.box);  // whichever seeds are inside
     if (!any_inside) return;
     cpu::Cell polyhedron;
     polyhedron.start(*any_inside, domain);
@@ -341,7 +368,7 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
            std::to_string(-1 - 2 * edge - side) + ")" + distance_text(farthest, 0x1p-48 * size);
 }
 
-// Refuses or drops seeds beyond the walls of a triclinic box.
+// Refuses, drops or keeps seeds beyond the walls of a triclinic box.
 void check_inside_cell(Job& job, const Domain& domain) {
     if (!domain.has_cell_walls()) return;
     for (std::size_t i = 0; i < job.points.count(); ++i) {
@@ -352,8 +379,70 @@ void check_inside_cell(Job& job, const Domain& domain) {
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
                    beyond_cell(*job.options.cell, x) + outside_remedy);
-        drop_seed(i, job.points.count(), job.outside);
+        if (job.options.outside == Outside::keep)
+            keep_seed(job, i, at, largest_coordinate(domain.box));
+        else
+            drop_seed(i, job.points.count(), job.outside);
     }
+}
+
+// Marks the seeds beyond the walls of a box.
+void keep_outside_box(Job& job, const Domain& domain) {
+    if (job.options.outside != Outside::keep || !job.options.box) return;
+    const double largest = largest_coordinate(domain.box);
+    for (std::size_t i = 0; i < job.points.count(); ++i) {
+        if (i % points_per_stop_check == 0) check_stop();
+        bool beyond = false;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = job.points[3 * i + k];
+            beyond = beyond || (!domain.periodic[k] && !(x >= job.box.lower[k] && x <= job.box.upper[k]));
+        }
+        if (beyond)
+            keep_seed(job, i,
+                      scaled(exact::Point{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]}, job.scale),
+                      largest);
+    }
+}
+
+// Seeds may be farther from places in a periodic domain where some lie beyond its walls.
+void widen_covering_radius(const Job& job, Domain& domain) {
+    if (!domain.is_periodic() || job.beyond.empty()) return;
+    Box fractions{{0, 0, 0}, {1, 1, 1}};
+    for (std::size_t i = 0; i < job.beyond.size(); ++i) {
+        if (!job.beyond[i]) continue;
+        exact::Point d;
+        for (std::size_t k = 0; k < 3; ++k) d[k] = job.points[3 * i + k] * job.scale - domain.origin[k];
+        const auto f = domain.reduced.fraction(d);
+        include(fractions, {f, f});
+    }
+    constexpr double rounding = 1 + 1e-6;
+    double more = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const auto& [x, y, z] = domain.reduced.vector[j];
+        if (!domain.periodic[j]) more += (fractions.upper[j] - fractions.lower[j] - 1) * length3(x, y, z);
+    }
+    domain.covering_radius = (domain.covering_radius + more) * rounding;
+}
+
+// Checks and copies the seeds of the rows.
+void take_subset(Job& job) {
+    if (!job.options.only) return;
+    const auto given = *job.options.only;
+    const std::size_t count = job.points.count();
+    std::vector<bool> taken(count);
+    std::vector<std::int32_t> ids;
+    ids.reserve(given.size());
+    for (std::size_t k = 0; k < given.size(); ++k) {
+        const std::int64_t id = given[k];
+        const auto name = [&] { return "only: seed " + std::to_string(id) + " at place " + std::to_string(k); };
+        if (id < 0 || static_cast<std::uint64_t>(id) >= count)
+            refuse(name() + " is not among the " + std::to_string(count) + " points: give indices from 0 on");
+        if (taken[static_cast<std::size_t>(id)]) refuse(name() + " was named before: give each seed once");
+        taken[static_cast<std::size_t>(id)] = true;
+        ids.push_back(static_cast<std::int32_t>(id));
+    }
+    job.only = std::make_shared<const Subset>(std::move(ids));
+    job.options.only.reset();
 }
 
 void make_domain(Job& job) {
@@ -374,8 +463,11 @@ void make_domain(Job& job) {
     } else {
         *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
         job.box_volume = volume_of(job.box);
+        keep_outside_box(job, *domain);
     }
     set_walls(job, *domain);
+    domain->seeds_beyond = !job.beyond.empty();
+    widen_covering_radius(job, *domain);
     set_weights(job, *domain);
     job.domain = std::move(domain);
 }
@@ -440,10 +532,16 @@ void check_box(const Box& box) {
 void check_options(const Options& options) {
     each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
     check_instructions(options.instructions);
+    if (options.only && (options.min_face > 0 || options.min_area > 0))
+        refuse("min_face and min_area need the faces of all cells: leave them out, or `only`");
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
     if (options.planar) refuse("points of the plane (planar): only tessellate() and verify() work in two dimensions");
+    if (options.only && options.device != "auto" && options.device != "cpu")
+        throw Error(ErrorCode::unsupported,
+                    "device " + in_quotes(options.device) +
+                        ": the CPU makes the cells of some seeds, give cpu or auto with `only`");
     check_domain(options);
 }
 
@@ -480,6 +578,7 @@ Job validate(const Points& points, const Options& options) {
     }
     check_scaled(job);
     make_domain(job);
+    take_subset(job);
     return job;
 }
 

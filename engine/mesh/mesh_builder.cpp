@@ -39,7 +39,7 @@ void MeshBuilder::begin(const Job& job) {
     want_faces_ = job.options.want.faces;
     unscale_ = 1 / job.scale;
     job_ = wanted_ ? job : Job{};
-    const std::size_t count = wanted_ ? job.points.count() : 0;
+    const std::size_t count = wanted_ ? job.rows() : 0;
     for (Arena* memory : {&records_memory_, &vertices_memory_}) {
         if (!wanted_) *memory = {};
         memory->reset(std::clamp(256 * count, min_segment, max_segment));
@@ -146,7 +146,7 @@ void MeshBuilder::count_vertices(detail::Result& result, ThreadPool& pool) const
 void MeshBuilder::unite_vertices(VertexSets& sets, const detail::Result& result, ThreadPool& pool) const {
     for_vertices(pool, [&](std::uint32_t begin, std::uint32_t end) { sets.init(begin, end); });
     const Rows rows{result.indptr, result.indices, result.shifts};
-    if (!job_.probes_of)
+    if (!job_.probes_of && !job_.only)
         for_blocks(pool, [&](std::size_t, std::size_t i) {
             FaceMatcher(job_, rows, records_, vertices_of_, sets).unite_faces(i);
         });

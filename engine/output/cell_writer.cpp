@@ -46,6 +46,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     want_ = job.options.want;
     walls_ = job.options.list_walls;
     domain_ = job.domain.get();
+    only_ = job.only.get();
     probe_number_ = job.probes_of.value_or(0);
     probe_id_ = std::numeric_limits<std::int32_t>::min();
     moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
@@ -69,6 +70,7 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
 }
 
 void CellWriter::prefetch(std::size_t seed) const {
+    if (only_ != nullptr) return;
     const auto input = static_cast<std::size_t>(seeds_.input[seed]);
     if (want_.volumes) __builtin_prefetch(&out_->volumes()[input], 1);
     if (want_.centroids) __builtin_prefetch(&out_->centroids()[3 * input], 1);
@@ -149,8 +151,9 @@ void CellWriter::write(Cell& cell) {
 // Measures as the walk does, so that results do not depend on how a cell was found; else from exact corners.
 void CellWriter::measure(const Cell& cell) {
     const std::span ranks = std::span(ranks_).first(ranked_ids_.size());
-    shape_.weighted = domain_->has_weights();
-    if (shape_reader_.read(cell, faces_, ranks, shape_) && kernels_->measure(shape_, measures_)) {
+    const bool beyond = probe_ == nullptr && seeds_.is_beyond(seed_);
+    shape_.weighted = domain_->has_weights() || beyond;
+    if (shape_reader_.read(cell, faces_, ranks, beyond, shape_) && kernels_->measure(shape_, measures_)) {
         face_areas_ = std::span(measures_.areas).first(faces_.size());
     } else {
         measure_exactly(cell, faces_, ranks, measures_, many_areas_);

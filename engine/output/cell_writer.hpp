@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
 #include "kernels/star_kernels.hpp"
 #include "output/polygon_writer.hpp"
@@ -43,6 +44,13 @@ public:
         set_output(output, probe);
         write(cell);
     }
+    // Writes the cell of a seed to the place `output`.
+    void write(std::size_t output, std::size_t seed, Cell& cell) {
+        set_output(seed);
+        output_ = output;
+        moved_ = seeds_.images != nullptr && seeds_.images->any_moved();
+        write(cell);
+    }
     void write_none(std::size_t output, CellStatus status);
     // Skips a cell whose row is in another block.
     void skip_row();
@@ -57,7 +65,8 @@ private:
     static constexpr std::size_t max_ranked = 256;  // ids of a row; ranking takes the square of their number
 
     void set_output(std::size_t seed) {
-        output_ = static_cast<std::size_t>(seeds_.input[seed]);
+        const std::int32_t input = seeds_.input[seed];
+        output_ = static_cast<std::size_t>(only_ == nullptr ? input : only_->row_of(input));
         seed_ = seed;
         probe_ = nullptr;
     }
@@ -91,6 +100,7 @@ private:
     const StarKernels* kernels_ = nullptr;
     ResultBuilder* out_ = nullptr;
     const Domain* domain_ = nullptr;
+    const Subset* only_ = nullptr;
     std::int32_t probe_id_ = 0, probe_number_ = 0;  // of images of a probe: in its cell, in its row
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;

@@ -70,7 +70,7 @@ std::size_t sum_of(std::span<const std::uint32_t> lengths) {
 }  // namespace
 
 void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
-    const std::size_t count = job.points.count();
+    const std::size_t count = job.rows();
     const Want& want = job.options.want;
     if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
         result_ = std::move(*job.arrays);
@@ -93,10 +93,15 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     // Scaling by a power of two loses nothing.
     result_.weights.clear();
     if (!job.options.weights.empty() || !job.options.radii.empty())
-        for (const double weight : job.domain->weights) result_.weights.push_back(weight / job.scale / job.scale);
+        for (std::size_t i = 0; i < (job.only ? count : job.domain->weights.size()); ++i) {
+            const std::size_t seed = job.only ? static_cast<std::size_t>(job.only->ids()[i]) : i;
+            result_.weights.push_back(job.domain->weights[seed] / job.scale / job.scale);
+        }
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();
+    result_.is_subset = job.only != nullptr;
+    result_.ids = job.only ? job.only->ids() : std::vector<std::int32_t>();
     result_.least_face = 0;
     result_.dropped_offsets.resize_uninitialized(0);
     result_.dropped_vertices.resize_uninitialized(0);
@@ -262,7 +267,7 @@ void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
     if (!r.face_counts.empty()) r.face_counts[i] = r.edge_counts[i] = r.vertex_counts[i] = 0;
 }
 
-void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool) {
+void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool, bool have_cells) {
     auto& r = result_;
     r.duplicate_of.resize_uninitialized(duplicate_of.size());
     std::atomic<std::uint64_t> duplicates{0};
@@ -272,7 +277,10 @@ void ResultBuilder::set_duplicates(std::span<const std::int32_t> duplicate_of, T
             r.duplicate_of[i] = duplicate_of[i];
             if (duplicate_of[i] < 0) continue;
             ++found;
-            set_empty(i, CellStatus::duplicate);
+            if (have_cells)
+                r.status[i] = CellStatus::duplicate;
+            else
+                set_empty(i, CellStatus::duplicate);
         }
         duplicates += found;
     });
@@ -449,7 +457,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
         sums[block] = accurate_sum(volumes.subspan(begin, end - begin));
     });
     stats.volume_sum = accurate_sum(sums);
-    if (faces_.cells() == cells && !result_.probed) count_tiny_faces(stats);
+    if (faces_.cells() == cells && !result_.probed && !result_.is_subset) count_tiny_faces(stats);
     stats.box_volume = box_volume_;
     stats.threads = pool.size();
     stats.peak_memory_bytes = system::peak_memory();

@@ -72,7 +72,8 @@ public:
     // From any thread. Sets a missing cell: volume and counts 0, centroid NaN.
     void set_empty(std::size_t i, CellStatus status);
     // Sets the duplicates: status, volume and counts 0, centroid NaN. duplicate_of: N, or empty if there are none.
-    void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool);
+    // have_cells: sets the status alone.
+    void set_duplicates(std::span<const std::int32_t> duplicate_of, ThreadPool& pool, bool have_cells = false);
 
     // Puts the pending rows into place and leaves room for later ones, for engines that have rows in input order.
     // later: N lengths, 0 for cells with a pending row; or none. No rows may be added from here on.

@@ -165,7 +165,7 @@ CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane&
 std::array<double, 3> mirror_image(const CellPlane& wall) {
     const auto& [x, y, z] = wall.n;
     if (!wall.source.is_oblique()) return {2 * wall.h * x, 2 * wall.h * y, 2 * wall.h * z};
-    if (!wall.reliable || !(wall.h > 0)) return {};
+    if (!wall.reliable) return {};
     const double times = 2 * wall.h / (wall.norm * wall.norm);
     return {times * x, times * y, times * z};
 }
@@ -299,7 +299,8 @@ bool Cell::may_cut(const Box& relative, double more) {
             size += std::abs(term);
             length += std::abs(q);
         }
-        const double slack = 8 * unit * (size + more) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
+        const double slack =
+            8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
         found = found || !(sum > more + slack);
     });
     if (found && ++passed_ == passed_before_sharpening) sharpen();
@@ -450,19 +451,20 @@ bool Cell::clip(std::int32_t id, const exact::Plane& source, const exact::Shift&
 }
 
 // In a power diagram the bisector with a farther seed may lie on the plane of a face. The face becomes the farther
-// seed's, whose power is least beyond the plane. The first of equal walls has the face, in whatever order clip_walls()
-// clips by them. Returns whether the planes are equal.
+// seed's, whose power is least beyond the plane. A wall takes the face of a bisector, and the first of equal walls has
+// it, in whatever order clip_walls() clips by them. Returns whether the planes are equal.
 bool Cell::replace_equal_face(const CellPlane& plane, int slot) {
     const bool is_wall = plane.source.kind == exact::Plane::Kind::wall;
     if (!is_wall && (!plane.source.is_bisector() || plane.source.is_reversed())) return false;
     for (const std::int32_t p : corners_[slot].plane) {
         CellPlane& face = planes_[p];
-        if (is_wall ? face.source.kind != plane.source.kind
-                    : (!face.source.has_power() && !plane.source.has_power()) || !face.source.is_bisector() ||
-                          face.source.is_reversed())
+        const bool of_seed = face.source.is_bisector() && !face.source.is_reversed();
+        if (is_wall ? !of_seed && face.source.kind != plane.source.kind
+                    : !of_seed || (!face.source.has_power() && !plane.source.has_power()))
             continue;
         if (!exact::same_plane(seed_, face.source, plane.source)) continue;
-        if (is_wall ? plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source)) face = plane;
+        if (is_wall ? of_seed || plane.id > face.id : exact::longer_normal(seed_, plane.source, face.source))
+            face = plane;
         return true;
     }
     return false;

@@ -47,7 +47,7 @@ struct CellPlane {
 CellPlane make_plane(const exact::Point& p, std::int32_t id, const exact::Plane& source,
                      const exact::Shift& shift = {});
 
-// Returns the vector from the seed to its mirror image in a wall; 0 if h is not reliable or not positive.
+// Returns the vector from the seed to its mirror image in a wall; 0 if h is not reliable.
 std::array<double, 3> mirror_image(const CellPlane& wall);
 
 struct CellGeometry {

@@ -22,12 +22,15 @@ CellShape::Plane plane_of(const CellPlane& plane) {
     const auto& [x, y, z] = plane.n;
     if (plane.source.is_bisector()) return {{0.5 * x, 0.5 * y, 0.5 * z}, 0.25 * plane.source.power.high};
     const auto [u, v, w] = mirror_image(plane);
+    // Both normals then point outward.
+    if (plane.h < 0) return {{-0.5 * u, -0.5 * v, -0.5 * w}, -0.5 * (u * u + v * v + w * w)};
     return {{0.5 * u, 0.5 * v, 0.5 * w}, 0};
 }
 
 }  // namespace
 
-bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, CellShape& out) {
+bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, bool beyond,
+                       CellShape& out) {
     if (faces.size() > CellShape::max_planes) return false;
     out.planes = out.slots = static_cast<int>(faces.size());
     out.corners = 0;
@@ -35,9 +38,11 @@ bool ShapeReader::read(const Cell& cell, const CellFaces& faces, std::span<const
     cell_ = &cell;
     all_.clear();
     for (std::size_t f = 0; f < faces.size(); ++f) {
+        const CellPlane& plane = cell.planes()[static_cast<std::size_t>(faces.planes[f])];
+        if (beyond && plane.id < 0 && !plane.reliable) return false;
         out.rank[f] = static_cast<std::uint8_t>(ranks[f]);
         plane_[ranks[f]] = faces.planes[f];
-        out.plane[ranks[f]] = plane_of(cell.planes()[static_cast<std::size_t>(faces.planes[f])]);
+        out.plane[ranks[f]] = plane_of(plane);
         const std::span corners = std::span(faces.corners)
                                       .subspan(static_cast<std::size_t>(faces.offsets[f]),
                                                static_cast<std::size_t>(faces.offsets[f + 1] - faces.offsets[f]));

@@ -29,7 +29,8 @@ struct CellShape {
     static constexpr int fillers = 3;
 
     // n.x = |n|^2 + power. n: half of the difference of the seeds, rounded to doubles, or half of the way to the mirror
-    // image in a wall. power: (own weight - neighbor's weight) / 4.
+    // image in a wall, reversed if the seed lies beyond it. power: (own weight - neighbor's weight) / 4; 0 for a wall
+    // before the seed.
     struct alignas(32) Plane {
         double n[3] = {};
         double power = 0;
@@ -74,8 +75,9 @@ struct CornerOrder {
 // Reads the shapes of clipped cells. One for each thread.
 class ShapeReader final : private ExactCorners {
 public:
-    // ranks: by face. Returns false for cells that are too large.
-    [[nodiscard]] bool read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks,
+    // ranks: by face. beyond: the seed lies beyond some wall; out.weighted must be set. Returns false for cells that
+    // are too large, or if the seed is too near to a wall that it may lie beyond.
+    [[nodiscard]] bool read(const Cell& cell, const CellFaces& faces, std::span<const std::uint32_t> ranks, bool beyond,
                             CellShape& out);
 
 private:

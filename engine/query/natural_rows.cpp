@@ -88,12 +88,13 @@ bool NaturalRows::buries_none(std::size_t k) {
 }
 
 // All of the weight is the seed's.
-void NaturalRows::taken(std::size_t k, std::size_t seed) {
+bool NaturalRows::taken(std::size_t k, std::size_t seed) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     entries_.clear();
     if (seeds_.weights.empty() || seeds_.weights[seed] == probes_[k].weight)
         entries_.push_back({seeds_.input[seed], 1, {unknown, unknown, unknown}});
     give(k);
+    return false;
 }
 
 void NaturalRows::read_shape(std::size_t k, Star& star) {

@@ -50,7 +50,7 @@ public:
 
     bool take(std::size_t k, Star& star) override;
     void take(std::size_t k, Cell& cell) override;
-    void taken(std::size_t k, std::size_t seed) override;
+    bool taken(std::size_t k, std::size_t seed) override;
 
 private:
     struct Entry {

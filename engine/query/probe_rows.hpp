@@ -30,12 +30,15 @@ public:
 
     bool take(std::size_t k, Star& star) override { return writer_.write(query(k), probes_[k], star); }
     void take(std::size_t k, Cell& cell) override { writer_.write(query(k), probes_[k], cell); }
-    void taken(std::size_t k, std::size_t seed) override {
-        if (!seeds_.weights.empty() && seeds_.weights[seed] > probes_[k].weight)
-            return writer_.write_none(query(k), CellStatus::empty);
+    bool taken(std::size_t k, std::size_t seed) override {
+        if (!seeds_.weights.empty() && seeds_.weights[seed] > probes_[k].weight) {
+            writer_.write_none(query(k), CellStatus::empty);
+            return false;
+        }
         duplicate_of_[query(k)] = seeds_.input[seed];
-        writer_.skip_row();
+        return true;
     }
+    void take_seed(std::size_t k, std::size_t seed, Cell& cell) override { writer_.write(query(k), seed, cell); }
 
 private:
     [[nodiscard]] std::size_t query(std::size_t k) const { return static_cast<std::size_t>(queries_[k]); }

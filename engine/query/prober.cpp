@@ -59,10 +59,13 @@ void Prober::clip(const Probe& probe, std::size_t k, ProbeSink& sink) {
     Cell& cell = builder_.build(probe);
     const std::int32_t there = builder_.coincident();
     const auto seed = static_cast<std::size_t>(there);
-    if (there >= 0 && (seeds_.weights.empty() || seeds_.weights[seed] >= probe.weight))
-        sink.taken(k, seed);
-    else
-        sink.take(k, keep_ == Star::Keep::places ? builder_.rebuild(faces_) : cell);
+    const bool placed = keep_ == Star::Keep::places;
+    if (there < 0 || (!seeds_.weights.empty() && seeds_.weights[seed] < probe.weight)) {
+        sink.take(k, placed ? builder_.rebuild(faces_) : cell);
+    } else if (sink.taken(k, seed)) {
+        Cell& of_seed = builder_.build(seed);
+        sink.take_seed(k, seed, placed ? builder_.rebuild(faces_) : of_seed);
+    }
 }
 
 }  // namespace votess::cpu

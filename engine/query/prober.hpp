@@ -18,8 +18,10 @@ public:
     // False when the star does not know the cell well enough: it comes again, clipped.
     virtual bool take(std::size_t k, Star& star) = 0;
     virtual void take(std::size_t k, Cell& cell) = 0;
-    // A sorted seed lies at the place of the probe, and is as heavy or heavier.
-    virtual void taken(std::size_t k, std::size_t seed) = 0;
+    // A sorted seed lies at the place of the probe, and is as heavy or heavier. Returns whether to call take_seed().
+    virtual bool taken(std::size_t k, std::size_t seed) = 0;
+    // Receives the cell of that seed.
+    virtual void take_seed(std::size_t /*k*/, std::size_t /*seed*/, Cell& /*cell*/) {}
 };
 
 // One per thread. The seeds and all that belongs to them stay with the caller.

@@ -17,6 +17,8 @@ struct Result {
     bool planar = false;  // in two dimensions: vectors have two components
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
+    bool is_subset = false;
+    std::vector<std::int32_t> ids;  // of the rows, in a subset
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;

@@ -123,6 +123,12 @@ bool Tessellation::planar() const noexcept {
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }
+bool Tessellation::is_subset() const noexcept {
+    return result_->is_subset;
+}
+std::span<const std::int32_t> Tessellation::ids() const noexcept {
+    return result_->ids;
+}
 bool Tessellation::probed() const noexcept {
     return result_->probed;
 }

@@ -104,7 +104,7 @@ void Engines::put(const std::string& device, std::unique_ptr<gpu::GpuEngine> eng
 
 void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
     const std::string& device = job.options.device;
-    if (device == "cpu") return state_->cpu.run(job, clock, result);
+    if (device == "cpu" || job.only) return state_->cpu.run(job, clock, result);
     std::optional<Job> again;
     try {
         const std::optional<gpu::DeviceDomain> domain = gpu::device_domain(job);

@@ -70,7 +70,9 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
         images_.pop_back();
         work_ += work_of_image;
         const Box bounds = bounds_of(next.seed, next.shifts);
-        if (!cell.in_reach(bounds, max_extra_weight()) || !cell.may_cut(bounds, max_extra_weight())) continue;
+        const double more =
+            domain_.has_weights() ? std::min(max_extra_weight(), weight_of(next.seed) - own_.weight) : 0;
+        if (!cell.in_reach(bounds, more) || !cell.may_cut(bounds, more)) continue;
         if (next.shifts.is_single())
             cut(next.seed, next.shifts, cell);
         else

@@ -175,7 +175,7 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
-    if (t.planar()) return verify_plane(t, points, options);
+    if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
     require_points(t, points, "verify");
     const Result& result = *t.result_;
     const bool single = t.stats().precision == Precision::single;

@@ -1241,7 +1241,7 @@ bool StarWalk<Isa>::give_polygons(double power) {
 // Finds out which of the planes through a vertex own an edge there.
 template <class Isa>
 bool StarWalk<Isa>::link_polygon(std::span<const std::int32_t> cells, int vertex, bool stack_them) {
-    if (cells.size() > max_ties || (weighted_ && any_parallel(cells))) return false;
+    if (cells.size() > max_ties || ((weighted_ || !seeds_.beyond.empty()) && any_parallel(cells))) return false;
     used_exact_ = true;
     corner_planes_.clear();
     for (const std::int32_t cell : cells) corner_planes_.push_back(exact_plane(cells_.id(cell)));
@@ -1495,7 +1495,7 @@ exact::Plane StarWalk<Isa>::with_power(exact::Plane plane, std::int32_t id) cons
     return plane;
 }
 
-// Whether two bisectors may be one plane. The farther seed then has the face, which the clipper decides.
+// Whether two planes may be one. The face then belongs to the wall or the farther seed, which the clipper decides.
 template <class Isa>
 bool StarWalk<Isa>::any_parallel(std::span<const std::int32_t> cells) {
     constexpr double nearly = 1e-20;
@@ -1629,8 +1629,10 @@ void StarWalk<Isa>::wall_plane(std::int32_t id, Four& n, double& h) {
             wall.h = 2 * distance * distance;
         } else {  // moves are along walls
             const CellPlane plane = make_plane(base_.point, id, wall.plane);
-            std::ranges::copy(mirror_image(plane), wall.n.x);
-            if (plane.reliable && plane.h > 0) wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
+            if (plane.reliable && plane.h > 0) {
+                std::ranges::copy(mirror_image(plane), wall.n.x);
+                wall.h = 2 * plane.h / (plane.norm * plane.norm) * plane.h;
+            }
         }
     }
     wide(n) = wide(wall.n) * scale_;

@@ -122,7 +122,8 @@ public:
     //
     // Rows name seeds. N is the query itself, which may be its own neighbor in a small periodic domain. Shifts count
     // from where the query lies inside the domain. status(): `outside` beyond the domain; `duplicate` at the place of a
-    // seed, see duplicate_of(); `empty` where the seeds leave no cell. A probe on a seed of less weight has its cell.
+    // seed, whose own cell is the answer, see duplicate_of(); `empty` where the seeds leave no cell, or at the place of
+    // a heavier seed. A probe on a seed of less weight has its cell.
     //
     // The cells overlap and share no vertices, and stats().volume_sum is not the volume of the domain. So delaunay(),
     // verify(), wrapped_points() and render() refuse the result. Throws as locate(); invalid_argument for weights

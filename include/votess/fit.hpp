@@ -62,8 +62,9 @@ private:
 // Returns weights for which the cell of point i has the volume targets[i], and the tessellation with them. Options give
 // the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start. By default,
 // and where they leave a cell empty, the start is 0. The steps use double precision.
-// Throws invalid_argument for equal points, Outside::drop, and targets that are not positive, not one for each point or
-// do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of tessellate().
+// Throws invalid_argument for equal points, Outside::drop or keep, and targets that are not positive, not one for each
+// point or do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of
+// tessellate().
 [[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
                                                const Options& options = {}, const FitOptions& fit = {});
 

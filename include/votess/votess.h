@@ -73,6 +73,7 @@ typedef enum votess_cell_status {
 
 #define VOTESS_OUTSIDE_ERROR 0
 #define VOTESS_OUTSIDE_DROP 1
+#define VOTESS_OUTSIDE_KEEP 2
 
 // Relative error of volumes, centroids and areas; see Precision in votess.hpp.
 typedef enum votess_precision {
@@ -121,6 +122,10 @@ typedef struct votess_options {
     votess_log_callback log;  // may be NULL
     void* log_user;
     int32_t planar;  // nonzero: two dimensions, see Options::planar in votess.hpp; the points are 2 * count coordinates
+    // The seeds whose cells to make, see Options::only in votess.hpp. has_only 0: all cells.
+    int32_t has_only;
+    uint64_t only_count;
+    const int64_t* only;  // only_count indices
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -204,6 +209,7 @@ VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result*
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
 VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
+VOTESS_API const int32_t* votess_result_ids(const votess_result* result, size_t* length);  // with options.only
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
 // Weights of a power diagram; walls, 4 numbers each, as in votess_options.

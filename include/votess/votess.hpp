@@ -70,7 +70,7 @@ enum class CellStatus : std::uint8_t {
     vertex_overflow = 3,       // more vertices than the engine can store
     candidates_exhausted = 4,  // the candidate list ended before the security radius
     duplicate = 5,             // no cell: a seed of lower index has the same coordinates and keeps the cell
-    empty = 6,                 // power diagrams: the cell has no interior
+    empty = 6,                 // power diagrams, and seeds outside: the cell has no interior in the domain
     outside = 7,               // the seed lies outside of box or walls and was dropped, see Options::outside
 };
 
@@ -107,6 +107,7 @@ struct Wall {
 enum class Outside : std::int32_t {
     error = 0,  // refuse the input
     drop = 1,   // seeds outside of box or walls get an empty cell with status `outside`
+    keep = 2,   // seeds outside of box or walls get the part of their cell inside, or status `empty`
 };
 
 enum class Duplicates : std::int32_t {
@@ -157,8 +158,12 @@ struct Options {
     // in a periodic domain. Without a box the walls bound the domain. On sides where they have no end within a million
     // times the size of the default box, the default box bounds it.
     std::vector<Wall> walls;
-    // Points outside the domain: an error, or dropped, which leaves an empty cell with the status `outside`.
+    // Points outside the domain: an error; or dropped, which leaves an empty cell with the status `outside`; or kept,
+    // which gives each the part of its cell inside the domain, or the status `empty`.
     Outside outside = Outside::error;
+    // The seeds whose cells to make, by index, each once; all of them if it is not set. Rows come in this order, and
+    // their neighbors are indices among all seeds. The CPU makes the cells. Copied by the call.
+    std::optional<std::span<const std::int64_t>> only;
     // List walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces of a cell
     // across a, b and c; -7, -8, ... = walls.
     bool list_walls = false;
@@ -314,9 +319,12 @@ public:
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
-    [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
-    [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
-    [[nodiscard]] bool probed() const noexcept;       // whether Diagram::probe() made the cells
+    [[nodiscard]] bool planar() const noexcept;                      // whether the cells are polygons, see Options::planar
+    [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
+    [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
+    [[nodiscard]] bool is_subset() const noexcept;                   // whether Options::only was set
+    // The seeds of the rows if Options::only was set, else empty: row k is the cell of seed ids()[k].
+    [[nodiscard]] std::span<const std::int32_t> ids() const noexcept;
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:

@@ -8,6 +8,7 @@
 #include "fuzz/kinds/kinds.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 
 namespace {
 
@@ -50,6 +51,17 @@ TEST_CASE("blocks: periodic along each subset of the axes") {
             votess::Options options = block_options(set);
             options.periodic = {(axes & 1) != 0, (axes & 2) != 0, (axes & 4) != 0};
             check_blocks(set, options);
+        }
+}
+
+TEST_CASE("blocks: seeds outside that are kept") {
+    test::Scattered s;
+    for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
+        for (const bool weighted : {false, true}) {
+            CAPTURE(kind);
+            CAPTURE(weighted);
+            test::scatter(kind, test::by_size(800, 150), kind % 2 == 0 ? 0.2 : 1.5, weighted, 9, s);
+            check_blocks({"scattered", s.points, s.options.box}, s.options);
         }
 }
 

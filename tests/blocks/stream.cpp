@@ -11,6 +11,7 @@
 #include "blocks/streamed.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 #include "verify/row_checker.hpp"
 
 namespace {
@@ -67,6 +68,15 @@ std::string message(const auto& work) {
 }
 
 }  // namespace
+
+TEST_CASE("stream: seeds outside that are kept") {
+    test::Scattered s;
+    for (int kind = 0; kind < test::kinds_of_scattered; ++kind) {
+        CAPTURE(kind);
+        test::scatter(kind, test::by_size(4000, 2000), 0.2, kind % 2 == 1, 21, s);
+        check_stream({"scattered", s.points, s.options.box}, s.options);
+    }
+}
 
 TEST_CASE("stream: the families have the lists of all seeds at once") {
     std::size_t number = 0;
@@ -229,7 +239,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
           "point 3000: y = nan is not finite");
     CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
           "point 3999: z = 2 is outside the box, which spans 0 to 1, by 1: move it, or drop points outside "
-          "(outside = drop)");
+          "(outside = drop) or keep them (outside = keep)");
     std::vector<double> radii(set.size(), 0.1);
     radii[2500] = -1;
     options.radii = radii;

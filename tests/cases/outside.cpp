@@ -7,6 +7,7 @@
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 #include "support/text.hpp"
 
 namespace {
@@ -27,9 +28,128 @@ Options dropping(const std::optional<votess::Box>& box = test::unit_box()) {
     return options;
 }
 
+// Counts the cells of seeds in the unit box or outside.
+std::size_t cells_of(const test::Scattered& s, const votess::Tessellation& t, bool outside) {
+    std::size_t cells = 0;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        bool beyond = false;
+        for (std::size_t k = 0; k < 3; ++k) beyond = beyond || !(s.points[3 * i + k] >= 0 && s.points[3 * i + k] <= 1);
+        if (beyond == outside && t.status()[i] == certified) ++cells;
+    }
+    return cells;
+}
+
 }  // namespace
 
 TEST_SUITE("cases") {
+    TEST_CASE("outside: seeds that are kept have exactly the parts of their cells inside") {
+        test::Scattered s;
+        for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
+            for (const bool weighted : {false, true})
+                for (const double far : {0.3, 5.0}) {
+                    CAPTURE(kind);
+                    CAPTURE(weighted);
+                    CAPTURE(far);
+                    test::scatter(kind, 24, far, weighted, 7 + static_cast<std::uint64_t>(kind), s);
+                    const auto t = votess::tessellate(s.points, s.options);
+                    CHECK(test::check_against_half_spaces(t, s.points, s.options) == "");
+                    CHECK(test::check_domain(t) == "");
+                    CHECK(votess::verify(t, s.points).failure == "");
+                    if (weighted || far < 1) CHECK(cells_of(s, t, true) > 0);
+                    CHECK(std::ranges::find(t.status(), outside) == t.status().end());
+                }
+    }
+
+    // p' = c + s (p - c) and w' = s^2 q^2 - s (q^2 - w) with q = |p - c| leave every power as it was, times s and plus
+    // the same. All numbers here are exact.
+    TEST_CASE("outside: a Laguerre diagram whose seeds are moved out is the same") {
+        test::Random random(3);
+        for (const double s : {2.0, 8.0}) {
+            CAPTURE(s);
+            Coordinates points, moved;
+            std::vector<double> weights, moved_weights;
+            for (std::size_t i = 0; i < 300; ++i) {
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = static_cast<double>(random.below(1 << 16)) / (1 << 16) - 0.5;
+                    square += x * x;
+                    points.push_back(x);
+                    moved.push_back(s * x);
+                }
+                const double w = static_cast<double>(random.below(1 << 10)) / (1 << 16);
+                weights.push_back(w);
+                moved_weights.push_back(s * s * square - s * (square - w));
+            }
+            Options options = test::all_options(test::cube(-0.5, 0.5));
+            options.want.vertices = options.want.faces = true;
+            options.weights = weights;
+            const auto t = votess::tessellate(points, options);
+            options.weights = moved_weights;
+            options.outside = votess::Outside::keep;
+            const auto other = votess::tessellate(moved, options);
+            CHECK(test::rows_of(other) == test::rows_of(t));
+            double worst = 0;
+            for (std::size_t i = 0; i < t.size(); ++i)
+                if (t.volumes()[i] > 0)
+                    worst = std::max(worst, std::abs(other.volumes()[i] - t.volumes()[i]) / t.volumes()[i]);
+            CHECK(worst <= 1e-12);
+            CHECK(std::ranges::equal(t.face_counts(), other.face_counts()));
+            CHECK(t.vertices().size() == other.vertices().size());
+            CHECK(votess::verify(other, moved).failure == "");
+        }
+    }
+
+    TEST_CASE("outside: many seeds that are kept, with all arrays") {
+        test::Scattered s;
+        for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
+            for (const bool weighted : {false, true}) {
+                CAPTURE(kind);
+                CAPTURE(weighted);
+                test::scatter(kind, test::by_size(1500, 300), 0.2, weighted, 40 + static_cast<std::uint64_t>(kind), s);
+                s.options.want.vertices = s.options.want.faces = true;
+                s.options.threads = 2;
+                const auto t = votess::tessellate(s.points, s.options);
+                CHECK(test::check_domain(t) == "");
+                CHECK(votess::verify(t, s.points).failure == "");
+            }
+    }
+
+    // The bisector of a seed and its mirror image is the wall, which has the face.
+    TEST_CASE("outside: mirror images in walls are kept and have no cell") {
+        for (const bool walls : {false, true}) {
+            const auto set = test::uniform(60, 5);
+            Coordinates points = set.points;
+            for (std::size_t i = 0; i < set.size(); ++i)
+                for (std::size_t k = 0; k < 3; ++k) points.push_back(k == 0 ? -points[3 * i] : points[3 * i + k]);
+            Options options = test::all_options(test::unit_box());
+            options.outside = votess::Outside::keep;
+            if (walls) {
+                options.box = test::cube(-1, 2);
+                options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 2, 40);  // so many are postponed
+                options.walls.push_back({{-1, 0, 0}, 0});
+            }
+            const auto t = votess::tessellate(points, options);
+            CHECK(test::check_right(points, options) == "");
+            CHECK(std::ranges::count(t.status(), empty) == static_cast<std::ptrdiff_t>(set.size()));
+            options.outside = votess::Outside::drop;
+            CHECK(test::rows_of(votess::tessellate(points, options)) == test::rows_of(t));
+        }
+    }
+
+    TEST_CASE("outside: how far a seed may be that is kept") {
+        Options options = test::all_options(test::unit_box());
+        options.outside = votess::Outside::keep;
+        Coordinates points{0.25, 0.5, 0.5, 0.75, 0.5, 0.25, 1e12, 0.5, 0.5, 0.5, -4e11, 0.5};
+        CHECK(test::check_right(points, options) == "");
+        // Weights that bring the cells of both into the domain.
+        const std::vector<double> weights{0, 0, 1e24 - 1.5e12, 1.6e23};
+        options.weights = weights;
+        CHECK(test::check_right(points, options) == "");
+        options.weights = {};
+        points[6] = 2e12;
+        CHECK(has(refusal(points, options), "point 2: x = 2e+12 is too far outside to be kept"));
+    }
+
     TEST_CASE("outside: a seed beyond the box is refused") {
         const Options options = test::all_options(test::unit_box());
         for (std::size_t axis = 0; axis < 3; ++axis)
@@ -98,7 +218,7 @@ TEST_SUITE("cases") {
         const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
         CHECK(refusal(points, options) ==
               "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
-              "0.693: move it, or drop points outside (outside = drop)");
+              "0.693: move it, or drop points outside (outside = drop) or keep them (outside = keep)");
         options.outside = votess::Outside::drop;
         const auto t = votess::tessellate(points, options);
         CHECK(statuses(t) == std::vector{certified, outside, certified, certified});  // the third is on the wall

@@ -16,6 +16,28 @@ class Source(CliTest):
         self.assertEqual([[float(x) for x in row[1:]] for row in rows], [list(map(float, p)) for p in expected])
         self.assertEqual([int(row[0]) for row in rows], list(range(len(expected))) if ids is None else ids)
 
+    def test_only(self):
+        points = random_points(60)
+        self.put("a.npy", points)
+        self.put("ids.txt", "7 3\n59\n")
+        every = self.rows("a.npy", "--format", "%i %v %n")
+        self.assertEqual(self.rows("a.npy", "--format", "%i %v %n", "--only", "ids.txt"), [every[k] for k in (7, 3, 59)])
+        self.assertEqual(self.rows("a.npy", "--format", "%i %v %n", "--only", "10:20:3"), every[10:20:3])
+        self.assertEqual(self.rows("a.npy", "--format", "%i %v %n", "--only", "5"), every[5:6])
+        self.run_cli("a.npy", "--only", "ids.txt", "-o", "some.npz", "-q")
+        with np.load(self.folder / "some.npz") as file:
+            self.assertEqual(file["ids"].tolist(), [7, 3, 59])
+        for arguments, says in ((["--only", "60"], "seed 60"), (["--only", "1:2:0"], "step"), (["--only", "no.txt"], "no.txt"),
+                                (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
+            self.refuse("a.npy", *arguments, says=says)
+
+    def test_outside_keep(self):
+        points = random_points(200)
+        self.put("a.npy", points)
+        summary = self.json("a.npy", "--box", "0.2,0.2,0.2,0.7,0.7,0.7", "--outside", "keep", "--verify")
+        self.assertAlmostEqual(summary["volume_sum"], 0.125, places=12)
+        self.assertGreater(summary["empty_cells"], 0)
+
     def test_text_separators_comments_and_line_ends(self):
         expected = [[1, 2, 3], [-4, 5.5, 6e-3], [0.1, 7, 8]]
         for content in ["1 2 3\n-4 5.5 6e-3\n.1 7 8\n",

@@ -81,6 +81,8 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         in >> job.chunk_size;
     } else if (word == "drop") {
         job.drop = true;
+    } else if (word == "keep") {
+        job.keep = true;
     } else if (word == "list_walls") {
         job.list_walls = true;
     } else if (word == "may_refuse") {
@@ -104,7 +106,7 @@ votess::Options Job::options(const std::string& device) const {
     options.periodic = periodic;
     options.cell = cell;
     options.walls = walls;
-    options.outside = drop ? votess::Outside::drop : votess::Outside::error;
+    options.outside = keep ? votess::Outside::keep : drop ? votess::Outside::drop : votess::Outside::error;
     options.list_walls = list_walls;
     bool* const wants[] = {&options.want.neighbors, &options.want.volumes, &options.want.centroids,
                            &options.want.counts,    &options.want.areas,   &options.want.normals,
@@ -159,7 +161,7 @@ void write(const Case& c, std::ostream& out) {
         if (job.k_init != 0) out << "k_init " << job.k_init << '\n';
         if (job.chunk_size != 0) out << "chunk " << job.chunk_size << '\n';
         for (const auto& [name, on] :
-             {std::pair{"drop", job.drop}, std::pair{"list_walls", job.list_walls},
+             {std::pair{"drop", job.drop}, std::pair{"keep", job.keep}, std::pair{"list_walls", job.list_walls},
               std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
               std::pair{"double", job.double_precision}, std::pair{"subgroup", job.by_subgroup}})
             if (on) out << name << '\n';

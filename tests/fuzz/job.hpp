@@ -23,7 +23,7 @@ struct Job {
     std::array<bool, 3> periodic{};
     std::optional<votess::TriclinicBox> cell;
     std::vector<votess::Wall> walls;
-    bool drop = false;  // seeds outside
+    bool drop = false, keep = false;  // seeds outside
     bool list_walls = false;
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;

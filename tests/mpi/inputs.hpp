@@ -75,6 +75,15 @@ inline std::vector<Input> all_inputs() {
     octahedron.options.outside = votess::Outside::drop;
     octahedron.options.walls = test::octahedron(0.6);
     all.push_back(octahedron);
+    for (const bool periodic : {false, true}) {
+        Input kept = input_of(uniform(1500, 10), ", seeds outside kept");
+        kept.options.box = cube(0.2, 0.7);
+        kept.options.outside = votess::Outside::keep;
+        kept.options.periodic = {periodic, false, false};
+        all.push_back(kept);
+        for (std::size_t i = 0; i < kept.size(); ++i) kept.radii.push_back(random.uniform(0, 0.15));
+        all.push_back(kept);
+    }
     return all;
 }
 

@@ -204,7 +204,7 @@ void check_errors(MPI_Comm comm) {
     refuses(comm,
             at_last +
                 "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop points "
-                "outside (outside = drop)",
+                "outside (outside = drop) or keep them (outside = keep)",
             bad, ids, options);
     std::vector<std::int64_t> twice = ids;
     if (is_last) twice[1] = 0;

@@ -254,8 +254,10 @@ private:
         for (std::size_t k = 0; k < 3 && !t_.centroids().empty(); ++k) {
             const Real c = seed[k] + moment[k] / volume;
             const double given = t_.centroids()[3 * i + k];
-            // The seed of a power diagram may lie far outside of its cell, whose vertices are rounded as seen from it.
-            const bool near = options_.weights.empty() && !domain_.is_periodic();
+            // A seed with a weight, or beyond a wall, may lie far outside of its cell, whose vertices are rounded as
+            // seen from it.
+            const bool near =
+                options_.weights.empty() && !domain_.is_periodic() && options_.outside != votess::Outside::keep;
             const Real rounding = near ? Real(4 * 0x1p-53 * abs(c)) : Real(1000 * 0x1p-53 * (abs(c) + length));
             if ((near || volume > 1e-280) && differs(given, c, relative * extent + rounding))
                 return text("has the centroid's coordinate ", k, " at ", given, " instead of ", c.get_d());

@@ -255,7 +255,8 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
         const HalfSpace& s = all[index];
         // Of equal planes the face is the wall's, of walls the first one's; of seeds that of the farthest behind:
         // beyond the plane it is the nearest.
-        const bool may_coincide = !options.weights.empty() || !options.walls.empty();
+        const bool may_coincide =
+            !options.weights.empty() || !options.walls.empty() || options.outside == votess::Outside::keep;
         const bool hidden = may_coincide && std::ranges::any_of(all, [&](const HalfSpace& other) {
                                 if (&other == &s || !coincide(s, other)) return false;
                                 if (other.bisector != s.bisector) return s.bisector;

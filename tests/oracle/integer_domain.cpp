@@ -117,6 +117,7 @@ IntegerDomain::IntegerDomain(std::span<const double> points, const votess::Optio
         }
         for (const Plane& plane : planes_)
             if (dot(plane.n, x) > plane.h) outside_[i] = 1;
+        if (options.outside == votess::Outside::keep) outside_[i] = 0;
         place_[i] = std::move(x);
         weight_.push_back(options.weights.empty() ? mpz_class(0) : whole(options.weights[i], 2 * quantum_));
     }

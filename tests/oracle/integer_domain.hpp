@@ -38,6 +38,7 @@ public:
     [[nodiscard]] int quantum() const { return quantum_; }  // the unit of length is 2^quantum
     // Where the seed lies inside the domain.
     [[nodiscard]] const Integers& place(std::size_t i) const { return place_[i]; }
+    // Whether the seed has no part in the diagram.
     [[nodiscard]] bool is_outside(std::size_t i) const { return outside_[i] != 0; }
 
     [[nodiscard]] IntegerPlane bisector(std::size_t i, std::size_t j, const std::array<int, 3>& shift) const;

@@ -149,7 +149,7 @@ Rates check(const Sorted& sorted, const std::vector<ExpectedCell>& cells, std::s
         cell.canonical_faces(faces);
         ids.clear();
         for (const std::int32_t plane : faces.planes) ids.push_back(cell.planes()[static_cast<std::size_t>(plane)].id);
-        REQUIRE(reader.read(cell, faces, ranks_of(ids), clipped_shape));
+        REQUIRE(reader.read(cell, faces, ranks_of(ids), false, clipped_shape));
         REQUIRE(star_kernels(kernels.name).measure(clipped_shape, again));
         REQUIRE(compare(found, again, ids.size()) == "");
     }

@@ -65,7 +65,7 @@ WANT_BITS: Dict[str, int] = {
     "faces": 512,
 }
 DUPLICATES: Dict[str, int] = {"merge": 0, "error": 1}
-OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1}
+OUTSIDE: Dict[str, int] = {"error": 0, "drop": 1, "keep": 2}
 PRECISIONS: Dict[str, int] = {"single": 0, "double": 1}
 #: Options whose value is a word.
 WORDS: Dict[str, Dict[str, int]] = {"duplicates": DUPLICATES, "outside": OUTSIDE, "precision": PRECISIONS}
@@ -82,7 +82,7 @@ WantName = Literal[
     "face_vertices", "status", "duplicate_of", "ids",
 ]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
-OutsideWord = Literal["error", "drop"]
+OutsideWord = Literal["error", "drop", "keep"]
 PrecisionWord = Literal["single", "double"]
 NaturalWord = Literal["sibson", "laplace"]
 GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
@@ -131,6 +131,9 @@ class Options(ctypes.Structure):
         ("log", LogCallback),
         ("log_user", c_void_p),
         ("planar", c_int32),
+        ("has_only", c_int32),
+        ("only_count", c_uint64),
+        ("only", c_void_p),
     ]
 
 
@@ -274,6 +277,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_cell_vertex_indices": _ARRAY,  # int32
     "votess_result_status": _ARRAY,  # uint8
     "votess_result_duplicate_of": _ARRAY,  # int32
+    "votess_result_ids": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
     "votess_result_planar": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),

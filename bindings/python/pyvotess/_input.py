@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -122,6 +122,22 @@ def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     if array.shape != (count,):
         raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
     return np.ascontiguousarray(array)
+
+
+def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
+    """Returns (M,) int64 from indices or a mask of ``count`` flags."""
+    if values is None:
+        return None
+    array = np.asarray(values)
+    if array.dtype == bool:
+        if array.shape != (count,):
+            raise ValueError(f"only is a mask of shape {array.shape} for {count} points: it must be ({count},)")
+        return np.flatnonzero(array).astype(np.int64)
+    if array.size == 0:
+        array = array.astype(np.int64)
+    if array.ndim != 1 or array.dtype.kind not in "iu":
+        raise ValueError(f"only has shape {array.shape} and type {array.dtype}: give indices, or one flag for each point")
+    return np.ascontiguousarray(array, dtype=np.int64)
 
 
 def as_vector(values: Any, name: str) -> Float64Array:

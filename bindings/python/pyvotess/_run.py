@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._call import Handle, raise_on_failure, run, showing
-from ._input import Domain, as_count, as_points, as_text, as_want, as_word
+from ._input import Domain, as_count, as_only, as_points, as_text, as_want, as_word
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -59,8 +59,11 @@ def tessellate_points(
     array, progress = as_points(given.pop("points"), planar=True), given.pop("progress")
     domain = Domain(**{field.name: given.pop(field.name) for field in fields(Domain)})
     given["planar"] = array.shape[1] == 2
+    only = as_only(given.pop("only", None), len(array))
     set_options(options, given)
     kept = domain.fill(options, len(array))
+    if only is not None:
+        options.has_only, options.only_count, options.only = 1, len(only), only.ctypes.data
     wanted = implied_words(options)
 
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate

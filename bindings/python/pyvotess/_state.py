@@ -42,7 +42,7 @@ ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
 }
 # Empty where they do not apply.
-_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0))
+_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0))
 
 _Vector = ctypes.c_double * 3
 
@@ -394,7 +394,8 @@ class SeedCells(Cells):
 
     def __getstate__(self) -> Dict[str, Any]:
         """Returns the state with the arrays and without the library's object."""
-        return dict(self.__dict__, _result=None, _places=self.wrapped_points if any(self.periodic) else None)
+        places = self.wrapped_points if any(self.periodic) and self.ids is None else None
+        return dict(self.__dict__, _result=None, _places=places)
 
     def _domain(self) -> str:
         return super()._domain() + ("" if self._domain_given else " around them")
@@ -404,6 +405,15 @@ class SeedCells(Cells):
         """Neighbor lists, N rows. Symmetric: i lists j exactly when j lists i."""
         self._check_wanted("neighbors")
         return Neighbors(self.indptr, self.indices)
+
+    @property
+    def ids(self) -> Optional[Int32Array]:
+        """(M,) int32, with ``only``: row k is the cell of point ids[k]. None if all points have rows."""
+        return self._data.arrays.get("ids")
+
+    def _check_whole(self) -> None:
+        if self.ids is not None:
+            raise ValueError("the cells of some points do not form a diagram: leave out `only`")
 
     @property
     def least_face(self) -> float:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from ._c_api import ErrorCode
+from ._c_api import CellStatus, ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -50,9 +50,10 @@ class Tessellation(SeedCells):
     def _tessellated_again(self) -> Tuple[Handle, str]:
         """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
         box = self.box if self._domain_given and self.cell is None else None
+        outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
             points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
-            origin=self.origin, walls=self.walls, outside="drop", want=self.wanted, list_walls=self.lists_walls,
+            origin=self.origin, walls=self.walls, outside=outside, only=self.ids, want=self.wanted, list_walls=self.lists_walls,
             min_area=self.least_face, progress=None,
         )  # fmt: skip
         result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), given)
@@ -86,6 +87,7 @@ class Tessellation(SeedCells):
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
+        self._check_whole()
         return make_pairs(self)
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
@@ -99,6 +101,7 @@ class Tessellation(SeedCells):
         more cells meet than in general position, as in a lattice, areas have no derivative; those of the present
         polygons are returned.
         """
+        self._check_whole()
         return make_derivatives(self, of, by)
 
     def plot(
@@ -119,6 +122,7 @@ class Tessellation(SeedCells):
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
         """
+        self._check_whole()
         from .export.plot import plot
 
         return plot(self, slice, color, ax, **style)
@@ -148,18 +152,21 @@ class Tessellation(SeedCells):
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, or a .glb above 4 GiB;
         ImportError without h5py for .h5; OSError when the file cannot be written.
         """
+        self._check_whole()
         from .export.save import save
 
         save(self, path, columns, color, colormap)
 
     def to_dataframe(self) -> Any:
         """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""
+        self._check_whole()
         from .export.packages import to_dataframe
 
         return to_dataframe(self)
 
     def to_scipy(self) -> Any:
         """Returns ``neighbors.to_scipy()``."""
+        self._check_whole()
         return self.neighbors.to_scipy()
 
     def to_networkx(self) -> Any:
@@ -168,6 +175,7 @@ class Tessellation(SeedCells):
         An edge has the smallest ``distance`` of touching images, their number of ``faces``, and with "areas" in want the
         sum of their ``area``. A seed that touches its own image has an edge to itself.
         """
+        self._check_whole()
         from .export.packages import to_networkx
 
         return to_networkx(self)
@@ -177,6 +185,7 @@ class Tessellation(SeedCells):
 
         The weights are the areas of the faces.
         """
+        self._check_whole()
         from .export.packages import to_freud
 
         return to_freud(self)
@@ -186,6 +195,7 @@ class Tessellation(SeedCells):
 
         Its cell data are those of .vtu in :meth:`save`, and ``columns``.
         """
+        self._check_whole()
         from .export.packages import to_pyvista
 
         return to_pyvista(self, columns)

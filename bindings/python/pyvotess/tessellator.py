@@ -44,6 +44,7 @@ def tessellate(
     k_init: int = 0,
     chunk_size: int = 0,
     instructions: str = "",
+    only: Optional[npt.ArrayLike] = None,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -90,8 +91,12 @@ def tessellate(
         lists, areas, normals, polygons and face counts; walls and vertices stay. The cell of lower index decides for
         both, so lists stay symmetric. 0 drops none.
     min_area : drop faces below this area, as min_face does; the larger limit counts (length unit squared).
-    outside : "error" or "drop"; points outside the domain: an error, or dropped, which leaves an empty cell with
-        the status `outside`.
+    outside : "error" or "drop" or "keep"; points outside the domain: an error; or dropped, which leaves an empty
+        cell with the status `outside`; or kept, which gives each the part of its cell inside the domain, or the status
+        `empty`.
+    only : the points whose cells to make, as indices or as a mask of N flags. The rows of the result come in this
+        order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
+        refused. The CPU makes the cells, in the time that they and the sort of all points take.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -168,7 +173,8 @@ class Tessellator:
         outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
-        ) -> Tessellation:
+        only: Optional[npt.ArrayLike] = None,
+    ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())
         del given["self"]

@@ -1,5 +1,6 @@
 """Domains: periodic and triclinic boxes, walls, weights."""
 
+import pickle
 import unittest
 
 import numpy as np
@@ -162,6 +163,45 @@ class Domains(unittest.TestCase):
                     edges.append(np.count_nonzero(lengths >= threshold))
                 self.assertEqual(table[i].tolist(), [edges.count(k + 3) for k in range(table.shape[1])])
 
+    def test_seeds_outside_that_are_kept(self):
+        p = points(3000)
+        whole = vt.tessellate(p, box=UNIT, device="cpu")
+        box = (0.3, 0.3, 0.3, 0.7, 0.7, 0.7)
+        part = vt.tessellate(p, box=box, outside="keep", device="cpu", list_walls=True)
+        deep = np.flatnonzero([(row >= 0).all() and len(row) > 0 for row in part.neighbors])
+        self.assertGreater(len(deep), 20)
+        for i in deep:
+            self.assertEqual(part.neighbors[i].tolist(), whole.neighbors[i].tolist())
+        np.testing.assert_allclose(part.volumes[deep], whole.volumes[deep], rtol=1e-12)
+        beyond = ((p < 0.3) | (p > 0.7)).any(axis=1)
+        self.assertGreater(np.count_nonzero(part.volumes[beyond]), 50)
+        self.assertEqual(set(part.status[part.volumes == 0]), {vt.CellStatus.EMPTY})
+        self.assertTrue(part.verify())
+        self.assertEqual(pickle.loads(pickle.dumps(part)).verify().failure, "")
+
+    def test_some_cells(self):
+        p = points(500)
+        all_cells = vt.tessellate(p, box=UNIT, periodic=True, device="cpu", want="neighbors,volumes,centroids")
+        ids = np.array([400, 3, 77])
+        mask = np.zeros(500, bool)
+        mask[ids] = True
+        for only, order in ((ids, ids), (ids.astype(np.int32), ids), (mask, np.sort(ids))):
+            some = vt.tessellate(p, box=UNIT, periodic=True, want="neighbors,volumes,centroids", only=only)
+            self.assertEqual(some.ids.tolist(), order.tolist())
+            np.testing.assert_array_equal(some.volumes, all_cells.volumes[order])
+            np.testing.assert_array_equal(some.centroids, all_cells.centroids[order])
+            for k, i in enumerate(order):
+                self.assertEqual(some.neighbors[k].tolist(), all_cells.neighbors[i].tolist())
+            for refused in (some.pairs, some.verify, some.to_scipy):
+                with self.assertRaisesRegex(ValueError, "some"):
+                    refused()
+            self.assertEqual(pickle.loads(pickle.dumps(some)).ids.tolist(), order.tolist())
+        self.assertEqual(len(vt.tessellate(p, only=[])), 0)
+        for only, message in (([500], "seed 500 at place 0"), ([1, 1], "named before"), (mask[:3], "mask of shape"),
+                              ([0.5], "give indices")):
+            with self.assertRaisesRegex(ValueError, message):
+                vt.tessellate(p, only=only)
+
     def test_what_is_refused(self):
         for message, arguments in [
             ("periodic is 'xx'", {"periodic": "xx"}),
@@ -182,7 +222,7 @@ class Domains(unittest.TestCase):
             ("weights and radii", {"weights": np.zeros(10), "radii": np.zeros(10)}),
             ("radius 3 = -1 is negative", {"radii": [0, 0, 0, -1, 0, 0, 0, 0, 0, 0]}),
             ("weight 2 = nan", {"weights": [0, 0, float("nan"), 0, 0, 0, 0, 0, 0, 0]}),
-            ("outside is 'keep'", {"outside": "keep"}),
+            ("outside is 'far'", {"outside": "far"}),
             ("min_face", {"min_face": -1}),
             ("min_area", {"min_area": float("nan")}),
         ]:

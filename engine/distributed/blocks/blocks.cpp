@@ -45,6 +45,8 @@ Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
         throw Error(ErrorCode::unsupported, "vertices and faces are not available across blocks: leave them out");
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::unsupported, "min_face and min_area need the faces of all cells: leave them out");
+    if (options.only)
+        throw Error(ErrorCode::unsupported, "cells of some seeds are not available across blocks: leave out `only`");
     if (options.duplicates == Duplicates::error)
         throw Error(ErrorCode::unsupported, "duplicates = error is not available across blocks: check the statuses");
     options.weights = options.radii = {};

@@ -168,10 +168,14 @@ Outline summary_of(const Outline& outline) {
 }
 
 Nearness::Nearness(const Domain& domain) : domain_(domain) {
-    double size = largest_coordinate(domain.box);
+    size_ = largest_coordinate(domain.box);
     for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t k = 0; k < 3; ++k) size = std::max(size, std::abs(domain.vector[j][k]));
-    if (domain.is_periodic()) rounding_ = 0x1p-48 * size;
+        for (std::size_t k = 0; k < 3; ++k) size_ = std::max(size_, std::abs(domain.vector[j][k]));
+}
+
+double Nearness::rounding_of(const Box& box, const Box& other) const {
+    if (!domain_.is_periodic()) return 0;
+    return 0x1p-48 * std::max({size_, largest_coordinate(box), largest_coordinate(other)});
 }
 
 template <class Task>
@@ -186,12 +190,13 @@ bool Nearness::for_images(const Box& box, const Box& home, double distance, cons
         middle[k] = 0.5 * (home.lower[k] + home.upper[k]);
         half += 0.25 * (home.upper[k] - home.lower[k]) * (home.upper[k] - home.lower[k]);
     }
-    const double reach = (distance + std::sqrt(half)) * (1 + 1e-9) + 4 * rounding_;
+    const double rounding = rounding_of(box, home);
+    const double reach = (distance + std::sqrt(half)) * (1 + 1e-9) + 4 * rounding;
     const ShiftRange range = shifts_around(domain_, box, middle, reach);
     double images = 1;
     for (std::size_t j = 0; j < 3; ++j) images *= static_cast<double>(range.upper[j]) - range.lower[j] + 1;
     if (!(images <= max_images)) return false;
-    const double near = distance + 4 * rounding_;
+    const double near = distance + 4 * rounding;
     ShiftRange one = range;
     for (one.lower[0] = range.lower[0]; one.lower[0] <= range.upper[0]; ++one.lower[0])
         for (one.lower[1] = range.lower[1]; one.lower[1] <= range.upper[1]; ++one.lower[1])
@@ -227,13 +232,14 @@ bool Nearness::is_near(const Box& box, const Box& home, double distance) const {
 void Nearness::for_unknown(const Tile& tile, const Box& known, const Box& home, double distance,
                            const std::function<void(const Box&)>& visit) const {
     const Halo halo = halo_of(tile, known);
+    const double rounding = rounding_of(tile.box, home);
     const auto near = [&](const Box& piece) {
         if (distance_squared(piece, home) <= distance * distance) visit(piece);
     };
     const auto outside_halo = [&](const Vector& by) {
         // The halo is cut from the image slab by slab. The pieces are widened by the rounding.
         Box rest = moved(tile.box, by);
-        if (halo.by.empty() || distance_squared(rest, halo.box) > 0) return near(wider(rest, rounding_));
+        if (halo.by.empty() || distance_squared(rest, halo.box) > 0) return near(wider(rest, rounding));
         for (std::size_t k = 0; k < 3; ++k) {
             for (const bool upper : {false, true}) {
                 Box piece = rest;
@@ -242,7 +248,7 @@ void Nearness::for_unknown(const Tile& tile, const Box& known, const Box& home, 
                 else
                     piece.upper[k] = std::min(piece.upper[k], halo.box.lower[k]);
                 const bool any = upper ? rest.upper[k] > halo.box.upper[k] : rest.lower[k] < halo.box.lower[k];
-                if (any) near(wider(piece, rounding_));
+                if (any) near(wider(piece, rounding));
             }
             rest.lower[k] = std::max(rest.lower[k], halo.box.lower[k]);
             rest.upper[k] = std::min(rest.upper[k], halo.box.upper[k]);

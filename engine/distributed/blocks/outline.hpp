@@ -84,8 +84,11 @@ private:
     template <class Task>
     bool for_images(const Box& box, const Box& home, double distance, const Task& task) const;
 
+    // Returns a bound on the rounding of places in two boxes, which may lie beyond walls, and of translations.
+    [[nodiscard]] double rounding_of(const Box& box, const Box& other) const;
+
     const Domain& domain_;
-    double rounding_ = 0;  // of places and translations
+    double size_ = 0;  // of the domain
 };
 
 }  // namespace votess::blocks

@@ -189,7 +189,7 @@ void Intake::scan() {
 
 blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) {
     Options options = settled;
-    options.outside = Outside::drop;  // distribute() finds a seed that is an error
+    if (options.outside == Outside::error) options.outside = Outside::drop;  // distribute() finds it
     const Job job = job_of(0, {sample_, {}, {}}, options);
     std::vector<exact::Point> places;
     for (std::size_t i = 0; i < sample_.size() / 3; ++i) {

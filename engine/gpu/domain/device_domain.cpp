@@ -68,6 +68,11 @@ double image_margin(double radius, double heavier) {
 Box device_box(const Job& job) {
     if (!has_device_walls(*job.domain)) return job.box;
     Box box = job.box;
+    for (std::size_t i = 0; i < job.beyond.size(); ++i)
+        for (std::size_t k = 0; k < 3 && job.beyond[i]; ++k) {
+            box.lower[k] = std::min(box.lower[k], job.points[3 * i + k]);
+            box.upper[k] = std::max(box.upper[k], job.points[3 * i + k]);
+        }
     leave_room(box);
     return whole_box(box, {true, true, true});
 }
@@ -103,6 +108,18 @@ std::optional<ImageRange> image_range(const Job& job) {
     return range;
 }
 
+// Returns whether all seeds lie near enough to the domain for a device's numbers.
+bool seeds_are_near(const Job& job, const Box& box) {
+    constexpr double farthest = 64;  // sides of the domain
+    if (job.beyond.empty()) return true;
+    double longest = 0, side = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        longest = std::max(longest, box.upper[k] / 2 - box.lower[k] / 2);
+        side = std::max(side, job.box.upper[k] / 2 - job.box.lower[k] / 2);
+    }
+    return !job.domain->is_periodic() && longest <= farthest * side;
+}
+
 }  // namespace
 
 std::optional<DeviceDomain> device_domain(const Job& job) {
@@ -114,6 +131,7 @@ std::optional<DeviceDomain> device_domain(const Job& job) {
     } else {
         result.box = device_box(job);
     }
+    if (!seeds_are_near(job, result.box)) return std::nullopt;
     if (job.domain->has_weights() && !weight_units(*job.domain, Units::for_box(result.box), job.scale))
         return std::nullopt;
     return result;

@@ -36,7 +36,8 @@ struct DeviceDomain {
     std::optional<ImageRange> images;  // of a periodic domain; refers to the job's domain
 };
 // Returns nothing for a job that no device clips. Its images are many times its seeds, as in a long box that lies
-// across the axes; or its weights differ too much for its size.
+// across the axes; or its weights differ too much for its size; or seeds lie beyond the walls of a periodic domain, or
+// very far away.
 [[nodiscard]] std::optional<DeviceDomain> device_domain(const Job& job);
 
 }  // namespace votess::gpu

@@ -15,7 +15,7 @@ constexpr double part_margin_spacings = 5;
 Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t max_seeds)
     : job_(job), box_(box), units_(Units::for_box(box)), max_seeds_(std::max(max_seeds, 2u)) {
     const std::size_t count = job.points.count();
-    if (count <= max_seeds_ && job.outside.empty()) {
+    if (count <= max_seeds_ && job.outside.empty() && job.beyond.empty()) {
         ends_.assign(1, count);
         return;
     }
@@ -27,6 +27,14 @@ Parts::Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const B
                (!duplicate_of.empty() && duplicate_of[seed] >= 0);
     });
     if (order_.empty()) return;
+    inside_ = order_.size();
+    if (!job.beyond.empty()) {
+        const auto beyond = std::ranges::stable_partition(
+            order_, [&](std::int32_t i) { return !job.beyond[static_cast<std::size_t>(i)]; });
+        inside_ -= beyond.size();
+        ends_.assign(1, order_.size());
+        return;
+    }
     split(0, order_.size(), order_.size() <= max_seeds_ ? max_seeds_ : max_seeds_ / 2);
 }
 
@@ -72,6 +80,7 @@ Part Parts::get(std::size_t index) const {
     const std::size_t begin = index == 0 ? 0 : ends_[index - 1], end = ends_[index];
     part.own_count = static_cast<std::uint32_t>(end - begin);
     if (ends_.size() == 1) {
+        part.own_count = static_cast<std::uint32_t>(inside_);
         part.members = order_;
         return part;
     }

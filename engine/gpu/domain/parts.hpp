@@ -30,7 +30,7 @@ struct Part : KnownSeeds {
 class Parts {
 public:
     // Makes parts of at most `max_seeds` members. One part when all points fit; else duplicates are in no part. Seeds
-    // outside of the domain are in no part either.
+    // that were dropped are in no part either. Seeds beyond walls are beside the only part.
     Parts(const Job& job, std::span<const std::int32_t> duplicate_of, const Box& box, std::uint32_t max_seeds);
 
     [[nodiscard]] std::size_t size() const { return ends_.size(); }
@@ -46,6 +46,7 @@ private:
     std::uint32_t max_seeds_;
     std::vector<std::int32_t> order_;  // part by part; empty when all points are in one
     std::vector<std::size_t> ends_;    // of each part in the order
+    std::size_t inside_ = 0;           // own seeds of the only part
 };
 
 }  // namespace votess::gpu

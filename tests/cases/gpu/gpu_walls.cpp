@@ -9,6 +9,7 @@
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 
 namespace {
 
@@ -35,6 +36,21 @@ TEST_SUITE("cases") {
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= 8);
         CHECK(compare_domain(on_device, random_points(100, 2), octahedron()).failure == "");
+    }
+
+    // The CPU makes the cells of seeds outside; of those inside, only uncertain ones.
+    TEST_CASE("gpu walls: seeds outside that are kept") {
+        votess::Tessellator on_device;
+        test::Scattered s;
+        for (const int kind : {0, 2, 3, 4}) {
+            CAPTURE(kind);
+            test::scatter(kind, test::by_size(600, 300), 0.2, false, 3, s);
+            const auto counts = compare_domain(on_device, s.points, s.options);
+            CHECK(counts.failure == "");
+            const bool periodic = kind == 2;
+            if (kind == 0) CHECK(counts.fallback < s.points.size() / 3);
+            if (periodic) CHECK(counts.fallback == s.points.size() / 3);
+        }
     }
 
     TEST_CASE("gpu walls: one wall, a wedge, walls that cut nothing, both precisions") {

@@ -22,6 +22,7 @@ constexpr Kind kinds[] = {
     {"wedges", "thin polyhedra without a box", wedges},
     {"lattices", "lattices with ties, and one unit in the last place off", lattices},
     {"spheres", "seeds on a sphere, exactly and nearly", on_spheres},
+    {"outside", "few seeds of these kinds, some beyond the walls, which are kept", kept_outside},
     {"jobs", "jobs of changing size and options that one Tessellator does", changing_jobs},
     {"many", "thousands of seeds of these kinds", many_seeds},
 };

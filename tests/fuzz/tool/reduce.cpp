@@ -69,6 +69,7 @@ private:
         reset(&Job::grid_resolution, 0u);
         reset(&Job::threads, 1u);
         reset(&Job::drop, false);
+        reset(&Job::keep, false);
         reset(&Job::list_walls, false);
         reset(&Job::want, want_rows_and_volumes);
         if (case_.jobs[k].cell)

@@ -1,0 +1,75 @@
+#include "arguments/only.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "arguments/typed.hpp"
+#include "failure.hpp"
+#include "options.hpp"
+#include "write/output.hpp"
+
+namespace clvotess {
+namespace {
+
+bool is_range(const std::string& text) {
+    return !text.empty() && text.find_first_not_of("0123456789:") == std::string::npos;
+}
+
+// As slices of Python, from 0 up.
+std::vector<std::int64_t> read_range(const std::string& text, std::size_t count) {
+    const auto parts = split(text, ':');
+    if (parts.size() > 3) throw bad_input("--only " + text + " has more than three parts: give START:STOP:STEP");
+    const auto part = [&](std::size_t k, std::uint64_t otherwise) {
+        if (k >= parts.size() || parts[k].empty()) return otherwise;
+        return whole_number("--only", std::string(parts[k]), std::uint64_t{1} << 40);
+    };
+    const std::uint64_t start = part(0, 0), step = part(2, 1);
+    const std::uint64_t stop = parts.size() == 1 ? start + 1 : std::min<std::uint64_t>(part(1, count), count);
+    if (step == 0) throw bad_input("--only " + text + " has the step 0: give 1 or more");
+    std::vector<std::int64_t> only;
+    for (std::uint64_t i = start; i < stop; i += step) only.push_back(static_cast<std::int64_t>(i));
+    return only;
+}
+
+}  // namespace
+
+void check_only(const Arguments& arguments) {
+    if (arguments.verify || arguments.has_volumes || arguments.has_density)
+        throw bad_input("--only makes some of the cells, but --verify, --volumes and --density need all: leave it out");
+    for (const std::string& path : arguments.outputs)
+        if (!carries_columns(path) || path.ends_with(".vtu"))
+            throw bad_input("--only writes text, .npz and .h5, not " + in_quotes(path));
+}
+
+std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) {
+    if (is_range(only)) return read_range(only, count);
+    std::ifstream file(only);
+    if (!file) throw bad_input("cannot read " + in_quotes(only) + ": --only takes a file of indices, or a range");
+    std::vector<std::int64_t> indices;
+    for (std::string word; file >> word;)
+        indices.push_back(static_cast<std::int64_t>(whole_number("--only", word, std::uint64_t{1} << 40)));
+    return indices;
+}
+
+InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& only) {
+    InputColumn some{column.name, column.width, {}};
+    for (const std::int64_t i : only) {
+        const auto begin =
+            column.values.begin() + static_cast<std::ptrdiff_t>(i * static_cast<std::int64_t>(column.width));
+        some.values.insert(some.values.end(), begin, begin + static_cast<std::ptrdiff_t>(column.width));
+    }
+    return some;
+}
+
+Input points_of(const Input& input, const std::vector<std::int64_t>& only) {
+    Input some;
+    some.units = input.units;
+    some.points = rows_of({"points", 3, input.points}, only).values;
+    for (const std::int64_t i : only)
+        some.ids.push_back(input.ids.empty() ? i : input.ids[static_cast<std::size_t>(i)]);
+    return some;
+}
+
+}  // namespace clvotess

@@ -1,0 +1,96 @@
+// The option `only`: the cells of some seeds among all.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "support/check.hpp"
+#include "support/random.hpp"
+#include "support/scattered.hpp"
+#include "support/text.hpp"
+
+namespace {
+
+using votess::Options;
+
+// Returns "" when the rows of a subset are those of the whole result, to the last digit.
+std::string difference(const votess::Tessellation& some, const votess::Tessellation& all,
+                       const std::vector<std::int64_t>& ids) {
+    if (some.size() != ids.size() || some.ids().size() != ids.size()) return "the number of rows";
+    const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+        const auto i = static_cast<std::size_t>(ids[k]);
+        if (some.ids()[k] != ids[k]) return test::text("the id of row ", k);
+        if (some.status()[k] != all.status()[i]) return test::text("the status of ", i);
+        if ((some.duplicate_of().empty() ? -1 : some.duplicate_of()[k]) !=
+            (all.duplicate_of().empty() ? -1 : all.duplicate_of()[i]))
+            return test::text("the duplicate of ", i);
+        if (!std::ranges::equal(some.neighbors(k), all.neighbors(i))) return test::text("the neighbors of ", i);
+        if (!same(some.volumes()[k], all.volumes()[i])) return test::text("the volume of ", i);
+        if (some.face_counts()[k] != all.face_counts()[i]) return test::text("the faces of ", i);
+        for (std::size_t c = 0; c < 3; ++c)
+            if (!same(some.centroids()[3 * k + c], all.centroids()[3 * i + c]))
+                return test::text("the centroid of ", i);
+        const auto from = static_cast<std::size_t>(some.indptr()[k]), to = static_cast<std::size_t>(all.indptr()[i]);
+        for (std::size_t e = 0; e < some.neighbors(k).size(); ++e) {
+            if (some.face_areas()[from + e] != all.face_areas()[to + e]) return test::text("an area of ", i);
+            for (std::size_t c = 0; c < 3 && !all.shifts().empty(); ++c)
+                if (some.shifts()[3 * (from + e) + c] != all.shifts()[3 * (to + e) + c])
+                    return test::text("a shift of ", i);
+        }
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("only: rows of some seeds are those of all, in every domain") {
+        test::Random random(8);
+        test::Scattered s;
+        for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
+            for (const bool weighted : {false, true}) {
+                CAPTURE(kind);
+                CAPTURE(weighted);
+                test::scatter(kind, 1000, 0.2, weighted, 5, s);
+                for (std::size_t k = 0; k < 3 * 20; ++k) s.points[3000 - 60 + k] = s.points[k];  // duplicates
+                const auto all = votess::tessellate(s.points, s.options);
+                std::vector<std::int64_t> ids;
+                for (const std::size_t i : test::permutation(1000, random))
+                    if (random.chance(0.2) || i < 10 || i >= 990) ids.push_back(static_cast<std::int64_t>(i));
+                s.options.only = ids;
+                s.options.threads = 2;
+                const auto some = votess::tessellate(s.points, s.options);
+                CHECK(difference(some, all, ids) == "");
+                s.options.want.vertices = s.options.want.faces = true;
+                const auto with_polygons = votess::tessellate(s.points, s.options);
+                CHECK(test::rows_of(with_polygons) == test::rows_of(some));
+                CHECK(with_polygons.face_offsets().size() == with_polygons.indices().size() + 1);
+                s.options.want.vertices = s.options.want.faces = false;
+                s.options.only = std::span<const std::int64_t>();
+                CHECK(votess::tessellate(s.points, s.options).size() == 0);
+            }
+    }
+
+    TEST_CASE("only: what is refused") {
+        const auto set = test::uniform(50, 1);
+        Options options = test::all_options(set.box);
+        std::vector<std::int64_t> ids{3, 7, 50};
+        options.only = ids;
+        CHECK(test::refusal(set.points, options) ==
+              "only: seed 50 at place 2 is not among the 50 points: give indices from 0 on");
+        ids[2] = 3;
+        CHECK(test::refusal(set.points, options) == "only: seed 3 at place 2 was named before: give each seed once");
+        ids[2] = 4;
+        const auto t = votess::tessellate(set.points, options);
+        CHECK(t.is_subset());
+        CHECK_THROWS_AS((void)votess::verify(t, set.points), votess::Error);
+        options.min_face = 0.1;
+        CHECK(test::has(test::refusal(set.points, options), "min_face and min_area need the faces of all cells"));
+        options.min_face = 0;
+        options.device = "gpu";
+        CHECK(test::has(test::refusal(set.points, options, votess::ErrorCode::unsupported), "cpu or auto"));
+    }
+}
