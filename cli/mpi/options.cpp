@@ -36,9 +36,10 @@ std::string help() {
     std::size_t length = 1;
     each_option([&](const Option& option) {
         if (option.traits.needs <= Needs::cells) return;
-        const std::string name = " " + long_name(option);
-        if (length + name.size() > 95) page += "\n ", length = 1;
-        page += name, length += name.size();
+        const std::string name = long_name(option);
+        if (length + 1 + name.size() > 95) page += "\n ", length = 1;
+        page += ' ' + name;
+        length += 1 + name.size();
     });
     return page + "\n\nexit codes: those of clvotess, on all ranks alike\n";
 }
