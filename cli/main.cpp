@@ -174,10 +174,9 @@ int run(const Arguments& arguments) {
             if (!radii.empty())
                 radii = (radii_of_rows = rows_of({"radii", 1, {radii.begin(), radii.end()}}, only)).values;
         }
-        write_outputs(arguments.outputs,
-                      {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried,
-                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii,
-                       all_ids});
+        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
+                                          carried, arguments.coloring, !arguments.quiet, options.threads,
+                                          FramePlace::alone, arguments.has_radii, all_ids});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

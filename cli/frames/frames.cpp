@@ -344,7 +344,8 @@ void check_frames(const Arguments& arguments) {
     if (arguments.points_alone && !arguments.outputs.empty())
         throw bad_input("--points writes to stdout: leave -o out");
     if (arguments.picture) throw bad_input("--image draws one frame: give --frame N instead of --frames");
-    if (!arguments.only.empty()) throw bad_input("--only chooses points of one frame: give --frame N instead of --frames");
+    if (!arguments.only.empty())
+        throw bad_input("--only chooses points of one frame: give --frame N instead of --frames");
     if (arguments.has_volumes) throw bad_input("--volumes fits one frame: give --frame N instead of --frames");
     check_frame_outputs(arguments.outputs);
 }

@@ -208,7 +208,7 @@ VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* 
 VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
 VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
-VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
+VOTESS_API int votess_result_planar(const votess_result* result);  // 1 for cells of the plane, else 0
 VOTESS_API const int32_t* votess_result_ids(const votess_result* result, size_t* length);  // with options.only
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0

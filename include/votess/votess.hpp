@@ -319,10 +319,10 @@ public:
     [[nodiscard]] const std::optional<TriclinicBox>& cell() const noexcept;
     [[nodiscard]] std::span<const Wall> walls() const noexcept;
     [[nodiscard]] std::span<const double> weights() const noexcept;  // N in a power diagram, else empty
-    [[nodiscard]] bool planar() const noexcept;                      // whether the cells are polygons, see Options::planar
-    [[nodiscard]] bool lists_walls() const noexcept;                 // whether the rows hold wall ids
-    [[nodiscard]] bool probed() const noexcept;                      // whether Diagram::probe() made the cells
-    [[nodiscard]] bool is_subset() const noexcept;                   // whether Options::only was set
+    [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
+    [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
+    [[nodiscard]] bool probed() const noexcept;       // whether Diagram::probe() made the cells
+    [[nodiscard]] bool is_subset() const noexcept;    // whether Options::only was set
     // The seeds of the rows if Options::only was set, else empty: row k is the cell of seed ids()[k].
     [[nodiscard]] std::span<const std::int32_t> ids() const noexcept;
     [[nodiscard]] const Stats& stats() const noexcept;

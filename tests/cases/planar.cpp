@@ -133,6 +133,13 @@ PlanarCell exact_cell(const PlanarSet& set, std::size_t i) {
                 planes.push_back({n, h, {static_cast<std::int32_t>(j), s, t}});
             }
     }
+    // In power diagrams bisectors may be one line. The edge is that of the farthest seed, whose power is least beyond.
+    // A wall keeps its edge.
+    const auto length = [](const HalfPlane& plane) {
+        return std::get<0>(plane.label) < 0 ? mpq_class(1 << 30)
+                                            : mpq_class(plane.n[0] * plane.n[0] + plane.n[1] * plane.n[1]);
+    };
+    std::ranges::stable_sort(planes, [&](const auto& a, const auto& b) { return length(a) > length(b); });
     return clip_polygon(planes);
 }
 
