@@ -277,9 +277,9 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_cell_vertex_indices": _ARRAY,  # int32
     "votess_result_status": _ARRAY,  # uint8
     "votess_result_duplicate_of": _ARRAY,  # int32
+    "votess_result_planar": (c_int, (_HANDLE,)),
     "votess_result_ids": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
-    "votess_result_planar": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),
     "votess_result_weights": _ARRAY,  # float64
     "votess_result_walls": _ARRAY,  # float64

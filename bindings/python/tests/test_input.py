@@ -106,9 +106,9 @@ class BadInput(unittest.TestCase):
         self.refused("box has dtype", points, box="unit")
 
     def test_shapes(self):
-        for shape in ((3,), (4, 2), (4, 4), (2, 2, 3), (0,), ()):
+        for shape in ((3,), (4, 1), (4, 4), (2, 2, 3), (0,), ()):
             self.refused(f"points has shape .*{len(shape) and shape[0] or ''}", np.zeros(shape))
-        self.refused(r"\(4, 2\).*\(N, 3\)", np.zeros((4, 2)))
+        self.refused(r"\(4, 4\).*\(N, 3\)", np.zeros((4, 4)))
         self.refused("points", [[1.0, 2.0, 3.0], [1.0, 2.0]])
 
     def test_types(self):
