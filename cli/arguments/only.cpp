@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "arguments/typed.hpp"
+#include "core/system.hpp"
 #include "failure.hpp"
 #include "options.hpp"
 #include "write/output.hpp"
@@ -40,12 +41,12 @@ void check_only(const Arguments& arguments) {
         throw bad_input("--only makes some of the cells, but --verify, --volumes and --density need all: leave it out");
     for (const std::string& path : arguments.outputs)
         if (!carries_columns(path) || path.ends_with(".vtu"))
-            throw bad_input("--only writes text, .npz and .h5, not " + in_quotes(path));
+            throw bad_input("--only writes text, .csv, .xyz, .dump, .npz and .h5, not " + in_quotes(path));
 }
 
 std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) {
     if (is_range(only)) return read_range(only, count);
-    std::ifstream file(only);
+    std::ifstream file(votess::system::path_of(only));
     if (!file) throw bad_input("cannot read " + in_quotes(only) + ": --only takes a file of indices, or a range");
     std::vector<std::int64_t> indices;
     for (std::string word; file >> word;)
@@ -54,8 +55,12 @@ std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) 
 }
 
 InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& only) {
-    InputColumn some{column.name, column.width, {}};
+    InputColumn some{.name = column.name, .width = column.width, .of_words = column.of_words};
     for (const std::int64_t i : only) {
+        if (column.of_words) {
+            some.words.push_back(column.words[static_cast<std::size_t>(i)]);
+            continue;
+        }
         const auto begin =
             column.values.begin() + static_cast<std::ptrdiff_t>(i * static_cast<std::int64_t>(column.width));
         some.values.insert(some.values.end(), begin, begin + static_cast<std::ptrdiff_t>(column.width));
@@ -65,10 +70,16 @@ InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& 
 
 Input points_of(const Input& input, const std::vector<std::int64_t>& only) {
     Input some;
+    some.domain = input.domain;
     some.units = input.units;
+    some.note = input.note;
+    some.frame = input.frame;
+    some.timestep = input.timestep;
     some.points = rows_of({"points", 3, input.points}, only).values;
-    for (const std::int64_t i : only)
+    for (const std::int64_t i : only) {
         some.ids.push_back(input.ids.empty() ? i : input.ids[static_cast<std::size_t>(i)]);
+        if (!input.species.empty()) some.species.push_back(input.species[static_cast<std::size_t>(i)]);
+    }
     return some;
 }
 

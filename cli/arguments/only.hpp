@@ -13,7 +13,7 @@ namespace clvotess {
 void check_only(const Arguments& arguments);
 // Returns the indices that --only names among `count` points. Throws Failure.
 [[nodiscard]] std::vector<std::int64_t> read_only(const std::string& only, std::size_t count);
-// Returns these points with their ids, which are their indices if the file has none, and their columns.
+// Returns these points with their species and ids, without columns. If the file has no ids, they are the indices.
 [[nodiscard]] Input points_of(const Input& input, const std::vector<std::int64_t>& only);
 [[nodiscard]] InputColumn rows_of(const InputColumn& column, const std::vector<std::int64_t>& only);
 

@@ -31,6 +31,15 @@ class Source(CliTest):
                                 (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
             self.refuse("a.npy", *arguments, says=says)
 
+    def test_only_keeps_words_and_species(self):
+        atoms = "".join(f"{name} {k} {k % 2} 0.5\n" for k, name in enumerate(("Cu", "Zr", "Al", "Ni")))
+        self.put("a.xyz", '4\nLattice="4 0 0 0 2 0 0 0 1" Properties=species:S:1:pos:R:3\n' + atoms)
+        every = self.rows("a.xyz", "--format", "%i %v %n", "--copy", "species")
+        self.assertEqual(self.rows("a.xyz", "--format", "%i %v %n", "--copy", "species", "--only", "1:4:2"), every[1:4:2])
+        self.run_cli("a.xyz", "--only", "1:4:2", "-o", "some.xyz", "-q")
+        names = [line.split()[0] for line in (self.folder / "some.xyz").read_text().splitlines()[2:]]
+        self.assertEqual(names, ["Zr", "Ni"])
+
     def test_outside_keep(self):
         points = random_points(200)
         self.put("a.npy", points)
