@@ -12,12 +12,12 @@ mkdir -p "$work"
 source tools/cross/cross.sh
 case $target in
     linux-aarch64)
-        host=aarch64-linux-gnu
+        host=aarch64-linux-gnu suffix=
         run=(env VOTESS_TEST_REDUCED=1 qemu-aarch64 -L "/usr/$host")
         tools/setup.sh run quick arm
         ;;
     windows-x86_64)
-        host=x86_64-w64-mingw32
+        host=x86_64-w64-mingw32 suffix=.exe
         run=(env WINEPREFIX="$work/wine" WINEDEBUG=-all wine)
         tools/setup.sh run quick wheel wine
         [[ -d $work/tools ]] || python3 -m venv "$work/tools"
@@ -37,5 +37,5 @@ cmake -S . -B "$build" -G Ninja -DCMAKE_TOOLCHAIN_FILE="$PWD/tools/cross/cross.c
     -DCMAKE_UNITY_BUILD=ON -DCMAKE_CXX_FLAGS="-Wall -Wextra" -DVOTESS_PNG_LIBRARY_png="$CROSS_FOLDER/lib/libpng.a;$CROSS_FOLDER/lib/libz.a" \
     -DVOTESS_BUILD_VULKAN=OFF -DVOTESS_BUILD_BENCH=OFF -DVOTESS_USE_HDF5=OFF -DVOTESS_USE_MPI=OFF
 cmake --build "$build" --target votess_tests clvotess
-"${run[@]}" "$(ls "$build"/bin/clvotess*)" --random 10000 --verify
-"${run[@]}" "$(ls "$build"/bin/votess_tests*)" "$@"
+"${run[@]}" "$build/bin/clvotess$suffix" --random 10000 --verify
+"${run[@]}" "$build/bin/votess_tests$suffix" "$@"
