@@ -44,12 +44,6 @@ linux() {
 linux_arm() {
     quietly python tools/cross/old_linux.py "$work/old-arm" aarch64-linux-gnu-g++ aarch64
     cross linux-aarch64 linux_aarch64 -B"$work/old-arm"
-    quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
-}
-
-other() {  # target, platform of the wheel
-    cross "$1" "$2"
-    cp "$work"/built/*.whl dist/
 }
 
 cross() {  # target, platform of the wheel, options of the compiler
@@ -63,6 +57,11 @@ cross() {  # target, platform of the wheel, options of the compiler
             -Ccmake.define.CMAKE_DISABLE_PRECOMPILE_HEADERS=ON -Ccmake.define.CMAKE_UNITY_BUILD=ON \
             -Ccmake.define.VOTESS_PNG_LIBRARY_png="$CROSS_FOLDER/lib/libpng.a;$CROSS_FOLDER/lib/libz.a"
     )
+    if [[ $CROSS_SYSTEM == Linux ]]; then
+        quietly auditwheel repair --wheel-dir dist "$work"/built/*.whl
+    else
+        cp "$work"/built/*.whl dist/
+    fi
 }
 
 build() {  # platform of the wheel, settings
@@ -76,9 +75,9 @@ for target in "$@"; do
     case $target in
         linux-x86_64) linux ;;
         linux-aarch64) linux_arm ;;
-        windows-x86_64) other "$target" win_amd64 ;;
-        macos-aarch64) other "$target" macosx_11_0_arm64 ;;
-        macos-x86_64) other "$target" macosx_11_0_x86_64 ;;
+        windows-x86_64) cross "$target" win_amd64 ;;
+        macos-aarch64) cross "$target" macosx_11_0_arm64 ;;
+        macos-x86_64) cross "$target" macosx_11_0_x86_64 ;;
         *) fail "unknown target '$target'; the first lines of this script list them" ;;
     esac
 done

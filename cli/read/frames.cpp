@@ -36,7 +36,7 @@ Failure without_frames(const std::string& name) {
 
 Failure no_frame(const InputFrames& frames, const std::string& range) {
     if (frames.passed() == 0) return bad_input(frames.name() + ": the file ends before the atoms of a frame");
-    return bad_input(frames.name() + ": there is no frame " + range + ", the file has " +
+    return bad_input(frames.name() + ": frame " + range + " is missing, the file has " +
                      std::to_string(frames.passed()) + ", counted from 0");
 }
 

@@ -35,6 +35,12 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.planar()) throw Error(ErrorCode::invalid_argument, function + ": works in three dimensions only");
 }
 
+void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
+    if (points.size() == (t.planar() ? 2 : 3) * t.size()) return;
+    throw Error(ErrorCode::invalid_argument, function + ": points hold " + std::to_string(points.size()) +
+                                                 " coordinates, the result has " + std::to_string(t.size()) + " cells");
+}
+
 void move_into_domain(const Job& job, std::span<double> places) {
     const Domain& domain = *job.domain;
     if (!domain.is_periodic()) return;

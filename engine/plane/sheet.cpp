@@ -95,8 +95,8 @@ Options sheet_options(const Options& planar, double height) {
     for (std::size_t w = 0; w < options.walls.size(); ++w)
         check_flat(options.walls[w].normal[2], "wall " + std::to_string(w));
     options.min_area *= 2 * height;
-    // Corners come from the polygons above. Perimeters are sums of edges: beside those of the prism, the areas above
-    // and below would cancel digits.
+    // Corners come from the polygons above. Perimeters are sums of edges. The surface of the prism
+    // less the areas above and below would lose digits.
     options.want.faces |= options.want.vertices;
     options.want.areas |= options.want.surfaces;
     options.list_walls |= options.want.surfaces;

@@ -216,10 +216,7 @@ Want implied_want(const Options& options) {
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     const Options options = domain_options(t);
     if (!t.planar()) require_whole_diagram(t, "wrapped_points");
-    if (points.size() != (t.planar() ? 2 : 3) * t.size())
-        throw Error(ErrorCode::invalid_argument, "wrapped_points: points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells");
+    require_points(t, points, "wrapped_points");
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;

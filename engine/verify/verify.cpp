@@ -116,17 +116,10 @@ std::string check_polygons(const Result& r) {
     return {};
 }
 
-void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
-    require_whole_diagram(t, function);
-    if (points.size() != 3 * t.size())
-        throw Error(ErrorCode::invalid_argument, function + ": points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells");
-}
-
 }  // namespace
 
 std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> points) {
+    require_whole_diagram(t, "count_tiny_faces");
     require_points(t, points, "count_tiny_faces");
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
     Options options = domain_options(t);
@@ -141,10 +134,7 @@ namespace {
 
 // Checks the cells of the plane by those of a sheet, whose own cells are verified.
 VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
-    if (points.size() != 2 * t.size())
-        throw Error(ErrorCode::invalid_argument, "verify: points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the result has " + std::to_string(t.size()) +
-                                                     " cells in two dimensions");
+    require_points(t, points, "verify");
     Options options = domain_options(t);
     options.weights = t.weights();
     options.list_walls = t.lists_walls();
@@ -176,6 +166,7 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
     if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
+    require_whole_diagram(t, "verify");
     require_points(t, points, "verify");
     const Result& result = *t.result_;
     const bool single = t.stats().precision == Precision::single;

@@ -74,7 +74,7 @@ TEST_SUITE("cases") {
             }
     }
 
-    TEST_CASE("only: what is refused") {
+    TEST_CASE("only: refusals") {
         const auto set = test::uniform(50, 1);
         Options options = test::all_options(set.box);
         std::vector<std::int64_t> ids{3, 7, 50};

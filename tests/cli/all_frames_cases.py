@@ -127,7 +127,7 @@ class AllFrames(CliTest):
         whole = (self.folder / self.xyz(frames)).read_text()
         for value in ["1", "a", "1:2:3:4", "3:1", "::0", "-2:", "1.5:2", "all:"]:
             self.refuse("a.xyz", f"--frames={value}", says=["--frames must be all, last or a:b:c", f"'{value}'"])
-        self.refuse("a.xyz", "--frames", "7:9", "-o", "out.txt", says=["no frame 7:9", "has 5"])
+        self.refuse("a.xyz", "--frames", "7:9", "-o", "out.txt", says=["frame 7:9 is missing", "has 5"])
         self.refuse("a.xyz", "--frames", "all", "--frame", 1, says="--frame or --frames")
         for name in ["out.npz", "out.vtu", "out.ply", "out.glb"]:
             self.refuse("a.xyz", "--frames", "all", "-o", name, says=[f"'{name}'", "--frame N"])
@@ -248,7 +248,7 @@ class FramesOfHdf5(CliTest):
                          r"(?m)^input +frame 4 of 4 \(--frame 3\), timestep 20$")
         domain = self.json("a.h5", "--frames", "all", "--outside", "drop")["domain"]
         self.assertEqual((domain["from"], domain["periodic_from"], domain["periodic"]), ("stated", "stated", [True, False, True]))
-        self.refuse("a.h5", "--frame", 4, says=["no frame 4", "has 4"])
+        self.refuse("a.h5", "--frame", 4, says=["frame 4 is missing", "has 4"])
         for name, memory in [("whole.h5", []), ("pieces.h5", ["--memory", "1G"])]:
             self.run_cli("a.h5", "--frame", 2, "--outside", "drop", "--copy", "charge", "-o", name, *memory)
         with h5py.File(self.folder / "whole.h5") as whole, h5py.File(self.folder / "pieces.h5") as pieces:

@@ -20,7 +20,7 @@ class FrameFiles(ReaderTest):
             got = [row.split() for row in self.rows("a.xyz", *options, "--format", "%q")]
             np.testing.assert_array_equal(np.array(got, float), points)
         self.assertRegex(self.run_cli("a.xyz").stdout, r"(?m)^input +frame 1 of 3 \(--frame 0\)$")
-        self.refuse("a.xyz", "--frame", "3", says=["no frame 3", "has 3"])
+        self.refuse("a.xyz", "--frame", "3", says=["frame 3 is missing", "has 3"])
         self.put("rows.xyz", CUBE)
         self.refuse("rows.xyz", "--frame", "0", says="--frame")
         self.refuse(self.put("b.xyz", text[:text.rindex("H")]), "--frame", "2", says="of the 5 rows")

@@ -51,7 +51,7 @@ class LammpsFiles(ReaderTest):
         for k in range(3):
             self.assert_points("a.dump", frames[k], "--frame", k)
             self.assertIn(f"frame {k + 1} of 3 (--frame {k}), timestep {100 * k}", self.run_cli("a.dump", "--frame", k).stdout)
-        self.refuse("a.dump", "--frame", 3, says=["no frame 3", "has 3"])
+        self.refuse("a.dump", "--frame", 3, says=["frame 3 is missing", "has 3"])
         self.refuse("a.dump", "--frame", "-1", says="'-1'")
         self.assert_column("a.dump", [0.01 * j for j in range(12)], "radius", "--frame", 2)
         self.assert_column("a.dump", [0.01 * j for j in range(10)], "4")

@@ -90,7 +90,7 @@ public:
     // Goes to a frame. Throws Failure if it is missing.
     void choose_frame(std::uint64_t frame) {
         if (frame >= *frames_) {
-            throw bad_input(path() + ": there is no frame " + std::to_string(frame) + ", the file has " +
+            throw bad_input(path() + ": frame " + std::to_string(frame) + " is missing, the file has " +
                             std::to_string(*frames_) + ", counted from 0");
         }
         (void)restart();
