@@ -35,6 +35,10 @@ compilers() {  # target, options of the compilers
         command=$(python3 -c 'import ziglang; print(ziglang.__path__[0])')/zig
         for name in cc c++; do program "$CROSS_FOLDER/$name" "$command" $name "$@"; done
         for name in ar ranlib; do program "$CROSS_FOLDER/$name" "$command" $name; done
+        # CMake asks for the version of macOS, and uses @rpath from 10.5 on.
+        mkdir -p "$CROSS_FOLDER/bin"
+        program "$CROSS_FOLDER/bin/sw_vers" echo 11.0
+        PATH=$CROSS_FOLDER/bin:$PATH
     else
         command=aarch64-linux-gnu
         program "$CROSS_FOLDER/cc" $command-gcc "$@"
