@@ -14,6 +14,7 @@ case $target in
     linux-aarch64)
         host=aarch64-linux-gnu suffix=
         run=(env VOTESS_TEST_REDUCED=1 qemu-aarch64 -L "/usr/$host")
+        set -- --test-case-exclude="forks:*" "$@"  # qemu 7 fails where a process with threads forks
         tools/setup.sh run quick arm
         ;;
     windows-x86_64)
