@@ -81,6 +81,11 @@ private:
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
     // Returns a squared distance at or beyond which no seed can cut the cell.
     [[nodiscard]] double reach_squared();
+    // Returns the same for seeds that are not heavier.
+    [[nodiscard]] double equal_reach_squared();
+    // Returns the same where weights follow a paraboloid, for seeds whose rests are larger by at most `more`.
+    [[nodiscard]] double lifted_reach_squared(double more);
+    [[nodiscard]] bool node_may_cut(const QueueEntry& entry);
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
@@ -132,6 +137,8 @@ private:
     exact::Point at_{};
     SeedImages::Base base_{};
     double weight_ = 0;
+    LiftedView view_{};
+    double rest_ = 0, more_rest_ = 0;  // see Lift; bound on the excess of any rest over this one
     std::int32_t coincident_ = -1;
 
     std::size_t group_ = ~std::size_t{0};

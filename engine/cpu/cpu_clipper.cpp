@@ -125,7 +125,9 @@ void CpuClipper::gather_weights() {
 
 void CpuClipper::gather_beyond() {
     seeds_.beyond.clear();
+    seeds_.lift = {};
     if (job_.beyond.empty()) return;
+    if (!seeds_.weights.empty() && seeds_.images == nullptr) seeds_.lift = fit_lift(seeds_);
     seeds_.beyond.reserve(seeds_.size());
     for (const std::int32_t i : seeds_.input) seeds_.beyond.push_back(job_.beyond[static_cast<std::size_t>(i)]);
 }
@@ -300,7 +302,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
+            if (seeds_.lift.exists() || seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
                 search(seed, worker);
                 continue;
             }

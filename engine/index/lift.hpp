@@ -1,0 +1,43 @@
+// A paraboloid that weights follow. Seeds far outside of the domain have cells inside only if their weights grow with
+// the square of their distance. For a weight w = k |q - c|^2 + r and a cell of seed p, a seed q = p + n cuts off a
+// vertex p + Y if |n - Y|^2 - w_q < |Y|^2 - w_p. With X = Y + k (p - c) that is
+//     (1 - k) |n|^2 - 2 n.X < r_q - r_p.
+// So the cell lies around p - k (p - c), where X is short, and seeds beyond 2 |X| / (1 - k) need a larger rest r.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "exact/predicate.hpp"
+
+namespace votess::cpu {
+
+struct SortedSeeds;
+
+struct Lift {
+    double curvature = 0;  // k; 0 if the weights follow none
+    double shrink = 1;     // 1 - k, not rounded
+    exact::Point center{};
+    std::vector<double> rests;  // of all places; else empty
+    double rounding = 0;        // bound on the error of a rest
+
+    [[nodiscard]] bool exists() const { return curvature > 0; }
+    [[nodiscard]] double rest(const exact::Point& at, double weight) const {
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) square += (at[k] - center[k]) * (at[k] - center[k]);
+        return weight - curvature * square;
+    }
+    // Returns the way from the middle of the cell of a seed without neighbors of another rest to the seed.
+    [[nodiscard]] exact::Point move(const exact::Point& at) const {
+        exact::Point move;
+        for (std::size_t k = 0; k < 3; ++k) move[k] = curvature * (at[k] - center[k]);
+        return move;
+    }
+    // Returns a bound on the error of rest() for a seed or a probe.
+    [[nodiscard]] double rounding_of(const exact::Point& at, double weight) const;
+};
+
+// Fits a paraboloid to the weights by least squares. Returns none if it explains little of them.
+Lift fit_lift(const SortedSeeds& seeds);
+
+}  // namespace votess::cpu
