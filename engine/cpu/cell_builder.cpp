@@ -194,18 +194,19 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
 }
 
 std::array<double, 3> CellBuilder::way_into_domain() const {
-    if (domain_->triclinic || !domain_->walls.empty()) return cell_.middle();
+    const bool lifted = seeds_.lift.exists();
+    if (domain_->triclinic || (!domain_->walls.empty() && !lifted)) return cell_.middle();
     std::array<double, 3> way{};
-    for (std::size_t k = 0; k < 3; ++k)
-        if (!domain_->periodic[k]) {
-            const double aim = seeds_.lift.exists() ? at_[k] - view_.move[k] : at_[k];
-            way[k] = std::clamp(aim, domain_->box.lower[k], domain_->box.upper[k]) - at_[k];
-        }
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (domain_->periodic[k]) continue;
+        const double aim = lifted ? at_[k] - view_.move[k] : at_[k];
+        way[k] = std::clamp(aim, domain_->box.lower[k], domain_->box.upper[k]) - at_[k];
+    }
     return way;
 }
 
 void CellBuilder::clip_if_hidden(bool beyond) {
-    std::array<double, 3> x = beyond ? way_into_domain() : std::array<double, 3>{};
+    std::array<double, 3> x = beyond || seeds_.lift.exists() ? way_into_domain() : std::array<double, 3>{};
     // The nearest seeds clip a cell that begins among them.
     if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     for (int owners = 0; owners < owners_of_hidden; ++owners) {
@@ -289,7 +290,10 @@ std::int32_t CellBuilder::find_coincident() {
 // distance to the farthest vertex.
 double CellBuilder::reach_squared() {
     if (cell_.empty()) return 0;
-    if (seeds_.lift.exists()) return lifted_reach_squared(more_rest_);
+    if (seeds_.lift.exists()) {
+        const double reach = cell_.lifted_reach(view_, more_rest_) * distance_slack;
+        return reach * reach;
+    }
     const double square = cell_.radius_squared();
     if (plain_) return 4 * square * distance_slack;
     const double reach = (std::sqrt(square) + std::sqrt(square + more_weight_)) * distance_slack + rounding_;
@@ -297,15 +301,8 @@ double CellBuilder::reach_squared() {
 }
 
 double CellBuilder::equal_reach_squared() {
-    return seeds_.lift.exists() ? lifted_reach_squared(0) : 4 * cell_.radius_squared();
-}
-
-// With R the distance to the farthest moved vertex and s = shrink, a seed cuts the cell only if its distance n has
-// s n^2 - 2 n R < more.
-double CellBuilder::lifted_reach_squared(double more) {
-    const double square = cell_.moved_radius_squared(view_.move);
-    const double reach =
-        (std::sqrt(square) + std::sqrt(square + view_.shrink * more)) / view_.shrink * distance_slack + rounding_;
+    if (!seeds_.lift.exists()) return 4 * cell_.radius_squared();
+    const double reach = cell_.lifted_reach(view_, 0);
     return reach * reach;
 }
 

@@ -81,10 +81,8 @@ private:
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
     // Returns a squared distance at or beyond which no seed can cut the cell.
     [[nodiscard]] double reach_squared();
-    // Returns the same for seeds that are not heavier.
+    // Returns the same for seeds that are not heavier, or that have no larger rest.
     [[nodiscard]] double equal_reach_squared();
-    // Returns the same where weights follow a paraboloid, for seeds whose rests are larger by at most `more`.
-    [[nodiscard]] double lifted_reach_squared(double more);
     [[nodiscard]] bool node_may_cut(const QueueEntry& entry);
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
@@ -109,7 +107,7 @@ private:
     // its middle. So a cell without volume takes few planes, wherever they come from. beyond: the seed lies outside of
     // the domain.
     void clip_if_hidden(bool beyond);
-    // Returns the vector from a seed outside to a place of the domain, the nearest where that is known.
+    // Returns the vector from a seed to a place of the domain, the nearest to it or to where the weights move its cell.
     [[nodiscard]] std::array<double, 3> way_into_domain() const;
     // Clips by the images beyond those among the seeds.
     void clip_far_images();

@@ -13,7 +13,7 @@ namespace {
 constexpr double max_curvature = 1 - 0x1p-12;
 constexpr double curvature_step = 0x1p-40;  // a multiple of it, so that 1 - k is not rounded
 constexpr double min_gain = 4;              // in how far the heaviest is above the mean
-constexpr double lift_ridge = 1e-12;        // of the diagonal, for seeds in a plane or on a line
+constexpr double lift_ridge = 1e-12;        // of the mean square, for seeds in a plane or on a line
 constexpr double rest_rounding = 0x1p-50;   // of the terms of a rest
 constexpr std::size_t min_seeds = 8;
 
@@ -61,7 +61,8 @@ Lift fit_lift(const SortedSeeds& seeds) {
         for (std::size_t i = 0; i < terms; ++i)
             for (std::size_t j = 0; j <= terms; ++j) m[i][j] += v[i] * v[j];
     }
-    for (std::size_t i = 0; i < terms; ++i) m[i][i] *= 1 + lift_ridge;
+    const double spread = m[0][0] + m[1][1] + m[2][2];
+    for (std::size_t i = 0; i < terms; ++i) m[i][i] += lift_ridge * (i < 3 ? spread : m[i][i]);
     for (std::size_t i = 0; i < terms; ++i)
         for (std::size_t j = 0; j < terms; ++j) {
             if (j == i) continue;

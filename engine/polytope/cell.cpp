@@ -206,7 +206,7 @@ void Cell::start_without_walls(const exact::Point& seed, const Domain& domain, s
     last_ = 0;
     refined_plane_.id = no_plane;
     used_exact_ = met_tie_ = radius_known_ = moved_radius_known_ = empty_ = sharp_ = false;
-    radius_squared_ = moved_radius_squared_ = infinity;
+    radius_squared_ = moved_radius_ = infinity;
     passed_ = 0;
     std::fill_n(refined_.begin(), 8, Refined{});
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
@@ -266,23 +266,25 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
-double Cell::moved_radius_squared(const std::array<double, 3>& move) {
+// With R the distance to the farthest moved vertex and s = shrink, a seed at the distance n cuts the cell only if
+// s n^2 - 2 n R < more.
+double Cell::lifted_reach(const LiftedView& view, double more) {
     if (!moved_radius_known_ && (slots_ <= few_slots || ++requests_ * word_slots >= slots_)) {
         requests_ = 0;
-        double largest = 0;
+        moved_radius_ = 0;
         for_each_alive([&](int slot) {
             const double v[3] = {x_[slot], y_[slot], z_[slot]};
-            double square = 0, error = 2 * tolerance_[slot];
-            for (int k = 0; k < 3; ++k) {
-                square += (v[k] + move[k]) * (v[k] + move[k]);
-                error += 8 * unit * (std::abs(v[k]) + std::abs(move[k]));
+            double square = smallest_radius, error = 2 * tolerance_[slot];
+            for (std::size_t k = 0; k < 3; ++k) {
+                square += (v[k] + view.move[k]) * (v[k] + view.move[k]);
+                error += 8 * unit * (std::abs(v[k]) + std::abs(view.move[k]));
             }
-            largest = std::max(largest, std::sqrt(square) + error);
+            moved_radius_ = std::max(moved_radius_, std::sqrt(square) * radius_slack + error);
         });
-        moved_radius_squared_ = smallest_radius + largest * largest * radius_slack;
         moved_radius_known_ = true;
     }
-    return moved_radius_squared_;
+    const double r = moved_radius_;
+    return (r + std::sqrt(r * r + view.shrink * more)) / view.shrink * radius_slack;
 }
 
 Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {

@@ -97,8 +97,9 @@ public:
     // Returns an upper bound on the squared distance R^2 to the farthest vertex. No seed at 2 R or beyond cuts the
     // cell. The bound of a large cell may be that of some clips ago.
     [[nodiscard]] double radius_squared();
-    // Returns the same for vertices that are moved by a vector, always the same one after a start.
-    [[nodiscard]] double moved_radius_squared(const std::array<double, 3>& move);
+    // Returns a distance at or beyond which no seed cuts the cell, if its rest is larger by at most `more`, 0 or more.
+    // view: always the same one after a start.
+    [[nodiscard]] double lifted_reach(const LiftedView& view, double more);
     // Returns false only if no seed inside the box (relative to seed()) can cut the cell. more: bound on the excess of
     // their weight over the cell's.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
@@ -207,7 +208,7 @@ private:
     std::vector<std::int32_t> merged_;  // slot -> representative of equal vertices
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
     bool radius_known_ = false, moved_radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
-    double radius_squared_ = 0, moved_radius_squared_ = 0;
+    double radius_squared_ = 0, moved_radius_ = 0;
     int requests_ = 0;    // of the radius since it was known
     int passed_ = 0;      // boxes that may_cut() did not exclude
     bool sharp_ = false;  // vertices are rounded from exact ones

@@ -11,6 +11,7 @@
 #include "domain/domain.hpp"
 #include "exact/vertex.hpp"
 #include "index/hierarchy.hpp"
+#include "index/lift.hpp"
 #include "index/seed_images.hpp"
 #include "input/options.hpp"
 #include "kernels/star_kernels.hpp"
@@ -51,6 +52,28 @@ struct Counts {
     std::size_t tried = 0, cuts = 0;
     std::size_t missed = 0;  // cuts that would be out of reach without the slack for rounded coordinates and weights
 };
+
+// Returns any paraboloid, with the place of its center in spacings.
+votess::cpu::Lift lift_beside(const Point& p, double spacing, test::Random& random) {
+    votess::cpu::Lift lift;
+    lift.curvature = random.below(2) == 0 ? 1 - 0x1p-10 : 0x1p-20 * static_cast<double>(random.below(1 << 20));
+    lift.shrink = 1 - lift.curvature;
+    const double far = random.below(2) == 0 ? 1 : 30;
+    for (std::size_t k = 0; k < 3; ++k) lift.center[k] = p[k] + far * spacing * random.uniform(-1, 1);
+    return lift;
+}
+
+// Whether both bounds by a paraboloid let a seed q that cuts the cell of p pass.
+bool in_lifted_reach(votess::cpu::Cell& cell, const votess::cpu::Lift& lift, const Point& p, double weight,
+                     const Point& q, double other) {
+    const double more = lift.rest(q, other) - lift.rest(p, weight) + lift.rounding_of(q, other) +
+                        lift.rounding_of(p, weight);
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) square += (q[k] - p[k]) * (q[k] - p[k]);
+    const votess::cpu::LiftedView view{lift.move(p), lift.shrink};
+    return cell.may_cut(votess::cpu::seen_from(p, {q, q}), more, view) &&
+           std::sqrt(square) * (1 - 1e-12) < cell.lifted_reach(view, std::max(0.0, more));
+}
 
 // Cells of some bisectors each; for each vertex seeds that nearly touch it.
 Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed) {
@@ -111,6 +134,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
             cell.clip(1 + n, bisector(q, weighted ? domain.largest_weight * random.uniform() : 0), q.second);
         }
         if (cell.empty()) continue;
+        const votess::cpu::Lift lift = lift_beside(at, setting.spacing, random);
         cell.canonical_faces(faces);
         std::vector<std::int32_t> slots(faces.corners);
         std::ranges::sort(slots);
@@ -140,6 +164,8 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 if (vertex.side(plane) <= 0) continue;
                 ++counts.cuts;
                 const bool images = domain.is_periodic();
+                if (weighted && !images && !in_lifted_reach(cell, lift, at, weight, image, other))
+                    FAIL_CHECK("a seed that cuts the cell is out of reach where weights follow a paraboloid");
                 const double largest = std::max(size_of(at), size_of(image));
                 const double rounding = images ? 8 * unit * largest : 0;  // as CellBuilder's
                 Point of_axis{};
