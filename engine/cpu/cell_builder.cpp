@@ -309,7 +309,8 @@ double CellBuilder::equal_reach_squared() {
 bool CellBuilder::node_may_cut(const QueueEntry& entry) {
     const Box seen = seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_);
     if (seeds_.lift.exists())
-        return cell_.may_cut(seen, std::min(more_rest_, hierarchy_.largest_rest(entry.level, entry.node) - rest_), view_);
+        return cell_.may_cut(seen, std::min(more_rest_, hierarchy_.largest_rest(entry.level, entry.node) - rest_),
+                             view_);
     const double more = seeds_.weights.empty()
                             ? 0
                             : std::min(more_weight_, hierarchy_.largest_weight(entry.level, entry.node) - weight_);

@@ -1,8 +1,11 @@
 // A paraboloid that weights follow. Seeds far outside of the domain have cells inside only if their weights grow with
-// the square of their distance. For a weight w = k |q - c|^2 + r and a cell of seed p, a seed q = p + n cuts off a
-// vertex p + Y if |n - Y|^2 - w_q < |Y|^2 - w_p. With X = Y + k (p - c) that is
+// the square of their distance: w = k |q - c|^2 + r, with small rests r.
+//
+// A seed q = p + n cuts the vertex p + Y off the cell of p if |n - Y|^2 - w_q < |Y|^2 - w_p. In terms of the moved
+// vertex X = Y + k (p - c) that is
 //     (1 - k) |n|^2 - 2 n.X < r_q - r_p.
-// So the cell lies around p - k (p - c), where X is short, and seeds beyond 2 |X| / (1 - k) need a larger rest r.
+// The cell lies around p - k (p - c), where X is short. A seed beyond 2 |X| / (1 - k) cuts it only if its rest is
+// larger.
 #pragma once
 
 #include <cstddef>
@@ -27,7 +30,7 @@ struct Lift {
         for (std::size_t k = 0; k < 3; ++k) square += (at[k] - center[k]) * (at[k] - center[k]);
         return weight - curvature * square;
     }
-    // Returns the way from the middle of the cell of a seed without neighbors of another rest to the seed.
+    // Returns k (p - c): the vector to a seed from the place around which its cell lies.
     [[nodiscard]] exact::Point move(const exact::Point& at) const {
         exact::Point move;
         for (std::size_t k = 0; k < 3; ++k) move[k] = curvature * (at[k] - center[k]);

@@ -307,9 +307,9 @@ bool Cell::in_reach(const Box& relative, double more) const {
     return false;
 }
 
-// With a view, X = v + move and s = shrink, a seed q cuts off v when s |q|^2 - 2 q.X < more. Along each axis the sum is
-// least at q = X / s or at an end of the box. The terms are rounded by 4 u of their sizes. An error t of X moves that q
-// by at most t / s, and the sum by 2 (|q| + 3 t / s) t.
+// A seed q cuts off v when s |q|^2 - 2 q.X < more, with X = v + move and s = shrink of the view. Along each axis the
+// sum is least at q = X / s or at an end of the box. The terms are rounded by 4 u of their sizes. An error t of X moves
+// that q by at most t / s, and the sum by 2 (|q| + 3 t / s) t.
 bool Cell::may_cut(const Box& relative, double more, const LiftedView& view) {
     bool found = false;
     const double inverse = 1 / view.shrink;

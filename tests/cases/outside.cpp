@@ -74,8 +74,9 @@ TEST_SUITE("cases") {
                 for (std::size_t i = 0; i < 343; ++i) {
                     double square = 0;
                     for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= 7) {
-                        const double x = domain == lattice ? (static_cast<double>(rest % 7) - 3) / 8
-                                                           : static_cast<double>(random.below(1 << 16)) / (1 << 16) - 0.5;
+                        const double x = domain == lattice
+                                             ? (static_cast<double>(rest % 7) - 3) / 8
+                                             : static_cast<double>(random.below(1 << 16)) / (1 << 16) - 0.5;
                         square += x * x;
                         points.push_back(x);
                         moved.push_back(s * x);

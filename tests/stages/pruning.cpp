@@ -66,8 +66,8 @@ votess::cpu::Lift lift_beside(const Point& p, double spacing, test::Random& rand
 // Whether both bounds by a paraboloid let a seed q that cuts the cell of p pass.
 bool in_lifted_reach(votess::cpu::Cell& cell, const votess::cpu::Lift& lift, const Point& p, double weight,
                      const Point& q, double other) {
-    const double more = lift.rest(q, other) - lift.rest(p, weight) + lift.rounding_of(q, other) +
-                        lift.rounding_of(p, weight);
+    const double more =
+        lift.rest(q, other) - lift.rest(p, weight) + lift.rounding_of(q, other) + lift.rounding_of(p, weight);
     double square = 0;
     for (std::size_t k = 0; k < 3; ++k) square += (q[k] - p[k]) * (q[k] - p[k]);
     const votess::cpu::LiftedView view{lift.move(p), lift.shrink};
@@ -216,6 +216,7 @@ TEST_SUITE("stages") {
             {"weights below the squared spacing", unit_box, {}, 0.1, 1e-9},
             {"weights like the squared spacing", unit_box, {}, 0.1, 1},
             {"weights far above the squared spacing", unit_box, {}, 0.001, 1e4},
+            {"weights far from 0", {{1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 1, 1e6 + 1}}, {}, 1e-5, 10},
             {"weights in a periodic box", unit_box, {true, true, true}, 1e-4, 100},
             {"weights in a periodic box, far from 0",
              {{1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 1, 1e6 + 1}},
