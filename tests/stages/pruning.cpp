@@ -13,6 +13,7 @@
 #include "index/hierarchy.hpp"
 #include "index/lift.hpp"
 #include "index/seed_images.hpp"
+#include "index/sorted_seeds.hpp"
 #include "input/options.hpp"
 #include "kernels/star_kernels.hpp"
 #include "polytope/cell.hpp"
@@ -236,6 +237,35 @@ TEST_SUITE("stages") {
         }
         CHECK(tried > test::by_size(1'000'000, 30'000));
         CHECK(missed > 0);
+    }
+
+    TEST_CASE("pruning: a paraboloid is found in weights that follow one") {
+        test::Random random(5);
+        const Point center{3, -2, 7};
+        for (const int dimensions : {3, 2, 1})
+            for (const double curvature : {0.9, 0.25, 0.0}) {
+                CAPTURE(dimensions);
+                CAPTURE(curvature);
+                constexpr std::size_t count = 400;
+                votess::cpu::SortedSeeds seeds;
+                votess::Buffer<double>* const axes[3] = {&seeds.x, &seeds.y, &seeds.z};
+                for (auto* axis : axes) axis->resize_uninitialized(count);
+                seeds.input.resize_uninitialized(count);
+                for (std::size_t s = 0; s < count; ++s) {
+                    double square = 0;
+                    for (int k = 0; k < 3; ++k) {
+                        (*axes[k])[s] = k < dimensions ? random.uniform(-1, 1) : 0.5;
+                        square += ((*axes[k])[s] - center[k]) * ((*axes[k])[s] - center[k]);
+                    }
+                    seeds.weights.push_back(curvature * square + random.uniform(0, 1e-3));
+                }
+                const votess::cpu::Lift lift = votess::cpu::fit_lift(seeds);
+                REQUIRE(lift.exists() == (curvature > 0));
+                if (curvature == 0) continue;
+                CHECK(lift.curvature == doctest::Approx(curvature).epsilon(0.01));
+                const auto [least, most] = std::ranges::minmax(lift.rests);
+                CHECK(most - least < 2e-3);
+            }
     }
 
     TEST_CASE("pruning: images by a range of shifts lie within its bounds") {
