@@ -118,7 +118,7 @@ void CellBuilder::start() {
     if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->max_heavier_by(weight_));
     if (const Lift& lift = seeds_.lift; lift.exists()) {
         view_ = {lift.move(at_), lift.shrink};
-        rest_ = lift.rest(at_, weight_) - lift.rounding - lift.rounding_of(at_, weight_);  // of a difference
+        rest_ = lift.min_rest(at_, weight_);
         more_rest_ = std::max(0.0, hierarchy_.largest_rest(hierarchy_.top_level(), 0) - rest_);
     }
     cell_.start_without_walls(base_.point, *domain_, own_);

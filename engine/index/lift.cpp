@@ -14,7 +14,6 @@ constexpr double max_curvature = 1 - 0x1p-12;
 constexpr double curvature_step = 0x1p-40;  // a multiple of it, so that 1 - k is not rounded
 constexpr double min_gain = 4;              // in how far the heaviest is above the mean
 constexpr double lift_ridge = 1e-12;        // of the mean square, for seeds in a plane or on a line
-constexpr double rest_rounding = 0x1p-50;   // of the terms of a rest
 constexpr std::size_t min_seeds = 8;
 
 struct Excess {  // of the heaviest above the mean
@@ -29,10 +28,6 @@ struct Excess {  // of the heaviest above the mean
 };
 
 }  // namespace
-
-double Lift::rounding_of(const exact::Point& at, double weight) const {
-    return rest_rounding * (2 * std::abs(weight) + std::abs(rest(at, weight)));
-}
 
 Lift fit_lift(const SortedSeeds& seeds) {
     const std::size_t count = seeds.size();
@@ -78,8 +73,7 @@ Lift fit_lift(const SortedSeeds& seeds) {
     Excess before, after;
     lift.rests.resize(seeds.places(), -infinity);
     for (std::size_t s = 0; s < count; ++s) {
-        lift.rests[s] = lift.rest(at(s), seeds.weights[s]);
-        lift.rounding = std::max(lift.rounding, lift.rounding_of(at(s), seeds.weights[s]));
+        lift.rests[s] = lift.max_rest(at(s), seeds.weights[s]);
         before.add(seeds.weights[s]);
         after.add(lift.rests[s]);
     }

@@ -8,6 +8,7 @@
 // larger.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -21,23 +22,27 @@ struct Lift {
     double curvature = 0;  // k; 0 if the weights follow none
     double shrink = 1;     // 1 - k, not rounded
     exact::Point center{};
-    std::vector<double> rests;  // of all places; else empty
-    double rounding = 0;        // bound on the error of a rest
+    std::vector<double> rests;  // of all places, rounded up; else empty
 
     [[nodiscard]] bool exists() const { return curvature > 0; }
-    [[nodiscard]] double rest(const exact::Point& at, double weight) const {
-        double square = 0;
-        for (std::size_t k = 0; k < 3; ++k) square += (at[k] - center[k]) * (at[k] - center[k]);
-        return weight - curvature * square;
-    }
+    // Returns a bound on the rest of a seed or a probe.
+    [[nodiscard]] double max_rest(const exact::Point& at, double weight) const { return rest(at, weight, 1); }
+    [[nodiscard]] double min_rest(const exact::Point& at, double weight) const { return rest(at, weight, -1); }
     // Returns k (p - c): the vector to a seed from the place around which its cell lies.
     [[nodiscard]] exact::Point move(const exact::Point& at) const {
         exact::Point move;
         for (std::size_t k = 0; k < 3; ++k) move[k] = curvature * (at[k] - center[k]);
         return move;
     }
-    // Returns a bound on the error of rest() for a seed or a probe.
-    [[nodiscard]] double rounding_of(const exact::Point& at, double weight) const;
+
+private:
+    // sign: in which direction to move the result by more than its rounding.
+    [[nodiscard]] double rest(const exact::Point& at, double weight, double sign) const {
+        constexpr double rounding = 0x1p-49;
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) square += (at[k] - center[k]) * (at[k] - center[k]);
+        return weight - curvature * square + sign * rounding * (std::abs(weight) + curvature * square);
+    }
 };
 
 // Fits a paraboloid to the weights by least squares. Returns none if it explains little of them.

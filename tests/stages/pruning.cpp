@@ -67,8 +67,7 @@ votess::cpu::Lift lift_beside(const Point& p, double spacing, test::Random& rand
 // Whether both bounds by a paraboloid let a seed q that cuts the cell of p pass.
 bool in_lifted_reach(votess::cpu::Cell& cell, const votess::cpu::Lift& lift, const Point& p, double weight,
                      const Point& q, double other) {
-    const double more =
-        lift.rest(q, other) - lift.rest(p, weight) + lift.rounding_of(q, other) + lift.rounding_of(p, weight);
+    const double more = lift.max_rest(q, other) - lift.min_rest(p, weight);
     double square = 0;
     for (std::size_t k = 0; k < 3; ++k) square += (q[k] - p[k]) * (q[k] - p[k]);
     const votess::cpu::LiftedView view{lift.move(p), lift.shrink};
