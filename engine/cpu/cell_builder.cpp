@@ -59,8 +59,18 @@ void for_each_child(const Hierarchy& hierarchy, const QueueEntry& entry, Visit v
 }
 
 // Returns the least power |x - q|^2 - w that the bound of a box's weights allows, rounded.
-double least_power(const Hierarchy& hierarchy, int level, std::size_t node, const Box& box, const exact::Point& x) {
+double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std::size_t node, const Box& box,
+                   const exact::Point& x) {
     if (!hierarchy.has_weights()) return box_distance(box, {x, x});
+    if (lift.exists()) {
+        double power = -hierarchy.largest_rest(level, node);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double c = lift.center[k], least = (x[k] - lift.curvature * c) / lift.shrink;
+            const double q = std::clamp(least, box.lower[k], box.upper[k]);
+            power += (q - x[k]) * (q - x[k]) - lift.curvature * (q - c) * (q - c);
+        }
+        return power;
+    }
     const WeightBlock& bounds = hierarchy.weight_bounds(level, node / Hierarchy::fan);
     const std::size_t i = node % Hierarchy::fan;
     double power = -bounds.top[i];
@@ -106,6 +116,11 @@ void CellBuilder::set_seed(std::size_t seed) {
 
 void CellBuilder::start() {
     if (!seeds_.weights.empty()) more_weight_ = std::max(0.0, domain_->max_heavier_by(weight_));
+    if (const Lift& lift = seeds_.lift; lift.exists()) {
+        view_ = {lift.move(at_), lift.shrink};
+        rest_ = lift.min_rest(at_, weight_);
+        more_rest_ = std::max(0.0, hierarchy_.largest_rest(hierarchy_.top_level(), 0) - rest_);
+    }
     cell_.start_without_walls(base_.point, *domain_, own_);
     walls_postponed_ = !domain_->walls.empty();
     if (domain_->wall_tree.size() == 0) clip_walls();
@@ -157,7 +172,7 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
         ++tests_;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
-                const double power = least_power(hierarchy_, level, node, box, at);
+                const double power = least_power(hierarchy_, seeds_.lift, level, node, box, at);
                 if (!(power < least)) return;
                 owner_queue_.push_back({power, level, static_cast<std::uint32_t>(node)});
                 std::push_heap(owner_queue_.begin(), owner_queue_.end(), farther);
@@ -179,15 +194,19 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
 }
 
 std::array<double, 3> CellBuilder::way_into_domain() const {
-    if (domain_->triclinic || !domain_->walls.empty()) return cell_.middle();
+    const bool lifted = seeds_.lift.exists();
+    if (domain_->triclinic || (!domain_->walls.empty() && !lifted)) return cell_.middle();
     std::array<double, 3> way{};
-    for (std::size_t k = 0; k < 3; ++k)
-        if (!domain_->periodic[k]) way[k] = std::clamp(at_[k], domain_->box.lower[k], domain_->box.upper[k]) - at_[k];
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (domain_->periodic[k]) continue;
+        const double aim = lifted ? at_[k] - view_.move[k] : at_[k];
+        way[k] = std::clamp(aim, domain_->box.lower[k], domain_->box.upper[k]) - at_[k];
+    }
     return way;
 }
 
 void CellBuilder::clip_if_hidden(bool beyond) {
-    std::array<double, 3> x = beyond ? way_into_domain() : std::array<double, 3>{};
+    std::array<double, 3> x = beyond || seeds_.lift.exists() ? way_into_domain() : std::array<double, 3>{};
     // The nearest seeds clip a cell that begins among them.
     if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     for (int owners = 0; owners < owners_of_hidden; ++owners) {
@@ -271,10 +290,31 @@ std::int32_t CellBuilder::find_coincident() {
 // distance to the farthest vertex.
 double CellBuilder::reach_squared() {
     if (cell_.empty()) return 0;
+    if (seeds_.lift.exists()) {
+        const double reach = cell_.lifted_reach(view_, more_rest_) * distance_slack;
+        return reach * reach;
+    }
     const double square = cell_.radius_squared();
     if (plain_) return 4 * square * distance_slack;
     const double reach = (std::sqrt(square) + std::sqrt(square + more_weight_)) * distance_slack + rounding_;
     return reach * reach;
+}
+
+double CellBuilder::equal_reach_squared() {
+    if (!seeds_.lift.exists()) return 4 * cell_.radius_squared();
+    const double reach = cell_.lifted_reach(view_, 0);
+    return reach * reach;
+}
+
+bool CellBuilder::node_may_cut(const QueueEntry& entry) {
+    const Box seen = seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_);
+    if (seeds_.lift.exists())
+        return cell_.may_cut(seen, std::min(more_rest_, hierarchy_.largest_rest(entry.level, entry.node) - rest_),
+                             view_);
+    const double more = seeds_.weights.empty()
+                            ? 0
+                            : std::min(more_weight_, hierarchy_.largest_weight(entry.level, entry.node) - weight_);
+    return cell_.in_reach(seen, more);
 }
 
 void CellBuilder::open_window(const Box& home) {
@@ -372,7 +412,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
     if (from < infinity) clip_far(from);
     if (seeds_.images != nullptr) clip_far_images();
     if (exhausted()) return nullptr;
-    reach_ = 4 * cell_.radius_squared() * distance_slack;
+    reach_ = equal_reach_squared() * distance_slack;
     return &cell_;
 }
 
@@ -392,7 +432,7 @@ double CellBuilder::clip_window() {
         if (complete || to == infinity) return infinity;
         from = to;
         // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
-        const double reach_of_most = 4 * cell_.radius_squared();
+        const double reach_of_most = equal_reach_squared();
         if (!seeds_.weights.empty() && from >= reach_of_most && reach_squared() > 4 * reach_of_most) return from;
         to = covered_ == infinity ? infinity : std::min(to * band_growth, reach_squared());
     }
@@ -484,7 +524,6 @@ bool CellBuilder::clip_band(double from, double to) {
 
 void CellBuilder::clip_far(double from) {
     const Box here{at_, at_};
-    const bool weighted = !seeds_.weights.empty();
     far_queue_.assign(1, {0, hierarchy_.top_level(), 0});
     while (!far_queue_.empty()) {
         std::pop_heap(far_queue_.begin(), far_queue_.end(), farther);
@@ -493,9 +532,7 @@ void CellBuilder::clip_far(double from) {
         if (entry.distance_squared >= reach_squared()) return;
         if (++tests_ > max_tests_) return;
         poll_stop();
-        const double more =
-            weighted ? std::min(more_weight_, hierarchy_.largest_weight(entry.level, entry.node) - weight_) : 0;
-        if (!cell_.in_reach(seen_from(at_, hierarchy_.box(entry.level, entry.node), place_rounding_), more)) continue;
+        if (!node_may_cut(entry)) continue;
         if (entry.level > 0) {
             for_each_child(hierarchy_, entry, [&](int level, std::size_t node, const Box& box) {
                 far_queue_.push_back({box_distance(box, here), level, static_cast<std::uint32_t>(node)});

@@ -81,6 +81,9 @@ private:
     void clip_by_image(std::int32_t home, const exact::Shift& shift);
     // Returns a squared distance at or beyond which no seed can cut the cell.
     [[nodiscard]] double reach_squared();
+    // Returns the same for seeds that are not heavier, or that have no larger rest.
+    [[nodiscard]] double equal_reach_squared();
+    [[nodiscard]] bool node_may_cut(const QueueEntry& entry);
     void open_window(const Box& home);
     void open_window_of(std::size_t seed);
     // Loads groups until every seed nearer to the home group than sqrt(distance_squared) is in the window.
@@ -104,7 +107,7 @@ private:
     // its middle. So a cell without volume takes few planes, wherever they come from. beyond: the seed lies outside of
     // the domain.
     void clip_if_hidden(bool beyond);
-    // Returns the vector from a seed outside to a place of the domain, the nearest where that is known.
+    // Returns the vector from a seed to a place of the domain, the nearest to it or to where the weights move its cell.
     [[nodiscard]] std::array<double, 3> way_into_domain() const;
     // Clips by the images beyond those among the seeds.
     void clip_far_images();
@@ -132,6 +135,8 @@ private:
     exact::Point at_{};
     SeedImages::Base base_{};
     double weight_ = 0;
+    LiftedView view_{};
+    double rest_ = 0, more_rest_ = 0;  // see Lift; bound on the excess of any rest over this one
     std::int32_t coincident_ = -1;
 
     std::size_t group_ = ~std::size_t{0};

@@ -21,8 +21,10 @@ constexpr std::size_t many_threads = 32, parts_per_thread = 2;
 constexpr std::size_t sparse_stretch = 16384;  // seeds, when few of them have cells
 constexpr std::size_t min_block_seeds = 16;    // of few cells, so that all threads get some
 constexpr std::size_t blocks_per_thread = 8;
-constexpr std::size_t listed_block = 512;    // cells of clip_listed() in a task
-constexpr std::size_t index_task = 65536;    // entries of the inverse order in a task
+constexpr std::size_t listed_block = 512;  // cells of clip_listed() in a task
+constexpr std::size_t index_task = 65536;  // entries of the inverse order in a task
+// Cells of a window lie where one slope of the weights puts them, unless the weights follow a steeper paraboloid.
+constexpr double max_walked_curvature = 0.2;
 constexpr std::size_t cells_per_check = 64;  // between calls of check_stop()
 
 }  // namespace
@@ -125,7 +127,9 @@ void CpuClipper::gather_weights() {
 
 void CpuClipper::gather_beyond() {
     seeds_.beyond.clear();
+    seeds_.lift = {};
     if (job_.beyond.empty()) return;
+    if (!seeds_.weights.empty() && seeds_.images == nullptr) seeds_.lift = fit_lift(seeds_);
     seeds_.beyond.reserve(seeds_.size());
     for (const std::int32_t i : seeds_.input) seeds_.beyond.push_back(job_.beyond[static_cast<std::size_t>(i)]);
 }
@@ -284,6 +288,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
     const Star::Keep keep = kept_for(job_.options.want);
     const Stoppable stoppable(progress_);
     if (progress_) Stoppable::enter_stage(share);
+    const bool walks = seeds_.lift.curvature <= max_walked_curvature;
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = blocks_[block], end = blocks_[block + 1];
@@ -300,7 +305,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                 worker.writer.begin_stretch();
             }
             worker.writer.prefetch(seed);
-            if (seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
+            if (!walks || seeds_.is_beyond(seed) || !worker.budget.worth_a_star() || !worker.star->build(seed)) {
                 search(seed, worker);
                 continue;
             }

@@ -81,6 +81,7 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
     if (has_weights_) {
         weights_.resize(std::max(weights_.size(), counts_.size()));
         bounds_.resize(std::max(bounds_.size(), counts_.size()));
+        rests_.resize(weights_.size());
     }
     for (std::size_t level = 0; level < counts_.size(); ++level) {
         const std::size_t blocks = std::max<std::size_t>(1, ceil_div(counts_[level], fan));
@@ -88,6 +89,7 @@ void Hierarchy::build(const SortedSeeds& seeds, ThreadPool& pool) {
         if (has_weights_) {
             weights_[level].resize_uninitialized(counts_[level]);
             bounds_[level].resize_uninitialized(blocks);
+            if (seeds.lift.exists()) rests_[level].resize_uninitialized(counts_[level]);
         }
         const auto task = [&](std::size_t index, unsigned) {
             for (std::size_t b = index * task_blocks; b < std::min(blocks, (index + 1) * task_blocks); ++b)
@@ -111,21 +113,27 @@ void Hierarchy::fill(const SortedSeeds& seeds, std::size_t level, std::size_t in
                     std::minmax_element(coordinates[k]->data() + begin, coordinates[k]->data() + end);
                 block.lower[k][i] = *least, block.upper[k][i] = *most;
             }
-            if (has_weights_)
-                weights_[0][node] = *std::max_element(seeds.weights.begin() + static_cast<std::ptrdiff_t>(begin),
-                                                      seeds.weights.begin() + static_cast<std::ptrdiff_t>(end));
         } else {
             const BoxBlock& below = levels_[level - 1][node];
             for (int k = 0; k < 3; ++k) {
                 block.lower[k][i] = *std::min_element(below.lower[k], below.lower[k] + fan);
                 block.upper[k][i] = *std::max_element(below.upper[k], below.upper[k] + fan);
             }
-            if (has_weights_) {
-                const double* weights = weights_[level - 1].data() + node * fan;
-                weights_[level][node] =
-                    *std::max_element(weights, weights + std::min(fan, counts_[level - 1] - node * fan));
-            }
         }
+        if (has_weights_) fill_largest(seeds, seeds.weights, level, node, weights_);
+        if (seeds.lift.exists()) fill_largest(seeds, seeds.lift.rests, level, node, rests_);
+    }
+}
+
+void Hierarchy::fill_largest(const SortedSeeds& seeds, const std::vector<double>& values, std::size_t level,
+                             std::size_t node, std::vector<Buffer<double>>& out) const {
+    if (level == 0) {
+        const std::size_t begin = node * group_size;
+        out[0][node] = *std::max_element(values.begin() + static_cast<std::ptrdiff_t>(begin),
+                                         values.begin() + static_cast<std::ptrdiff_t>(seeds.group_end(begin)));
+    } else {
+        const double* below = out[level - 1].data() + node * fan;
+        out[level][node] = *std::max_element(below, below + std::min(fan, counts_[level - 1] - node * fan));
     }
 }
 

@@ -27,6 +27,7 @@ public:
     void release_pages() {
         for (auto& level : levels_) level.release_pages();
         for (auto& level : weights_) level.release_pages();
+        for (auto& level : rests_) level.release_pages();
         for (auto& level : bounds_) level.release_pages();
     }
 
@@ -48,6 +49,10 @@ public:
     [[nodiscard]] double largest_weight(int level, std::size_t node) const {
         return has_weights_ ? weights_[static_cast<std::size_t>(level)][node] : 0;
     }
+    // If the weights follow a paraboloid.
+    [[nodiscard]] double largest_rest(int level, std::size_t node) const {
+        return rests_[static_cast<std::size_t>(level)][node];
+    }
     [[nodiscard]] double largest_weight_of_block(int level, std::size_t index) const {
         return level == top_level() ? largest_weight(level, 0) : largest_weight(level + 1, index);
     }
@@ -59,11 +64,15 @@ public:
 
 private:
     void fill(const SortedSeeds& seeds, std::size_t level, std::size_t index);
+    // Sets the largest of some values below a node.
+    void fill_largest(const SortedSeeds& seeds, const std::vector<double>& values, std::size_t level, std::size_t node,
+                      std::vector<Buffer<double>>& out) const;
     void bound_weights(const SortedSeeds& seeds, std::size_t level, std::size_t index);
 
     std::vector<Buffer<BoxBlock>> levels_;  // levels beyond counts_ keep memory for the next build
     // In a power diagram.
     std::vector<Buffer<double>> weights_;  // by level and box
+    std::vector<Buffer<double>> rests_;    // the same, see Lift
     std::vector<Buffer<WeightBlock>> bounds_;
     bool has_weights_ = false;
     std::vector<std::size_t> counts_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "index/lift.hpp"
 
 namespace votess::cpu {
 
@@ -24,6 +25,7 @@ struct SortedSeeds {
     const SeedImages* images = nullptr;  // of a periodic domain, else null
     std::size_t images_end = 0;          // behind the last image, in a periodic domain
     std::vector<double> weights;         // of all places in a power diagram, padding too; else empty
+    Lift lift;                           // of the weights, if some seeds lie outside of the domain
     std::vector<bool> beyond;            // M if some lie outside of the domain: whether a seed does
 
     [[nodiscard]] std::size_t size() const { return input.size(); }  // M

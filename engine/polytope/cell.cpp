@@ -205,8 +205,8 @@ void Cell::start_without_walls(const exact::Point& seed, const Domain& domain, s
     free_.clear();
     last_ = 0;
     refined_plane_.id = no_plane;
-    used_exact_ = met_tie_ = radius_known_ = empty_ = sharp_ = false;
-    radius_squared_ = infinity;
+    used_exact_ = met_tie_ = radius_known_ = moved_radius_known_ = empty_ = sharp_ = false;
+    radius_squared_ = moved_radius_ = infinity;
     passed_ = 0;
     std::fill_n(refined_.begin(), 8, Refined{});
     for (int v = 0; v < 8; ++v) {  // bit k of v: upper wall of axis k
@@ -266,6 +266,27 @@ double Cell::radius_squared() {
     return radius_squared_;
 }
 
+// With R the distance to the farthest moved vertex and s = shrink, a seed at the distance n cuts the cell only if
+// s n^2 - 2 n R < more.
+double Cell::lifted_reach(const LiftedView& view, double more) {
+    if (!moved_radius_known_ && (slots_ <= few_slots || ++requests_ * word_slots >= slots_)) {
+        requests_ = 0;
+        moved_radius_ = 0;
+        for_each_alive([&](int slot) {
+            const double v[3] = {x_[slot], y_[slot], z_[slot]};
+            double square = smallest_radius, error = 2 * tolerance_[slot];
+            for (std::size_t k = 0; k < 3; ++k) {
+                square += (v[k] + view.move[k]) * (v[k] + view.move[k]);
+                error += 8 * unit * (std::abs(v[k]) + std::abs(view.move[k]));
+            }
+            moved_radius_ = std::max(moved_radius_, std::sqrt(square) * radius_slack + error);
+        });
+        moved_radius_known_ = true;
+    }
+    const double r = moved_radius_;
+    return (r + std::sqrt(r * r + view.shrink * more)) / view.shrink * radius_slack;
+}
+
 Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding) {
     Box relative;
     for (int k = 0; k < 3; ++k) {
@@ -286,21 +307,26 @@ bool Cell::in_reach(const Box& relative, double more) const {
     return false;
 }
 
-// A seed q cuts off v when |q|^2 - 2 q.v < more. Along each axis the sum is least at q = v or at an end of the box. The
-// terms are rounded by 4 u of their size. An error t of v moves that q by at most t, and the sum by 2 (|q| + 3 t) t.
-bool Cell::may_cut(const Box& relative, double more) {
+// A seed q cuts off v when s |q|^2 - 2 q.X < more, with X = v + move and s = shrink of the view. Along each axis the
+// sum is least at q = X / s or at an end of the box. The terms are rounded by 4 u of their sizes. An error t of X moves
+// that q by at most t / s, and the sum by 2 (|q| + 3 t / s) t.
+bool Cell::may_cut(const Box& relative, double more, const LiftedView& view) {
     bool found = false;
+    const double inverse = 1 / view.shrink;
     for_each_alive([&](int slot) {
-        const double v[3] = {x_[slot], y_[slot], z_[slot]}, t = tolerance_[slot];
-        double sum = 0, size = 0, length = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double q = std::clamp(v[k], relative.lower[k], relative.upper[k]), term = q * (q - 2 * v[k]);
+        const double v[3] = {x_[slot], y_[slot], z_[slot]};
+        double sum = 0, size = 0, length = 0, t = tolerance_[slot];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = v[k] + view.move[k];
+            const double q = std::clamp(x * inverse, relative.lower[k], relative.upper[k]), shrunk = view.shrink * q;
+            const double term = q * (shrunk - 2 * x);
             sum += term;
-            size += std::abs(term);
+            size += std::abs(term) + q * shrunk;
             length += std::abs(q);
+            t += unit * (8 * std::abs(view.move[k]) + 2 * std::abs(x));
         }
         const double slack =
-            8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t) * t * (1 + 8 * unit) + smallest_radius;
+            8 * unit * (size + std::abs(more)) + 2 * (length + 3 * t * inverse) * t * (1 + 8 * unit) + smallest_radius;
         found = found || !(sum > more + slack);
     });
     if (found && ++passed_ == passed_before_sharpening) sharpen();
@@ -313,7 +339,7 @@ void Cell::sharpen() {
         const auto [a, b, c] = corners_[slot].plane;
         place_vertex(slot, a, b, c);
     });
-    radius_known_ = false;
+    radius_known_ = moved_radius_known_ = false;
 }
 
 bool Cell::has_plane(std::int32_t id, const exact::Shift& shift) const {
@@ -599,7 +625,7 @@ bool Cell::clip(const CellPlane& plane) {
         corners_[w].next[2] = v;
         last_ = v;
     }
-    radius_known_ = false;
+    radius_known_ = moved_radius_known_ = false;
     return true;
 }
 

@@ -70,6 +70,12 @@ struct CellFaces {
 // Returns a box as seen from `at`, moved outward by all rounding. rounding: by axis, of the positions.
 Box seen_from(const exact::Point& at, const Box& box, const exact::Point& rounding = {});
 
+// How a cell is seen if weights follow a paraboloid (index/lift.hpp): its vertices moved, and the factor of |n|^2.
+struct LiftedView {
+    std::array<double, 3> move{};
+    double shrink = 1;
+};
+
 class Cell {
 public:
     explicit Cell(const Kernels& kernels = best_kernels());
@@ -91,12 +97,15 @@ public:
     // Returns an upper bound on the squared distance R^2 to the farthest vertex. No seed at 2 R or beyond cuts the
     // cell. The bound of a large cell may be that of some clips ago.
     [[nodiscard]] double radius_squared();
+    // Returns a distance at or beyond which no seed cuts the cell, if its rest is larger by at most `more`, 0 or more.
+    // view: always the same one after a start.
+    [[nodiscard]] double lifted_reach(const LiftedView& view, double more);
     // Returns false only if no seed inside the box (relative to seed()) can cut the cell. more: bound on the excess of
     // their weight over the cell's.
     [[nodiscard]] bool in_reach(const Box& relative, double more = 0) const;
     // Slower, and sharp even if the box is much nearer than the vertices, like the images along the short edge of a
-    // thin box. After many calls it solves the vertices exactly.
-    [[nodiscard]] bool may_cut(const Box& relative, double more);
+    // thin box. After many calls it solves the vertices exactly. view: `more` is then the excess of rests.
+    [[nodiscard]] bool may_cut(const Box& relative, double more, const LiftedView& view = {});
     // Whether planes() includes this bisector, with a face or without.
     [[nodiscard]] bool has_plane(std::int32_t id, const exact::Shift& shift) const;
     // Returns the mean of the vertices.
@@ -198,8 +207,8 @@ private:
     std::vector<std::int32_t> ring_;    // plane -> new vertex that has it first
     std::vector<std::int32_t> merged_;  // slot -> representative of equal vertices
     std::vector<std::int32_t> start_;   // plane -> some vertex on it, or -1
-    bool radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
-    double radius_squared_ = 0;
+    bool radius_known_ = false, moved_radius_known_ = false, used_exact_ = false, met_tie_ = false, empty_ = false;
+    double radius_squared_ = 0, moved_radius_ = 0;
     int requests_ = 0;    // of the radius since it was known
     int passed_ = 0;      // boxes that may_cut() did not exclude
     bool sharp_ = false;  // vertices are rounded from exact ones

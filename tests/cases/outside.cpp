@@ -63,40 +63,50 @@ TEST_SUITE("cases") {
     // p' = c + s (p - c) and w' = s^2 q^2 - s (q^2 - w) with q = |p - c| leave every power as it was, times s and plus
     // the same. All numbers here are exact.
     TEST_CASE("outside: a Laguerre diagram whose seeds are moved out is the same") {
-        test::Random random(3);
-        for (const double s : {2.0, 8.0}) {
-            CAPTURE(s);
-            Coordinates points, moved;
-            std::vector<double> weights, moved_weights;
-            for (std::size_t i = 0; i < 300; ++i) {
-                double square = 0;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const double x = static_cast<double>(random.below(1 << 16)) / (1 << 16) - 0.5;
-                    square += x * x;
-                    points.push_back(x);
-                    moved.push_back(s * x);
+        enum Domain { box, walls, cell, lattice };
+        for (const Domain domain : {box, walls, cell, lattice})
+            for (const double s : {1.25, 2.0, 8.0}) {
+                CAPTURE(domain);
+                CAPTURE(s);
+                test::Random random(3);
+                Coordinates points, moved;
+                std::vector<double> weights, moved_weights;
+                for (std::size_t i = 0; i < 343; ++i) {
+                    double square = 0;
+                    for (std::size_t k = 0, rest = i; k < 3; ++k, rest /= 7) {
+                        const double x = domain == lattice
+                                             ? (static_cast<double>(rest % 7) - 3) / 8
+                                             : static_cast<double>(random.below(1 << 16)) / (1 << 16) - 0.5;
+                        square += x * x;
+                        points.push_back(x);
+                        moved.push_back(s * x);
+                    }
+                    const double w = domain == lattice ? 0 : static_cast<double>(random.below(1 << 10)) / (1 << 16);
+                    weights.push_back(w);
+                    moved_weights.push_back(s * s * square - s * (square - w));
                 }
-                const double w = static_cast<double>(random.below(1 << 10)) / (1 << 16);
-                weights.push_back(w);
-                moved_weights.push_back(s * s * square - s * (square - w));
+                Options options = test::all_options(test::cube(-0.5, 0.5));
+                options.want.vertices = options.want.faces = true;
+                options.outside = votess::Outside::keep;
+                if (domain == walls) options.walls = votess::sphere_walls({0, 0, 0}, 0.4, 12);
+                if (domain == cell) {
+                    options.box.reset();
+                    options.cell = {{-0.375, -0.25, -0.25}, {0.5, 0.125, 0}, {0, 0.5, 0.125}, {0.25, 0, 0.5}, {}};
+                }
+                options.weights = weights;
+                const auto t = votess::tessellate(points, options);
+                options.weights = moved_weights;
+                const auto other = votess::tessellate(moved, options);
+                CHECK(test::rows_of(other) == test::rows_of(t));
+                double worst = 0;
+                for (std::size_t i = 0; i < t.size(); ++i)
+                    if (t.volumes()[i] > 1e-9)
+                        worst = std::max(worst, std::abs(other.volumes()[i] - t.volumes()[i]) / t.volumes()[i]);
+                CHECK(worst <= 1e-12);
+                CHECK(std::ranges::equal(t.face_counts(), other.face_counts()));
+                CHECK(t.vertices().size() == other.vertices().size());
+                CHECK(votess::verify(other, moved).failure == "");
             }
-            Options options = test::all_options(test::cube(-0.5, 0.5));
-            options.want.vertices = options.want.faces = true;
-            options.weights = weights;
-            const auto t = votess::tessellate(points, options);
-            options.weights = moved_weights;
-            options.outside = votess::Outside::keep;
-            const auto other = votess::tessellate(moved, options);
-            CHECK(test::rows_of(other) == test::rows_of(t));
-            double worst = 0;
-            for (std::size_t i = 0; i < t.size(); ++i)
-                if (t.volumes()[i] > 0)
-                    worst = std::max(worst, std::abs(other.volumes()[i] - t.volumes()[i]) / t.volumes()[i]);
-            CHECK(worst <= 1e-12);
-            CHECK(std::ranges::equal(t.face_counts(), other.face_counts()));
-            CHECK(t.vertices().size() == other.vertices().size());
-            CHECK(votess::verify(other, moved).failure == "");
-        }
     }
 
     TEST_CASE("outside: many seeds that are kept, with all arrays") {

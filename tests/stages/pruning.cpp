@@ -11,7 +11,9 @@
 #include "domain/domain.hpp"
 #include "exact/vertex.hpp"
 #include "index/hierarchy.hpp"
+#include "index/lift.hpp"
 #include "index/seed_images.hpp"
+#include "index/sorted_seeds.hpp"
 #include "input/options.hpp"
 #include "kernels/star_kernels.hpp"
 #include "polytope/cell.hpp"
@@ -51,6 +53,27 @@ struct Counts {
     std::size_t tried = 0, cuts = 0;
     std::size_t missed = 0;  // cuts that would be out of reach without the slack for rounded coordinates and weights
 };
+
+// Returns any paraboloid, with the place of its center in spacings.
+votess::cpu::Lift lift_beside(const Point& p, double spacing, test::Random& random) {
+    votess::cpu::Lift lift;
+    lift.curvature = random.below(2) == 0 ? 1 - 0x1p-10 : 0x1p-20 * static_cast<double>(random.below(1 << 20));
+    lift.shrink = 1 - lift.curvature;
+    const double far = random.below(2) == 0 ? 1 : 30;
+    for (std::size_t k = 0; k < 3; ++k) lift.center[k] = p[k] + far * spacing * random.uniform(-1, 1);
+    return lift;
+}
+
+// Whether both bounds by a paraboloid let a seed q that cuts the cell of p pass.
+bool in_lifted_reach(votess::cpu::Cell& cell, const votess::cpu::Lift& lift, const Point& p, double weight,
+                     const Point& q, double other) {
+    const double more = lift.max_rest(q, other) - lift.min_rest(p, weight);
+    double square = 0;
+    for (std::size_t k = 0; k < 3; ++k) square += (q[k] - p[k]) * (q[k] - p[k]);
+    const votess::cpu::LiftedView view{lift.move(p), lift.shrink};
+    return cell.may_cut(votess::cpu::seen_from(p, {q, q}), more, view) &&
+           std::sqrt(square) * (1 - 1e-12) < cell.lifted_reach(view, std::max(0.0, more));
+}
 
 // Cells of some bisectors each; for each vertex seeds that nearly touch it.
 Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed) {
@@ -111,6 +134,7 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
             cell.clip(1 + n, bisector(q, weighted ? domain.largest_weight * random.uniform() : 0), q.second);
         }
         if (cell.empty()) continue;
+        const votess::cpu::Lift lift = lift_beside(at, setting.spacing, random);
         cell.canonical_faces(faces);
         std::vector<std::int32_t> slots(faces.corners);
         std::ranges::sort(slots);
@@ -140,6 +164,8 @@ Counts try_setting(const Setting& setting, std::size_t cells, std::uint64_t seed
                 if (vertex.side(plane) <= 0) continue;
                 ++counts.cuts;
                 const bool images = domain.is_periodic();
+                if (weighted && !images && !in_lifted_reach(cell, lift, at, weight, image, other))
+                    FAIL_CHECK("a seed that cuts the cell is out of reach where weights follow a paraboloid");
                 const double largest = std::max(size_of(at), size_of(image));
                 const double rounding = images ? 8 * unit * largest : 0;  // as CellBuilder's
                 Point of_axis{};
@@ -190,6 +216,7 @@ TEST_SUITE("stages") {
             {"weights below the squared spacing", unit_box, {}, 0.1, 1e-9},
             {"weights like the squared spacing", unit_box, {}, 0.1, 1},
             {"weights far above the squared spacing", unit_box, {}, 0.001, 1e4},
+            {"weights far from 0", {{1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 1, 1e6 + 1}}, {}, 1e-5, 10},
             {"weights in a periodic box", unit_box, {true, true, true}, 1e-4, 100},
             {"weights in a periodic box, far from 0",
              {{1e6, 1e6, 1e6}, {1e6 + 1, 1e6 + 1, 1e6 + 1}},
@@ -209,6 +236,35 @@ TEST_SUITE("stages") {
         }
         CHECK(tried > test::by_size(1'000'000, 30'000));
         CHECK(missed > 0);
+    }
+
+    TEST_CASE("pruning: a paraboloid is found in weights that follow one") {
+        test::Random random(5);
+        const Point center{3, -2, 7};
+        for (const int dimensions : {3, 2, 1})
+            for (const double curvature : {0.9, 0.25, 0.0}) {
+                CAPTURE(dimensions);
+                CAPTURE(curvature);
+                constexpr std::size_t count = 400;
+                votess::cpu::SortedSeeds seeds;
+                votess::Buffer<double>* const axes[3] = {&seeds.x, &seeds.y, &seeds.z};
+                for (auto* axis : axes) axis->resize_uninitialized(count);
+                seeds.input.resize_uninitialized(count);
+                for (std::size_t s = 0; s < count; ++s) {
+                    double square = 0;
+                    for (int k = 0; k < 3; ++k) {
+                        (*axes[k])[s] = k < dimensions ? random.uniform(-1, 1) : 0.5;
+                        square += ((*axes[k])[s] - center[k]) * ((*axes[k])[s] - center[k]);
+                    }
+                    seeds.weights.push_back(curvature * square + random.uniform(0, 1e-3));
+                }
+                const votess::cpu::Lift lift = votess::cpu::fit_lift(seeds);
+                REQUIRE(lift.exists() == (curvature > 0));
+                if (curvature == 0) continue;
+                CHECK(lift.curvature == doctest::Approx(curvature).epsilon(0.01));
+                const auto [least, most] = std::ranges::minmax(lift.rests);
+                CHECK(most - least < 2e-3);
+            }
     }
 
     TEST_CASE("pruning: images by a range of shifts lie within its bounds") {

@@ -54,15 +54,18 @@ std::vector<Job> kept_outside(Random& random) {
             }
         }
         if (job.box) shrink_box(job, random);
-        if (!job.weights.empty() && random.chance(0.5))  // which bring cells of seeds outside into the domain
+        if (!job.weights.empty() && random.chance(0.5)) {  // which bring cells of seeds outside into the domain
+            const double least = random.chance(0.5) ? 0.5 : 1;
+            const double curvature = random.chance(0.5) ? 1 : random.uniform(0.5, 1);
             for (std::size_t i = 0; i < job.size(); ++i) {
                 double square = 0;
                 for (std::size_t k = 0; k < 3; ++k) {
                     const double from = job.points[3 * i + k] - job.points[k];
                     square += from * from;
                 }
-                job.weights[i] += random.uniform(0.5, 1) * square;
+                job.weights[i] += curvature * random.uniform(least, 1) * square;
             }
+        }
         if (random.chance(0.3))
             for (double& x : job.weights) x = beside(x, random, 0.5);
     }
