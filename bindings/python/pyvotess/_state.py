@@ -174,7 +174,8 @@ class Cells:
         if self.cell is not None and self.origin is not None:
             where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
         else:
-            where = f"box {text(self.box[0])} to {text(self.box[1])}"
+            endless = np.isinf(self.box).all()
+            where = "domain without end" if endless else f"box {text(self.box[0])} to {text(self.box[1])}"
         if len(self.walls):
             where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
         axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
