@@ -8,6 +8,7 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "input/options.hpp"
 
 namespace votess {
 namespace {
@@ -92,7 +93,7 @@ Box near_box(const Points& points, const Box& box) {
 
 Box far_box(const Points& points, std::span<const double> weights, const Box& box) {
     // Of the box over the extent of the points: weights of larger boxes leave the range of double.
-    const int max_exponent = weights.empty() ? 700 : max_weighted_box;
+    const int max_exponent = weights.empty() ? 700 : max_weighted_box - 4;
     const Spread spread(points);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
     for (std::size_t k = 0; k < 3; ++k)
