@@ -94,8 +94,13 @@ void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
 void read_domain(const Typed& typed, Arguments& arguments) {
     votess::Options& options = arguments.options;
     if (const std::string* text = typed.value("--box")) {
-        const auto n = read_numbers<6>("--box", *text);
-        options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
+        if (*text == "none") {
+            constexpr double inf = std::numeric_limits<double>::infinity();
+            options.box = votess::Box{.lower = {-inf, -inf, -inf}, .upper = {inf, inf, inf}};
+        } else {
+            const auto n = read_numbers<6>("--box", *text);
+            options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
+        }
     }
     if (const std::string* axes = typed.value("--periodic"))
         arguments.periodic = read_periodic(axes->empty() ? "xyz" : *axes);
