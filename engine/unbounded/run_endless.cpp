@@ -12,7 +12,7 @@ namespace {
 
 using detail::Result;
 
-constexpr std::size_t min_near = 4096;  // fewer seeds are as fast in the far box alone
+constexpr std::size_t min_near = 30;  // fewer seeds are as fast in the far box alone
 
 std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
