@@ -258,6 +258,16 @@ void read_colors(const Typed& typed, Arguments& arguments) {
             throw bad_input(option + " is for pictures and .glb: add --image FILE.png or -o FILE.glb");
 }
 
+// Files of meshes and of atoms, and pictures, need a box with ends.
+void check_endless(const Arguments& arguments) {
+    const auto& box = arguments.options.box;
+    if (!box || !std::isinf(box->upper[0])) return;
+    if (arguments.picture) throw bad_input("--image needs a box with ends: leave out --box none");
+    for (const std::string& path : arguments.outputs)
+        if (needs_box(path))
+            throw bad_input("output " + in_quotes(path) + " needs a box with ends: leave out --box none");
+}
+
 // Refuses options that mean nothing without another one.
 void check_companions(const Typed& typed, const Arguments& arguments) {
     for (const Option* option : arguments.given) {
@@ -331,6 +341,7 @@ Arguments read_arguments(int count, const char* const* values) {
     }
     arguments.picture = read_picture(typed, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
+    check_endless(arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;
     if (arguments.frames) check_frames(arguments);
 

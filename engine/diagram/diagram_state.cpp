@@ -93,7 +93,8 @@ DiagramState& hull_state(DiagramState& state) {
         const Tessellation t = tessellate(state.points, options);
         std::vector<std::int32_t> open;
         for (std::size_t i = 0; i < t.size(); ++i)
-            if (const auto row = t.neighbors(i); !row.empty() && row[0] < 0) open.push_back(static_cast<std::int32_t>(i));
+            if (const auto row = t.neighbors(i); !row.empty() && row[0] < 0)
+                open.push_back(static_cast<std::int32_t>(i));
         const std::vector<double> of_open = some_of(weights, open, 1);
         return make_state(some_of(state.points, open, 3), options_in(state, far_box_of(state, weights), of_open));
     });

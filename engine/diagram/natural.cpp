@@ -151,7 +151,9 @@ namespace {
 struct FarQueries {
     FarQueries(DiagramState& near, std::span<const double> x, const NaturalOptions& options,
                std::span<const std::int32_t> numbers)
-        : state(far_state(near)), places(some_of(x, numbers, 3)), weights(some_of(options.weights, numbers, 1)),
+        : state(far_state(near)),
+          places(some_of(x, numbers, 3)),
+          weights(some_of(options.weights, numbers, 1)),
           asked(options) {
         asked.weights = weights;
     }
@@ -196,7 +198,8 @@ NaturalCoordinates joined(const NaturalCoordinates& all, std::span<const std::in
         out.indices.insert(out.indices.end(), from.indices.begin() + begin, from.indices.begin() + end);
         out.weights.insert(out.weights.end(), from.weights.begin() + begin, from.weights.begin() + end);
         if (!from.gradients.empty())
-            out.gradients.insert(out.gradients.end(), from.gradients.begin() + 3 * begin, from.gradients.begin() + 3 * end);
+            out.gradients.insert(out.gradients.end(), from.gradients.begin() + 3 * begin,
+                                 from.gradients.begin() + 3 * end);
         out.indptr.push_back(std::ssize(out.indices));
     }
     return out;

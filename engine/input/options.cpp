@@ -477,9 +477,8 @@ void check_extent(const Job& job, const Box& bounds) {
     for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
     if (!job.domain->has_weights() || !(longest > 0) || job.options.cell) return;
     if (longest * std::ldexp(1.0, max_weighted_box) < largest_coordinate(job.box))
-        throw Error(ErrorCode::unsupported,
-                    "the box is too large beside the extent of the points, " + number(longest) +
-                        ", for weights: give one of at most 1e75 times the extent");
+        throw Error(ErrorCode::unsupported, "the box is too large beside the extent of the points, " + number(longest) +
+                                                ", for weights: give one of at most 1e75 times the extent");
 }
 
 }  // namespace

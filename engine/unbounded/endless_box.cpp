@@ -72,7 +72,8 @@ std::int32_t EndlessSides::id() const {
 void check_endless(const Options& options) {
     if (options.periodic[0] || options.periodic[1] || options.periodic[2])
         refuse_endless("box without end and periodic are both given: leave one out");
-    if (!options.walls.empty()) refuse_endless("box without end and walls are both given: walls bound the domain alone");
+    if (!options.walls.empty())
+        refuse_endless("box without end and walls are both given: walls bound the domain alone");
     if (options.cell) refuse_endless("box and cell are both given: give one of them");
     if (options.min_face > 0 || options.min_area > 0)
         refuse_endless("min_face and min_area need a domain with an end: leave them out, or give a box");
@@ -80,9 +81,7 @@ void check_endless(const Options& options) {
 
 Box near_box(const Points& points, const Box& box) {
     const Spread spread(points);
-    const double margin = spread.longest > 0  ? near_margin * spread.longest
-                          : spread.largest > 0 ? spread.largest
-                                               : 1;
+    const double margin = spread.longest > 0 ? near_margin * spread.longest : spread.largest > 0 ? spread.largest : 1;
     Box near = box;
     for (std::size_t k = 0; k < 3; ++k) {
         if (box.lower[k] == -infinity) near.lower[k] = std::min(spread.bounds.lower[k], box.upper[k]) - margin;

@@ -70,7 +70,8 @@ public:
     void add(const Result& from, std::size_t entry, std::int32_t id) {
         indices_.push_back(id);
         if (areas_wanted_) areas_.push_back(from.face_areas[entry]);
-        if (normals_wanted_) normals_.insert(normals_.end(), &from.face_normals[3 * entry], &from.face_normals[3 * entry] + 3);
+        if (normals_wanted_)
+            normals_.insert(normals_.end(), &from.face_normals[3 * entry], &from.face_normals[3 * entry] + 3);
     }
     void add_infinity(std::int32_t id) {
         indices_.push_back(id);

@@ -57,8 +57,7 @@ private:
 
     Result in_far_box() {
         Options options = part(far(points_, weights_), {0, 1});
-        if (options.device != "auto" && points_.count() > 0)
-            options.device = "cpu";  // no device clips so large a box
+        if (options.device != "auto" && points_.count() > 0) options.device = "cpu";  // no device clips so large a box
         options.want.faces |= needs_polygons();
         Result result = run_(points_, options);
         open_cells(result, *options_.box);

@@ -151,10 +151,12 @@ TEST_SUITE("cases") {
                 std::vector<double> weights;
                 if (seed == 2) {
                     const double size = set.box ? set.box->upper[0] - set.box->lower[0] : 1;
-                    for (std::size_t i = 0; i < set.size(); ++i) weights.push_back(0.05 * size * size * random.uniform(0, 1));
+                    for (std::size_t i = 0; i < set.size(); ++i)
+                        weights.push_back(0.05 * size * size * random.uniform(0, 1));
                     options.weights = weights;
                 }
-                if (set.name == "duplicates" || set.name == "near duplicates") continue;  // the oracle takes distinct seeds
+                if (set.name == "duplicates" || set.name == "near duplicates")
+                    continue;  // the oracle takes distinct seeds
                 std::optional<votess::Tessellation> made;
                 if (const auto code = test::error_of([&] { made = votess::tessellate(set.points, options); })) {
                     CHECK((code == votess::ErrorCode::unsupported && !weights.empty()));  // see max_weighted_box
@@ -202,8 +204,8 @@ TEST_SUITE("cases") {
             // Euler's formula of the Delaunay tetrahedra of the convex hull.
             const auto dual = votess::delaunay(t);
             const auto hull = static_cast<std::size_t>(std::ranges::count(t.volumes(), inf));
-            const std::size_t tetrahedra = dual.tetrahedra_centers.size(), triangles = (4 * tetrahedra + 2 * hull - 4) / 2,
-                              edges = (t.indices().size() - hull) / 2;
+            const std::size_t tetrahedra = dual.tetrahedra_centers.size(),
+                              triangles = (4 * tetrahedra + 2 * hull - 4) / 2, edges = (t.indices().size() - hull) / 2;
             CHECK(set.size() + triangles == 1 + edges + tetrahedra);
         }
     }
@@ -215,7 +217,8 @@ TEST_SUITE("cases") {
             const std::size_t grid = std::size_t{1} << (1 + random.below(20));
             Coordinates points;
             for (int i = 0; i < 12; ++i)
-                points.push_back(i % 3 == 2 ? static_cast<double>(random.below(2)) : static_cast<double>(random.below(grid)));
+                points.push_back(i % 3 == 2 ? static_cast<double>(random.below(2))
+                                            : static_cast<double>(random.below(grid)));
             Options options = endless_options();
             options.want.faces = true;
             const auto t = votess::tessellate(points, options);
@@ -245,7 +248,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: in the plane") {
-        for (const std::size_t n : {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{50}, test::by_size(4500, 500)}) {
+        for (const std::size_t n :
+             {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{50}, test::by_size(4500, 500)}) {
             CAPTURE(n);
             test::Random random(n);
             Coordinates points;
@@ -256,7 +260,7 @@ TEST_SUITE("cases") {
             if (n < 100) CHECK(votess::verify(t, points).failure == "");
             const auto hull = static_cast<std::size_t>(std::ranges::count(t.volumes(), inf));
             if (n >= 3) CHECK(t.vertices().size() / 2 == 2 * n - 2 - hull);  // triangles of the hull
-            if (n > 100) continue;  // a high sheet takes long
+            if (n > 100) continue;                                           // a high sheet takes long
             options.box = votess::Box{{-0x1p150, -0x1p150, 0}, {0x1p150, 0x1p150, 0}};
             const auto far = votess::tessellate(points, options);
             for (std::size_t i = 0; i < n; ++i)

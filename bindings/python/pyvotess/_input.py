@@ -57,7 +57,7 @@ def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.ND
 def as_box(box: Any, planar: bool = False) -> Float64Array:
     if isinstance(box, str):
         if box != "none":
-            raise ValueError(f"box is {box!r}: give numbers, 'none' for all of space, or 'hull'")
+            raise ValueError(f"box is {box!r}: give numbers, or 'none' for all of space")
         ends = np.full((2, 3), np.inf)
         ends[0] = -np.inf
         if planar:

@@ -355,6 +355,10 @@ class Cells:
         if self.planar:
             raise ValueError(f"{what} works in three dimensions only")
 
+    def _require_end(self, what: str) -> None:
+        if np.isinf(self.box).any():
+            raise ValueError(f"{what} needs a box with ends: some cells reach infinity")
+
     @property
     def lists_walls(self) -> bool:
         """Whether the rows list walls."""
@@ -373,6 +377,7 @@ class Cells:
         keep short edges, which ``edge_threshold`` ignores.
         """
         self._require_space("voronoi_indices()")
+        self._require_end("voronoi_indices()")
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(
