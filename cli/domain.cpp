@@ -89,6 +89,8 @@ std::string domain_text(const votess::Tessellation& cells, const DomainFrom& fro
     if (const auto& cell = cells.cell()) {
         text = "cell " + short_list(cell->a) + " " + short_list(cell->b) + " " + short_list(cell->c) + " at " +
                short_list(cell->origin);
+    } else if (std::isinf(cells.box().upper[0])) {
+        text = "all of space";
     } else {
         text = "box " + short_list(cells.box().lower) + " to " + short_list(cells.box().upper);
     }

@@ -54,9 +54,10 @@ The domain is that box unless --box is given)",
          {.brief = "N uniform points in the unit box instead of INPUT"}},
         {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random"}},
         {"", "domain"},
-        {"--box x0,y0,z0,x1,y1,z1",
+        {"--box x0,y0,z0,x1,y1,z1|none",
          R"(the domain. Default: the bounds of the points, each side moved out by half
-of (longest side / cbrt(N)). A point outside a given box is an error)",
+of (longest side / cbrt(N)). A point outside a given box is an error. none:
+all of space; cells that reach infinity have the volume inf and wall -1)",
          {.brief = "the domain; default: around the points, or as the file states"}},
         {"--periodic [xyz|none]",
          R"(axes along which the box repeats; without a value: all three. Points beyond

@@ -105,7 +105,7 @@ std::string plain_summary(const Summary& summary) {
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
     line("mean faces", rounded("%.4f", stats.mean_faces));
-    if (summary.has_volumes) {
+    if (summary.has_volumes && std::isfinite(stats.box_volume)) {
         const double error =
             stats.box_volume > 0 ? std::abs(stats.volume_sum - stats.box_volume) / stats.box_volume : 0;
         line("volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " + rounded("%.10g", stats.box_volume) +

@@ -94,8 +94,13 @@ void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
 void read_domain(const Typed& typed, Arguments& arguments) {
     votess::Options& options = arguments.options;
     if (const std::string* text = typed.value("--box")) {
-        const auto n = read_numbers<6>("--box", *text);
-        options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
+        if (*text == "none") {
+            constexpr double inf = std::numeric_limits<double>::infinity();
+            options.box = votess::Box{.lower = {-inf, -inf, -inf}, .upper = {inf, inf, inf}};
+        } else {
+            const auto n = read_numbers<6>("--box", *text);
+            options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
+        }
     }
     if (const std::string* axes = typed.value("--periodic"))
         arguments.periodic = read_periodic(axes->empty() ? "xyz" : *axes);
@@ -253,6 +258,16 @@ void read_colors(const Typed& typed, Arguments& arguments) {
             throw bad_input(option + " is for pictures and .glb: add --image FILE.png or -o FILE.glb");
 }
 
+// Files of meshes and of atoms, and pictures, need a box with ends.
+void check_endless(const Arguments& arguments) {
+    const auto& box = arguments.options.box;
+    if (!box || !std::isinf(box->upper[0])) return;
+    if (arguments.picture) throw bad_input("--image needs a box with ends: leave out --box none");
+    for (const std::string& path : arguments.outputs)
+        if (needs_box(path))
+            throw bad_input("output " + in_quotes(path) + " needs a box with ends: leave out --box none");
+}
+
 // Refuses options that mean nothing without another one.
 void check_companions(const Typed& typed, const Arguments& arguments) {
     for (const Option* option : arguments.given) {
@@ -326,6 +341,7 @@ Arguments read_arguments(int count, const char* const* values) {
     }
     arguments.picture = read_picture(typed, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
+    check_endless(arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;
     if (arguments.frames) check_frames(arguments);
 

@@ -66,6 +66,11 @@ const Kind* kind_of(const std::string& path) {
 
 }  // namespace
 
+bool needs_box(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->mesh || kind->write == write_xyz || kind->write == write_dump);
+}
+
 bool is_text_output(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->write == write_text;

@@ -27,6 +27,8 @@ void check_hdf5(const std::string& path);
 void check_outputs(const std::vector<std::string>& paths, const std::vector<std::string>& inputs);
 
 [[nodiscard]] bool is_text_output(const std::string& path);
+// Whether the file needs a domain with ends.
+[[nodiscard]] bool needs_box(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
 [[nodiscard]] bool is_colored(const std::string& path);
 

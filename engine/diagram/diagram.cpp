@@ -2,15 +2,18 @@
 
 #include <limits>
 
+#include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
-#include "input/options.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess {
 
 namespace {
 
 using detail::DiagramState;
+
+constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 
 // Runs a call that the user may stop. Reports its beginning and its end, and a failure to get memory as an Error.
 template <class Work>
@@ -27,7 +30,8 @@ auto run(const ProgressCallback& callback, const Work& work) {
     }
 }
 
-std::shared_ptr<DiagramState> make_state(std::span<const double> points, const Options& options) {
+// Without a domain the seeds are in all of space.
+std::shared_ptr<DiagramState> new_state(std::span<const double> points, const Options& options) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
                     "device '" + options.device + "': a Diagram is asked on the CPU, give cpu or auto");
@@ -39,17 +43,22 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
     if (points.size() / 3 > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported,
                     std::to_string(points.size() / 3) + " seeds are too many: at most 2147483647");
-    auto state = std::make_shared<DiagramState>();
-    state->points.reserve(points.size());
-    in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
-        state->points.insert(state->points.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
-                             points.begin() + static_cast<std::ptrdiff_t>(end));
-    });
-    state->job = validate({state->points, {}}, options);
-    state->job.options.progress = {};
-    state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
-    state->clipper.begin(state->job);
-    state->clipper.prepare();
+    const bool periodic = options.periodic != std::array<bool, 3>{};
+    std::optional<Box> endless;
+    if (EndlessSides(options.box).any()) {
+        check_endless(options);
+        endless = options.box;
+    } else if (!options.box && !options.cell && !periodic && options.walls.empty()) {
+        endless = no_ends;
+    }
+    if (!endless) return detail::make_state(points, options);
+    if (endless->lower != no_ends.lower || endless->upper != no_ends.upper)
+        throw Error(ErrorCode::unsupported,
+                    "a Diagram needs a box with all of its ends, or with none: give the same for all sides");
+    Options near = options;
+    near.box = near_box({points, {}}, *endless);
+    std::shared_ptr<DiagramState> state = detail::make_state(points, near);
+    state->endless = endless;
     return state;
 }
 
@@ -57,7 +66,7 @@ std::shared_ptr<DiagramState> make_state(std::span<const double> points, const O
 
 Diagram::Diagram() : Diagram(std::span<const double>{}) {}
 Diagram::Diagram(std::span<const double> points, const Options& options)
-    : state_(run(options.progress, [&] { return make_state(points, options); })) {}
+    : state_(run(options.progress, [&] { return new_state(points, options); })) {}
 
 std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;

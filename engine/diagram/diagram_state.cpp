@@ -10,6 +10,7 @@
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
 #include "input/options.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess::detail {
 namespace {
@@ -32,6 +33,78 @@ std::uint32_t key_of(const Box& box, const exact::Point& x) {
 }
 
 }  // namespace
+
+std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options) {
+    auto state = std::make_unique<DiagramState>();
+    state->points.reserve(points.size());
+    in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
+        state->points.insert(state->points.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
+                             points.begin() + static_cast<std::ptrdiff_t>(end));
+    });
+    state->job = validate({state->points, {}}, options);
+    state->job.options.progress = {};
+    state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
+    state->clipper.begin(state->job);
+    state->clipper.prepare();
+    return state;
+}
+
+namespace {
+
+std::vector<double> weights_of(const DiagramState& state) {
+    std::vector<double> weights = state.job.domain->weights;
+    for (double& weight : weights) weight = weight / state.job.scale / state.job.scale;
+    return weights;
+}
+
+Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights) {
+    Options options = state.job.options;
+    options.box = box;
+    options.weights = weights;
+    return options;
+}
+
+Box far_box_of(const DiagramState& state, std::span<const double> weights) {
+    return far_box({state.points, {}}, weights, *state.endless);
+}
+
+// Makes the state if it is missing.
+template <class Make>
+DiagramState& other_state(DiagramState& state, std::unique_ptr<DiagramState>& other, Make make) {
+    const std::scoped_lock lock(state.making);
+    if (!other) other = make(weights_of(state));
+    return *other;
+}
+
+}  // namespace
+
+DiagramState& far_state(DiagramState& state) {
+    return other_state(state, state.far, [&](const std::vector<double>& weights) {
+        return make_state(state.points, options_in(state, far_box_of(state, weights), weights));
+    });
+}
+
+DiagramState& hull_state(DiagramState& state) {
+    return other_state(state, state.hull, [&](const std::vector<double>& weights) {
+        Options options = options_in(state, state.endless, weights);
+        options.device = "cpu";
+        options.want = {.neighbors = true, .volumes = false};
+        options.list_walls = true;
+        const Tessellation t = tessellate(state.points, options);
+        std::vector<std::int32_t> open;
+        for (std::size_t i = 0; i < t.size(); ++i)
+            if (const auto row = t.neighbors(i); !row.empty() && row[0] < 0)
+                open.push_back(static_cast<std::int32_t>(i));
+        const std::vector<double> of_open = some_of(weights, open, 1);
+        return make_state(some_of(state.points, open, 3), options_in(state, far_box_of(state, weights), of_open));
+    });
+}
+
+DiagramState& state_around(DiagramState& state) {
+    return other_state(state, state.around, [&](const std::vector<double>& weights) {
+        return make_state(state.points, options_in(state, std::nullopt, weights));
+    });
+}
 
 CallGuard::CallGuard(DiagramState& state) : state_(state) {
     const auto self = std::this_thread::get_id(), nobody = std::thread::id();
@@ -140,6 +213,14 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
     }
 }
 
+std::vector<double> some_of(std::span<const double> all, std::span<const std::int32_t> numbers, std::size_t each) {
+    std::vector<double> some;
+    if (all.empty()) return some;
+    for (const std::int32_t number : numbers)
+        for (std::size_t k = 0; k < each; ++k) some.push_back(all[each * static_cast<std::size_t>(number) + k]);
+    return some;
+}
+
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
     std::vector<std::int32_t> seeds;
     lengthen(seeds, queries.count());
@@ -152,6 +233,13 @@ std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
             seeds[begin + i] = searcher.locator.find(scaled(state.job, queries, begin + i), searcher.places[i]);
         }
     });
+    if (!state.endless) return seeds;
+    std::vector<std::int32_t> beyond;
+    for (std::size_t q = 0; q < seeds.size(); ++q)
+        if (seeds[q] < 0) beyond.push_back(static_cast<std::int32_t>(q));
+    if (beyond.empty() || state.points.empty()) return seeds;
+    const std::vector<std::int32_t> far = locate(far_state(state), {some_of(queries.x, beyond, 3), {}});
+    for (std::size_t k = 0; k < beyond.size(); ++k) seeds[static_cast<std::size_t>(beyond[k])] = far[k];
     return seeds;
 }
 

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <deque>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -53,7 +54,21 @@ struct DiagramState {
     std::deque<Searcher> searchers;
     ResultBuilder result;
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
+
+    // In a domain without end this state has near_box(), and others are made when needed: of the same seeds with
+    // far_box(), of the seeds whose cells reach infinity with that box, and of all with the default box for grids. Each
+    // has its own call at work.
+    std::optional<Box> endless;
+    std::mutex making;
+    std::unique_ptr<DiagramState> far, hull, around;
 };
+
+// Makes the state of points in a box that has ends.
+std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options);
+// Returns those of a state without end.
+DiagramState& far_state(DiagramState& state);
+DiagramState& hull_state(DiagramState& state);
+DiagramState& state_around(DiagramState& state);
 
 // Gives one call the state. Waits for the call at work, and meanwhile checks whether the user stops.
 class CallGuard {
@@ -76,6 +91,9 @@ struct Queries {
 // Throws invalid_argument unless x is (Q, 3), and for weights or radii of another length.
 Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights = {},
                       std::span<const double> radii = {});
+
+// Returns the rows of `each` coordinates or weights that have these numbers; none of none.
+std::vector<double> some_of(std::span<const double> all, std::span<const std::int32_t> numbers, std::size_t each);
 
 // The query times the scale of the job.
 exact::Point scaled(const Job& job, const Queries& queries, std::size_t number);

@@ -113,12 +113,14 @@ struct RowSink final : cpu::NaturalSink {
 };
 
 struct SumSink final : cpu::NaturalSink {
-    SumSink(Interpolated& out_to, std::span<const double> of_values, std::size_t count, bool with_gradients)
-        : out(out_to), values(of_values), components(count), gradients(with_gradients) {}
+    SumSink(Interpolated& out_to, std::vector<std::uint8_t>& known_to, std::span<const double> of_values,
+            std::size_t count, bool with_gradients)
+        : out(out_to), known(known_to), values(of_values), components(count), gradients(with_gradients) {}
 
     void take(std::size_t k, const cpu::NaturalRow& row) override {
         if (row.seeds.empty()) return;
         const auto query = static_cast<std::size_t>(numbers[k]);
+        known[query] = 1;
         for (std::size_t c = 0; c < components; ++c) {
             double sum = 0;
             std::array<double, 3> slope{};
@@ -134,6 +136,7 @@ struct SumSink final : cpu::NaturalSink {
     }
 
     Interpolated& out;
+    std::vector<std::uint8_t>& known;  // by query
     std::span<const double> values;
     std::size_t components;
     bool gradients;
@@ -142,7 +145,70 @@ struct SumSink final : cpu::NaturalSink {
 
 }  // namespace
 
-NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options) {
+namespace {
+
+// Without walls, rows do not end at any. Queries with these numbers have none in the near box.
+struct FarQueries {
+    FarQueries(DiagramState& near, std::span<const double> x, const NaturalOptions& options,
+               std::span<const std::int32_t> numbers)
+        : state(far_state(near)),
+          places(some_of(x, numbers, 3)),
+          weights(some_of(options.weights, numbers, 1)),
+          asked(options) {
+        asked.weights = weights;
+    }
+    DiagramState& state;
+    std::vector<double> places, weights;
+    NaturalOptions asked;
+};
+
+// Leaves those of the queries whose cells do not reach infinity. The seeds around infinity decide that.
+void remove_open(DiagramState& state, std::span<const double> x, const NaturalOptions& options,
+                 std::vector<std::int32_t>& numbers) {
+    const std::vector<double> places = some_of(x, numbers, 3), weights = some_of(options.weights, numbers, 1);
+    ProbeOptions asked;
+    asked.want = {.neighbors = true, .volumes = false};
+    asked.list_walls = true;
+    asked.weights = weights;
+    const Tessellation cells = probe(hull_state(state), places, asked);
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < numbers.size(); ++k)
+        if (const auto row = cells.neighbors(k); !row.empty() && row[0] >= 0) numbers[kept++] = numbers[k];
+    numbers.resize(kept);
+}
+
+NaturalOptions without_walls(const DiagramState& state, const NaturalOptions& options) {
+    NaturalOptions asked = options;
+    if (state.endless) asked.at_walls = false;
+    return asked;
+}
+
+// Replaces empty rows, which have these numbers, by those of `some`.
+NaturalCoordinates joined(const NaturalCoordinates& all, std::span<const std::int32_t> numbers,
+                          const NaturalCoordinates& some) {
+    NaturalCoordinates out;
+    out.indptr.reserve(all.indptr.size());
+    out.indptr.push_back(0);
+    std::size_t k = 0;
+    for (std::size_t q = 0; q + 1 < all.indptr.size(); ++q) {
+        const bool replaced = k < numbers.size() && static_cast<std::size_t>(numbers[k]) == q;
+        const NaturalCoordinates& from = replaced ? some : all;
+        const std::size_t row = replaced ? k++ : q;
+        const std::ptrdiff_t begin = from.indptr[row], end = from.indptr[row + 1];
+        out.indices.insert(out.indices.end(), from.indices.begin() + begin, from.indices.begin() + end);
+        out.weights.insert(out.weights.end(), from.weights.begin() + begin, from.weights.begin() + end);
+        if (!from.gradients.empty())
+            out.gradients.insert(out.gradients.end(), from.gradients.begin() + 3 * begin,
+                                 from.gradients.begin() + 3 * end);
+        out.indptr.push_back(std::ssize(out.indices));
+    }
+    return out;
+}
+
+}  // namespace
+
+NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& given) {
+    const NaturalOptions options = without_walls(state, given);
     const Queries queries = check_queries(state, x, options.weights);
     NaturalCoordinates out;
     lengthen(out.indptr, queries.count() + 1);
@@ -171,11 +237,19 @@ NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double
             }
         });
     }
-    return out;
+    if (!state.endless) return out;
+    std::vector<std::int32_t> missing;
+    for (std::size_t q = 0; q < queries.count(); ++q)
+        if (out.indptr[q] == out.indptr[q + 1]) missing.push_back(static_cast<std::int32_t>(q));
+    if (!missing.empty()) remove_open(state, queries.x, options, missing);
+    if (missing.empty()) return out;
+    const FarQueries far(state, queries.x, options, missing);
+    return joined(out, missing, natural_neighbors(far.state, far.places, far.asked));
 }
 
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,
-                         std::span<const double> x, const NaturalOptions& options) {
+                         std::span<const double> x, const NaturalOptions& given) {
+    const NaturalOptions options = without_walls(state, given);
     const Queries queries = check_queries(state, x, options.weights);
     const std::size_t seeds = state.points.size() / 3;
     if (components == 0 || values.size() != seeds * components)
@@ -189,7 +263,23 @@ Interpolated interpolate(DiagramState& state, std::span<const double> values, st
     Interpolated out;
     lengthen(out.values, queries.count() * components, unknown);
     lengthen(out.gradients, options.gradients ? 3 * out.values.size() : 0, unknown);
-    run(state, queries, options, [&] { return SumSink(out, values, components, options.gradients); });
+    std::vector<std::uint8_t> known;
+    lengthen(known, queries.count());
+    run(state, queries, options, [&] { return SumSink(out, known, values, components, options.gradients); });
+    if (!state.endless) return out;
+    std::vector<std::int32_t> missing;
+    for (std::size_t q = 0; q < queries.count(); ++q)
+        if (known[q] == 0) missing.push_back(static_cast<std::int32_t>(q));
+    if (!missing.empty()) remove_open(state, queries.x, options, missing);
+    if (missing.empty()) return out;
+    const FarQueries far(state, queries.x, options, missing);
+    const Interpolated found = interpolate(far.state, values, components, far.places, far.asked);
+    for (std::size_t k = 0; k < missing.size(); ++k) {
+        const auto q = static_cast<std::size_t>(missing[k]);
+        std::copy_n(&found.values[k * components], components, &out.values[q * components]);
+        if (options.gradients)
+            std::copy_n(&found.gradients[3 * k * components], 3 * components, &out.gradients[3 * q * components]);
+    }
     return out;
 }
 

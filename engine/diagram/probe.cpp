@@ -5,10 +5,13 @@
 #include "core/stage_clock.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/implied_wants.hpp"
+#include "unbounded/open_cells.hpp"
 
 namespace votess::detail {
 
-Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
+namespace {
+
+Result cells_of_probes(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
     const Queries queries = check_queries(state, x, options.weights, options.radii);
     const CallGuard turn(state);
     StageClock clock;
@@ -49,12 +52,50 @@ Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOp
     clock.enter(&StageSeconds::download);
     if (std::ranges::any_of(duplicate_of, [](std::int32_t seed) { return seed >= 0; }))
         state.result.set_duplicates(duplicate_of, pool, true);
-    auto result = std::make_shared<Result>();
-    state.result.finish(*result, pool);
-    result->stats.device = "cpu";
-    result->stats.threads = pool.size();
-    result->stats.seconds = clock.seconds();
-    return Tessellation(std::move(result));
+    Result result;
+    state.result.finish(result, pool);
+    result.stats.device = "cpu";
+    result.stats.threads = pool.size();
+    result.stats.seconds = clock.seconds();
+    return result;
+}
+
+// In a domain without end, cells that reach the walls of the near box are made again in the far one.
+Result endless_cells(DiagramState& state, std::span<const double> given, const ProbeOptions& options) {
+    const std::vector<double> x(given.begin(), given.end());  // read once, see input/snapshot.hpp
+    Options wanted;
+    wanted.want = options.want;
+    const Want want = with_implied(wanted);
+    ProbeOptions asked = options;
+    asked.list_walls = true;
+    asked.want = want;
+    asked.want.neighbors = true;
+    asked.want.faces |= want.areas || want.counts || want.vertices;
+    Result near = cells_of_probes(state, x, asked);
+    std::vector<bool> taken(near.status.size());
+    std::vector<std::int32_t> rows;
+    for (std::size_t q = 0; q < taken.size(); ++q) {
+        taken[q] = near.status[q] == CellStatus::outside || near.status[q] == CellStatus::empty;
+        for (std::int64_t e = near.indptr[q]; e < near.indptr[q + 1]; ++e)
+            taken[q] = taken[q] || near.indices[static_cast<std::size_t>(e)] < 0;
+        if (taken[q]) rows.push_back(static_cast<std::int32_t>(q));
+    }
+    const std::vector<double> places = some_of(x, rows, 3), weights = some_of(options.weights, rows, 1),
+                              radii = some_of(options.radii, rows, 1);
+    asked.weights = weights;
+    asked.radii = radii;
+    Result far = cells_of_probes(far_state(state), places, asked);
+    open_cells(far, *state.endless);
+    Result joined = join_cells(std::move(near), far, rows, taken, {}, *state.endless);
+    keep_wanted(joined, want, options.list_walls || want.faces);
+    return joined;
+}
+
+}  // namespace
+
+Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
+    return Tessellation(std::make_shared<const Result>(state.endless ? endless_cells(state, x, options)
+                                                                     : cells_of_probes(state, x, options)));
 }
 
 }  // namespace votess::detail

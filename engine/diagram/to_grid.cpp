@@ -96,8 +96,9 @@ void interpolate_centers(DiagramState& state, const fields::Task& task, std::spa
 
 }  // namespace
 
-std::size_t to_grid(DiagramState& state, std::span<const double> values, const GridOptions& options,
+std::size_t to_grid(DiagramState& state_of_call, std::span<const double> values, const GridOptions& options,
                     std::span<double> grid) {
+    DiagramState& state = state_of_call.endless ? state_around(state_of_call) : state_of_call;
     const std::size_t seeds = state.points.size() / 3;
     check(seeds, values, options, grid);
     in_pieces(grid.size(),

@@ -97,6 +97,7 @@ private:
             const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
             for (auto k = begin; k < end; ++k) {
                 const std::int32_t v = r_.face_vertices[at(k)];
+                if (v < 0) continue;  // infinity
                 const bool first = joined_.original(v) == at(v) && cells_[at(v)] == 4 &&
                                    out_.tetrahedra[4 * at(place_[at(v)])] == none;
                 if (!first) continue;

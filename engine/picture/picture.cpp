@@ -148,6 +148,10 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
 
 Picture render(const Tessellation& tessellation, std::span<const double> given, const PictureOptions& options) {
     picture::check(tessellation, given, options);
+    for (const double end : {tessellation.box().lower[0], tessellation.box().upper[0], tessellation.box().lower[1],
+                             tessellation.box().upper[1], tessellation.box().lower[2], tessellation.box().upper[2]})
+        if (std::isinf(end))
+            throw Error(ErrorCode::invalid_argument, "render: the domain has no end: make the cells in a box");
     const std::vector<double> points(given.begin(), given.end());  // another thread may write into them
     const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                              tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};

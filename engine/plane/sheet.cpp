@@ -12,6 +12,7 @@
 #include "input/default_box.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess {
 namespace {
@@ -51,12 +52,15 @@ Box box_of_plane(std::span<const double> points, const Options& planar) {
     return box;
 }
 
-// Returns the two corners of the upper edge of a side of a prism, counterclockwise around the prism. polygon: the side,
-// counterclockwise from outside, where that edge runs the other way. corner: -1 below.
+// Returns the two corners of the upper edge of a side of a prism, counterclockwise around the prism; -1 at infinity.
+// polygon: the side, counterclockwise from outside, where that edge runs the other way. corner: -1 below.
 std::array<std::int32_t, 2> upper_edge(std::span<const std::int32_t> polygon, std::span<const std::int32_t> corner) {
+    if (polygon.empty()) return {-1, -1};  // infinity itself
+    const auto is_above = [&](std::int32_t v) { return v < 0 || corner[at(v)] >= 0; };
+    const auto name = [&](std::int32_t v) { return v < 0 ? -1 : corner[at(v)]; };
     for (std::size_t k = 0; k < polygon.size(); ++k) {
-        const std::int32_t from = corner[at(polygon[(k + 1) % polygon.size()])], to = corner[at(polygon[k])];
-        if (from >= 0 && to >= 0) return {from, to};
+        const std::int32_t from = polygon[(k + 1) % polygon.size()], to = polygon[k];
+        if (is_above(from) && is_above(to)) return {name(from), name(to)};
     }
     throw Error(ErrorCode::internal, "a side of a prism has no upper edge");
 }
@@ -121,8 +125,10 @@ Sheet::Sheet(const Points& points, const Options& planar)
         length = width == 0 ? 0 : std::abs(a[0] / width * b[1] - a[1] / width * b[0]);
     } else {
         if (!options_.box) options_.box = box_of_plane(points_, options_);
-        width = options_.box->upper[0] - options_.box->lower[0];
-        length = options_.box->upper[1] - options_.box->lower[1];
+        const bool endless = EndlessSides(options_.box).any();
+        const Box box = endless ? box_of_plane(points_, options_) : *options_.box;
+        width = box.upper[0] - box.lower[0];
+        length = box.upper[1] - box.lower[1];
     }
     const double distance =
         std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1)));
@@ -145,8 +151,7 @@ void Sheet::flatten(Result& result) const {
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
         result.face_counts[i] -= 2;
-        result.edge_counts[i] /= 3;
-        result.vertex_counts[i] /= 2;
+        result.edge_counts[i] = result.vertex_counts[i] = result.face_counts[i];
     }
     for (double& radius : result.security_radii)
         radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height_) * (radius / 2 + height_)));
@@ -197,7 +202,8 @@ void Sheet::flatten_rows(Result& r) const {
                 polygon = std::span<const std::int32_t>(r.face_vertices).subspan(first, last - first);
             }
             if (id == above)
-                for (const std::int32_t v : polygon) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
+                for (const std::int32_t v : polygon)
+                    if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
             if (id == above || id == below) continue;
             if (!r.face_areas.empty()) perimeter += r.face_areas[at(e)] / thickness;
             if (id < 0 && !list_walls_) continue;

@@ -1,4 +1,6 @@
 #include <atomic>
+#include <utility>
+#include <vector>
 
 #include "input/domain_of_result.hpp"
 #include "input/implied_wants.hpp"
@@ -6,6 +8,8 @@
 #include "plane/sheet.hpp"
 #include "result/result_pool.hpp"
 #include "run/engines.hpp"
+#include "unbounded/endless_box.hpp"
+#include "unbounded/run_endless.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
@@ -164,6 +168,18 @@ private:
     std::atomic_flag& at_work_;
 };
 
+// In space. arrays: memory of an earlier result to use again.
+detail::Result run_in_space(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
+    if (!EndlessSides(options.box).any()) return run_on(engines, points, options, std::move(arrays));
+    // Both parts of the run read the same copy.
+    check_shape(points);
+    std::vector<double> copy(points.coordinates());
+    for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = points[i];
+    return run_endless({copy, {}}, options, [&](const Points& some, const Options& in_box) {
+        return run_on(engines, some, in_box, std::exchange(arrays, {}));
+    });
+}
+
 // shared: outlives a Tessellator that a callback destroys, and is not destroyed in a child that fork() makes meanwhile.
 Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
@@ -173,10 +189,10 @@ Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points&
         detail::Result made;
         if (options.planar) {
             const Sheet sheet(points, options);
-            made = run_on(state.engines, sheet.points(), sheet.options(), state.results->take());
+            made = run_in_space(state.engines, sheet.points(), sheet.options(), state.results->take());
             sheet.flatten(made);
         } else {
-            made = run_on(state.engines, points, options, state.results->take());
+            made = run_in_space(state.engines, points, options, state.results->take());
         }
         auto result = state.results->share(std::move(made));
         const Stats& s = result->stats;
@@ -209,7 +225,12 @@ Tessellation tessellate(std::span<const float> points, const Options& options) {
 }
 
 Want implied_want(const Options& options) {
-    check_options(options.planar ? sheet_options(options, 1) : options);
+    Options in_space = options.planar ? sheet_options(options, 1) : options;
+    if (EndlessSides(in_space.box).any()) {
+        check_endless(in_space);
+        in_space.box.reset();
+    }
+    check_options(in_space);
     return with_implied(options);
 }
 

@@ -2,10 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/arithmetic.hpp"
 #include "input/domain_of_result.hpp"
 #include "plane/sheet.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
+#include "unbounded/endless_box.hpp"
 #include "verify/row_checker.hpp"
 
 namespace votess {
@@ -123,6 +125,7 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     require_points(t, points, "count_tiny_faces");
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
     Options options = domain_options(t);
+    if (EndlessSides(options.box).any()) options.box = near_box({points, {}}, *options.box);
     options.weights = t.weights();
     options.device = "cpu";
     options.want = {};
@@ -131,6 +134,12 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
 }
 
 namespace {
+
+// mean: of all cells; the tolerance is relative to it, or to the cell where it is infinite.
+bool nearly_equal(double volume, double expected, double tolerance, double mean) {
+    return volume == expected ||
+           std::abs(volume - expected) <= tolerance * (std::isfinite(mean) ? mean : std::abs(expected));
+}
 
 // Checks the cells of the plane by those of a sheet, whose own cells are verified.
 VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
@@ -155,9 +164,43 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
         if (t.status()[i] != again.status()[i]) fail(i, "status");
         if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), again.neighbors(i))) fail(i, "neighbors");
-        if (!t.volumes().empty() && !(std::abs(t.volumes()[i] - again.volumes()[i]) <= tolerance * mean))
-            fail(i, "area");
+        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], again.volumes()[i], tolerance, mean)) fail(i, "area");
         if (!t.face_counts().empty() && t.face_counts()[i] != again.face_counts()[i]) fail(i, "numbers of edges");
+    }
+    return report;
+}
+
+// Checks the cells of a domain without end by those of a box that holds all vertices, whose own cells are verified.
+VerifyReport verify_endless(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    const EndlessSides sides(t.box());
+    Options options = domain_options(t);
+    options.box = far_box({copy, {}}, t.weights(), t.box());
+    options.weights = t.weights();
+    options.list_walls = true;
+    options.device = "cpu";
+    options.want = {.neighbors = true, .volumes = true, .counts = true};
+    const Tessellation far = tessellate(std::span<const double>(copy), options);
+    VerifyReport report = verify(far, copy, how);
+    report.tiny_faces = count_tiny_faces(t, copy);
+    const double tolerance = t.stats().precision == Precision::single ? single_tolerance.sum : double_tolerance.sum;
+    std::vector<std::int32_t> row;
+    for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
+        const auto fail = [&](const char* what) {
+            report.passed = false;
+            report.failure = "cell " + std::to_string(i) + " has other " + what + " than in a box that ends far away";
+        };
+        row.clear();
+        bool open = false;
+        for (const std::int32_t id : far.neighbors(i)) {
+            open = open || sides.has(id);
+            if (!sides.has(id) && (id >= 0 || t.lists_walls())) row.push_back(id);
+        }
+        if (open && t.lists_walls()) row.insert(std::ranges::upper_bound(row, sides.id()), sides.id());
+        if (t.status()[i] != far.status()[i]) fail("status");
+        if (!t.indptr().empty() && !std::ranges::equal(t.neighbors(i), row)) fail("neighbors");
+        if (t.volumes().empty()) continue;
+        if (!nearly_equal(t.volumes()[i], open ? infinity : far.volumes()[i], tolerance, infinity)) fail("volume");
     }
     return report;
 }
@@ -168,6 +211,7 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
     require_whole_diagram(t, "verify");
     require_points(t, points, "verify");
+    if (EndlessSides(t.box()).any()) return verify_endless(t, points, options);
     const Result& result = *t.result_;
     const bool single = t.stats().precision == Precision::single;
     CheckedRun run{domain_options(t), t.size(), t.stats().box_volume, t.least_face(),

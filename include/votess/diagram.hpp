@@ -45,6 +45,7 @@ struct NaturalOptions {
 // within 1e-12 of the true ones, and sum to 1 within 1e-13; gradients have fewer digits. A query on a seed has that
 // seed alone. A row is empty
 //   - outside the domain, and where there are no seeds
+//   - in all of space where the query's cell reaches infinity: outside of the convex hull of the seeds
 //   - without at_walls where the query's cell has a wall
 //   - where the seeds of a power diagram leave the query no cell
 struct NaturalCoordinates {
@@ -104,9 +105,11 @@ struct GridOptions {
 class VOTESS_API Diagram {
 public:
     Diagram();  // without seeds
-    // points: as for tessellate(); copied. Uses these options: the domain, weights, radii, outside, duplicates,
-    // threads, grid_resolution, instructions and progress. Throws Error as tessellate() does; `unsupported` for a
-    // device other than "cpu" and "auto"; invalid_argument with min_face or min_area.
+    // points: as for tessellate(); copied. Without box, cell and walls the domain is all of space; the grid of
+    // to_grid() then covers the default box of tessellate(). A box has all of its ends or none. Uses these options: the
+    // domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. Throws Error as
+    // tessellate() does; `unsupported` for a device other than "cpu" and "auto"; invalid_argument with min_face or
+    // min_area.
     explicit Diagram(std::span<const double> points, const Options& options = {});
 
     [[nodiscard]] std::size_t size() const noexcept;  // N, number of seeds

@@ -92,7 +92,8 @@ typedef struct votess_options {
     uint32_t struct_size;  // set by votess_options_init
     uint32_t want;         // VOTESS_WANT_* bits; default neighbors and volumes
     int32_t list_walls;    // nonzero: true
-    int32_t has_box;       // nonzero: use box_lower and box_upper; 0: the default box, see Options::box in votess.hpp
+    int32_t has_box;       // nonzero: use box_lower and box_upper; 0: the default box; may be infinite: Options::box in
+                           // votess.hpp
     double box_lower[3];
     double box_upper[3];
     int32_t periodic[3];  // nonzero: the box repeats along x, y, z

@@ -148,6 +148,15 @@ using LogCallback = std::function<void(std::string_view message)>;
 struct Options {
     // Domain. Default: the bounds of the seeds, each side moved out by half of (longest side / cbrt(N)). When all
     // seeds coincide: by half of the largest absolute coordinate, or 0.5 when that is 0.
+    //
+    // Bounds may be infinite (-infinity below, infinity above): the domain has no end there. Neighbors are exact,
+    // however far away they meet. A cell that reaches infinity has infinite volume, surface and security radius, and no
+    // centroid. Its row lists infinity once if it lists walls, as -1 without any end, else as the first of -1 to -6
+    // that is missing. Infinity has an empty polygon, an infinite area and no normal. In other polygons -1 follows the
+    // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
+    // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
+    // all functions except tessellate(), verify(), delaunay() and Diagram. Throws `unsupported` where vertices may
+    // leave the range of double: coordinates of 2^230 units of the smallest of them, 2^80 with weights.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
@@ -303,7 +312,7 @@ public:
     // some cell has is stored.
     [[nodiscard]] std::span<const double> vertices() const noexcept;
     // indptr[N]+1 offsets into face_vertices, which has face_offsets[indptr[N]] elements: the polygon of each entry of
-    // indices, counterclockwise seen from outside the cell.
+    // indices, counterclockwise seen from outside the cell; -1 at infinity, see Options::box.
     [[nodiscard]] std::span<const std::int64_t> face_offsets() const noexcept;
     [[nodiscard]] std::span<const std::int32_t> face_vertices() const noexcept;
     // N+1 offsets into cell_vertex_indices: the vertices of each cell, ascending.

@@ -85,6 +85,7 @@ DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop", "keep"]
 PrecisionWord = Literal["single", "double"]
 NaturalWord = Literal["sibson", "laplace"]
+BeyondWord = Literal["nan", "nearest"]
 GridWord = Literal["mean", "dtfe", "nearest", "sibson"]
 CHECK_BITS: Dict[str, int] = {"volumes": 1, "symmetry": 2, "euler": 4, "sample": 8}
 SAMPLE_AUTOMATIC = ctypes.c_size_t(-1).value

@@ -55,6 +55,14 @@ def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.ND
 
 
 def as_box(box: Any, planar: bool = False) -> Float64Array:
+    if isinstance(box, str):
+        if box != "none":
+            raise ValueError(f"box is {box!r}: give numbers, or 'none' for all of space")
+        ends = np.full((2, 3), np.inf)
+        ends[0] = -np.inf
+        if planar:
+            ends[:, 2] = 0
+        return ends
     array = as_float64_or_float32(box, "box").astype(np.float64)
     if planar:
         if array.shape not in ((4,), (2, 2)):

@@ -174,7 +174,8 @@ class Cells:
         if self.cell is not None and self.origin is not None:
             where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
         else:
-            where = f"box {text(self.box[0])} to {text(self.box[1])}"
+            endless = np.isinf(self.box).all()
+            where = "domain without end" if endless else f"box {text(self.box[0])} to {text(self.box[1])}"
         if len(self.walls):
             where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
         axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
@@ -354,6 +355,10 @@ class Cells:
         if self.planar:
             raise ValueError(f"{what} works in three dimensions only")
 
+    def _require_end(self, what: str) -> None:
+        if np.isinf(self.box).any():
+            raise ValueError(f"{what} needs a box with ends: some cells reach infinity")
+
     @property
     def lists_walls(self) -> bool:
         """Whether the rows list walls."""
@@ -372,6 +377,7 @@ class Cells:
         keep short edges, which ``edge_threshold`` ignores.
         """
         self._require_space("voronoi_indices()")
+        self._require_end("voronoi_indices()")
         tiny = self.stats.tiny_faces
         if tiny and edge_threshold == 0:
             warnings.warn(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Literal, Optional, Tuple, Union
 import numpy as np
 
 from . import _c_api
-from ._c_api import DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
+from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
 from ._input import Domain, as_one_each, as_points, as_word
 from ._library import lib
@@ -51,7 +51,8 @@ class Diagram:
     Parameters
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; copied.
-    box, periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
+    box : as for :func:`tessellate`, with all of its ends or "none". Default: none, if no other argument gives a domain.
+    periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
         progress : as for :func:`tessellate`. Queries run on the CPU.
 
     Each query has a ``progress`` too, and Ctrl-C stops it. A Diagram stays usable after a stopped query. A progress
@@ -185,7 +186,7 @@ class Diagram:
         Parameters
         ----------
         queries : (Q, 3) array, as for :meth:`locate`.
-        at_walls : True: cells end at walls, as if the seeds had mirror images. Weights sum to 1, but linear fields are
+        at_walls : without effect in all of space, where rows are empty outside of the convex hull. True: cells end at walls, as if the seeds had mirror images. Weights sum to 1, but linear fields are
             not reproduced there. False: empty rows where the cell of a query has a wall.
         gradient : also compute the gradient of each weight by the query; "sibson" only; NaN on seeds.
         weights : (Q,) numbers, the weights of the queries in a power diagram. Default: 0.
@@ -233,6 +234,7 @@ class Diagram:
         gradient: Literal[False] = ...,
         weights: Optional[npt.ArrayLike] = ...,
         progress: Union[None, bool, Progress] = ...,
+        beyond: BeyondWord = ...,
     ) -> npt.NDArray[np.float64]: ...
 
     @overload
@@ -246,6 +248,7 @@ class Diagram:
         gradient: Literal[True],
         weights: Optional[npt.ArrayLike] = ...,
         progress: Union[None, bool, Progress] = ...,
+        beyond: BeyondWord = ...,
     ) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]: ...
 
     def interpolate(
@@ -257,16 +260,20 @@ class Diagram:
         gradient: bool = False,
         weights: Optional[npt.ArrayLike] = None,
         progress: Union[None, bool, Progress] = None,
+        beyond: BeyondWord = "nan",
     ) -> Union[npt.NDArray[np.float64], Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
         """Returns the field at each query: the seeds' values weighted by the coordinates of :meth:`natural_neighbors`.
 
-        The result is (Q,) or (Q, m) float64, NaN without coordinates. With ``gradient`` the gradient follows, (Q, 3) or
+        The result is (Q,) or (Q, m) float64, NaN without coordinates: without a box outside of the convex hull of the
+        seeds. ``beyond="nearest"`` takes the value of the nearest seed there, with gradient 0. With ``gradient`` the gradient follows, (Q, 3) or
         (Q, m, 3), per length unit, also NaN on seeds.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
         """
         array = _as_queries(queries)
         of_seeds = self._as_values(values)
+        if beyond not in ("nan", "nearest"):
+            raise ValueError(f"beyond is {beyond!r}: the words are nan, nearest")
         numbers = _as_weights(weights, len(array))
         field = np.empty((len(array), *of_seeds.shape[1:]))
         slopes = np.empty((*field.shape, 3)) if gradient else None
@@ -283,6 +290,13 @@ class Diagram:
             field.ctypes.data,
             _address(slopes),
         )
+        if beyond == "nearest":
+            unknown = np.flatnonzero(np.isnan(field.reshape(len(field), -1)).all(axis=1))
+            nearest = self.locate(array[unknown], progress)
+            unknown, nearest = unknown[nearest >= 0], nearest[nearest >= 0]
+            field[unknown] = of_seeds[nearest]
+            if slopes is not None:
+                slopes[unknown] = 0
         return field if slopes is None else (field, slopes)
 
     def to_grid(

@@ -117,6 +117,7 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     if by not in ("points", "weights"):
         raise ValueError(f"derivatives by {by!r} are not known: give 'points' or 'weights'")
     t._require_space("derivatives()")
+    t._require_end("derivatives()")
     if t.least_face > 0:
         raise ValueError("derivatives need whole cells: leave out min_face and min_area")
     rows, places = t.neighbors, t.wrapped_points

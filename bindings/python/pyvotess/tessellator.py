@@ -56,7 +56,8 @@ def tessellate(
         the array during the call, cells are wrong, but nothing crashes.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
-        A point outside is an error.
+        A point outside is an error. A bound may be infinite, and "none" stands for all of space. Cells that reach
+        infinity then have volume inf and centroid nan; rows with walls list infinity as -1, and polygons have -1 there.
     periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
         ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
         Default: a box is not periodic, a cell is along all edges.

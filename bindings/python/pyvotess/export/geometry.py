@@ -34,6 +34,7 @@ class Mesh(NamedTuple):
 def mesh_of(t: SeedCells, caller: str) -> Mesh:
     """Returns the mesh of a result. Raises ValueError, which names ``caller``, without faces."""
     t._require_space(caller)
+    t._require_end(caller)
     try:
         return Mesh(
             np.asarray(t.neighbors.indptr, np.int64),

@@ -1,0 +1,29 @@
+// Results of a domain without end, from those of boxes with ends. Cells that reach infinity are open: their volume,
+// surface and security radius are infinite, their centroid is not a number. Infinity is one wall, whose id
+// EndlessSides::id() chooses, with an empty polygon. In polygons -1 stands for infinity, after the last corner.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "result/result.hpp"
+#include "unbounded/endless_box.hpp"
+
+namespace votess {
+
+// Turns the result of far_box(), whose rows list walls, into that of `box`. Counts and areas need polygons.
+void open_cells(detail::Result& result, const Box& box);
+
+// Takes cells of `far`, which open_cells() has turned, into the result of near_box(), whose rows list walls. rows: the
+// near row of each far one, ascending. taken: by near row, whether the far cell replaces the near one. names: the seeds
+// that the ids of `far` mean; empty if both results have the same ids. Vertices that taken cells share with others need
+// far cells of all neighbors of the taken ones.
+[[nodiscard]] detail::Result join_cells(detail::Result&& near, const detail::Result& far,
+                                        std::span<const std::int32_t> rows, const std::vector<bool>& taken,
+                                        std::span<const std::int32_t> names, const Box& box);
+
+// Drops arrays that are not wanted, and walls unless the rows list them.
+void keep_wanted(detail::Result& result, const Want& want, bool list_walls);
+
+}  // namespace votess

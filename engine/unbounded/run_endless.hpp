@@ -1,0 +1,19 @@
+// A run in a domain without end.
+#pragma once
+
+#include <functional>
+
+#include "input/job.hpp"
+#include "result/result.hpp"
+
+namespace votess {
+
+// Runs points in a box with ends; weights or radii are those of the options.
+using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
+
+// Returns the cells of the points in options.box, some of whose bounds are infinite. Most cells of many points end
+// in near_box(), on any device. The CPU makes the others again in far_box(), among their neighbors: a face of such a
+// cell either meets the near box, and its neighbor is in the row there, or its neighbor too reaches beyond.
+[[nodiscard]] detail::Result run_endless(const Points& points, const Options& options, const RunInBox& run);
+
+}  // namespace votess

@@ -1,0 +1,324 @@
+// Domains without end: boxes with infinite bounds.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <votess/diagram.hpp>
+#include <votess/stream.hpp>
+
+#include "oracle/half_spaces.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+#include "support/text.hpp"
+#include "unbounded/endless_box.hpp"
+
+namespace {
+
+using test::Coordinates;
+using test::has;
+using test::text;
+using votess::Options;
+
+constexpr double inf = std::numeric_limits<double>::infinity();
+const votess::Box no_ends = test::cube(-inf, inf);
+// Returns a box that ends far away, beyond all vertices of these tests.
+votess::Box far_away(const Coordinates& points) {
+    double largest = 1e-300;
+    for (const double x : points) largest = std::max(largest, std::abs(x));
+    const double end = std::ldexp(largest, 240);
+    return test::cube(-end, end);
+}
+
+Options endless_options(const votess::Box& box = no_ends) {
+    Options options = test::all_options(box);
+    options.want.surfaces = options.want.radii = true;
+    return options;
+}
+
+// Returns the ids with the walls of `box` that are without end as one.
+std::vector<std::int32_t> with_one_infinity(std::span<const std::int32_t> row, const votess::Box& box) {
+    const votess::EndlessSides sides(box);
+    std::vector<std::int32_t> out;
+    for (const std::int32_t id : row) {
+        out.push_back(sides.has(id) ? sides.id() : id);
+        std::ranges::sort(out);
+        out.erase(std::ranges::unique(out).begin(), out.end());
+    }
+    return out;
+}
+
+// Compares with rational arithmetic in a box that ends far away.
+std::string check_cells(const votess::Tessellation& t, const Coordinates& points, Options options) {
+    const votess::Box box = *options.box;
+    const votess::EndlessSides sides(box);
+    const votess::Box far = far_away(points);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (sides.has(-1 - 2 * static_cast<int>(k))) options.box->lower[k] = far.lower[k];
+        if (sides.has(-2 - 2 * static_cast<int>(k))) options.box->upper[k] = far.upper[k];
+    }
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (t.status()[i] == votess::CellStatus::duplicate) continue;
+        const auto exact = test::exact_cell(points, options, i);
+        std::vector<std::int32_t> row;
+        bool open = false;
+        for (const auto& face : exact.faces) {
+            row.push_back(face.id);
+            open = open || sides.has(face.id);
+        }
+        if (!std::ranges::equal(t.neighbors(i), with_one_infinity(row, box)))
+            return text("cell ", i, " has other neighbors than by rational arithmetic");
+        const double volume = t.volumes()[i], expected = open ? inf : exact.volume;
+        if (volume != expected && !(std::abs(volume - expected) <= 1e-10 * expected))
+            return text("cell ", i, " has volume ", volume, ", exact is ", expected);
+        if (std::isnan(t.centroids()[3 * i]) != (open || row.empty())) return text("cell ", i, " has a wrong centroid");
+        if (std::isinf(t.surface_areas()[i]) != open || std::isinf(t.security_radii()[i]) != open)
+            return text("cell ", i, " has a wrong surface or radius");
+    }
+    return "";
+}
+
+// Rows, counts and volumes of a run in one box or two against those in a box that ends far away.
+std::string check_rows(const votess::Tessellation& t, const Coordinates& points, Options options) {
+    options.box = far_away(points);
+    const auto far = votess::tessellate(points, options);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        if (!std::ranges::equal(t.neighbors(i), with_one_infinity(far.neighbors(i), no_ends)))
+            return text("cell ", i, " has other neighbors than in a box that ends far away");
+        const bool open = !t.neighbors(i).empty() && t.neighbors(i)[0] < 0;
+        const double expected = open ? inf : far.volumes()[i];
+        if (t.volumes()[i] != expected && !(std::abs(t.volumes()[i] - expected) <= 1e-10 * expected))
+            return text("cell ", i, " has volume ", t.volumes()[i], ", expected is ", expected);
+    }
+    return "";
+}
+
+// Each edge of a polygon is in two polygons of its cell, and both cells of a face have the same polygon.
+std::string check_polygons(const votess::Tessellation& t) {
+    const auto polygon = [&](std::size_t entry) {
+        return t.face_vertices().subspan(
+            static_cast<std::size_t>(t.face_offsets()[entry]),
+            static_cast<std::size_t>(t.face_offsets()[entry + 1] - t.face_offsets()[entry]));
+    };
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        std::vector<std::pair<std::int32_t, std::int32_t>> edges, back;
+        const auto begin = static_cast<std::size_t>(t.indptr()[i]), end = static_cast<std::size_t>(t.indptr()[i + 1]);
+        bool open = false;
+        for (std::size_t e = begin; e < end; ++e) {
+            const auto corners = polygon(e);
+            if (t.indices()[e] == -1) {
+                open = true;
+                if (!corners.empty()) return text("infinity has corners in cell ", i);
+                continue;
+            }
+            if (std::ranges::count(corners, -1) > 1) return text("a polygon of cell ", i, " reaches infinity twice");
+            for (std::size_t k = 0; k < corners.size(); ++k) {
+                const auto from = corners[k], to = corners[(k + 1) % corners.size()];
+                edges.emplace_back(from, to);
+                back.emplace_back(to, from);
+            }
+            const auto j = static_cast<std::size_t>(t.indices()[e]);
+            const auto theirs = t.neighbors(j);
+            const auto place = std::ranges::lower_bound(theirs, static_cast<std::int32_t>(i)) - theirs.begin();
+            const auto other = polygon(static_cast<std::size_t>(t.indptr()[j]) + static_cast<std::size_t>(place));
+            std::vector<std::int32_t> a(corners.begin(), corners.end()), b(other.begin(), other.end());
+            std::ranges::sort(a);
+            std::ranges::sort(b);
+            if (a != b) return text("cells ", i, " and ", j, " have different polygons");
+        }
+        std::ranges::sort(edges);
+        std::ranges::sort(back);
+        if (edges != back) return text("cell ", i, " is not closed");
+        if (open != std::isinf(t.volumes()[i])) return text("cell ", i, " is open, or not, but has another volume");
+        const auto V = t.vertex_counts()[i], E = t.edge_counts()[i], F = t.face_counts()[i];
+        if (V > 0 && V + F != E + 2) return text("cell ", i, " has ", V, " vertices, ", E, " edges, ", F, " faces");
+        if (V != t.cell_vertex_indptr()[i + 1] - t.cell_vertex_indptr()[i]) return text("cell ", i, " lacks vertices");
+    }
+    return "";
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("unbounded: cells of random and degenerate sets are exact") {
+        test::Random random(5);
+        std::size_t sets = 0, open = 0;
+        for (std::uint64_t seed = 1; seed <= 2; ++seed)
+            for (const test::PointSet& set : test::families(seed % 2 == 0 ? 12 : 31, seed)) {
+                CAPTURE(set.name);
+                CAPTURE(seed);
+                Options options = endless_options();
+                std::vector<double> weights;
+                if (seed == 2) {
+                    const double size = set.box ? set.box->upper[0] - set.box->lower[0] : 1;
+                    for (std::size_t i = 0; i < set.size(); ++i)
+                        weights.push_back(0.05 * size * size * random.uniform(0, 1));
+                    options.weights = weights;
+                }
+                if (set.name == "duplicates" || set.name == "near duplicates")
+                    continue;  // the oracle takes distinct seeds
+                std::optional<votess::Tessellation> made;
+                if (const auto code = test::error_of([&] { made = votess::tessellate(set.points, options); })) {
+                    CHECK((code == votess::ErrorCode::unsupported && !weights.empty()));  // see max_weighted_box
+                    continue;
+                }
+                const votess::Tessellation& t = *made;
+                CHECK(check_cells(t, set.points, options) == "");
+                open += static_cast<std::size_t>(std::ranges::count(t.volumes(), inf));
+                ++sets;
+            }
+        MESSAGE(sets << " sets, " << open << " open cells");
+        CHECK(open > 10 * sets / 2);
+    }
+
+    TEST_CASE("unbounded: some sides of a box may be without end") {
+        for (const votess::Box& box : {votess::Box{{-inf, 0, -inf}, {inf, inf, 1}}, votess::Box{{0, 0, 0}, {1, 1, inf}},
+                                       votess::Box{{-inf, -inf, 0}, {inf, inf, 1}}}) {
+            const auto set = test::uniform(25, 3);
+            const Options options = endless_options(box);
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(check_cells(t, set.points, options) == "");
+            CHECK(votess::verify(t, set.points).failure == "");
+            CHECK(t.box().upper == box.upper);
+        }
+    }
+
+    TEST_CASE("unbounded: many seeds, with all arrays") {
+        const std::size_t n = test::by_size(4000, 500);
+        for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(17),
+                                   test::scaled(test::clustered(n, 4), 0x1p-100)}) {
+            CAPTURE(set.name);
+            Options options = endless_options();
+            options.threads = 2;
+            const auto rows = votess::tessellate(set.points, options);
+            CHECK(check_rows(rows, set.points, options) == "");
+            options.want.vertices = options.want.faces = options.want.normals = true;
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(test::rows_of(t) == test::rows_of(rows));
+            CHECK(std::ranges::equal(t.volumes(), rows.volumes()));
+            CHECK(check_polygons(t) == "");
+            CHECK(std::isinf(t.stats().volume_sum));
+            CHECK(t.stats().faces == t.indices().size());
+            if (set.name != "uniform") continue;
+            CHECK(votess::verify(t, set.points).failure == "");
+            // Euler's formula of the Delaunay tetrahedra of the convex hull.
+            const auto dual = votess::delaunay(t);
+            const auto hull = static_cast<std::size_t>(std::ranges::count(t.volumes(), inf));
+            const std::size_t tetrahedra = dual.tetrahedra_centers.size(),
+                              triangles = (4 * tetrahedra + 2 * hull - 4) / 2, edges = (t.indices().size() - hull) / 2;
+            CHECK(set.size() + triangles == 1 + edges + tetrahedra);
+        }
+    }
+
+    TEST_CASE("unbounded: the far box lies beyond all vertices") {
+        test::Random random(9);
+        for (int trial = 0; trial < 200; ++trial) {
+            // Four points near a plane, in few bits.
+            const std::size_t grid = std::size_t{1} << (1 + random.below(20));
+            Coordinates points;
+            for (int i = 0; i < 12; ++i)
+                points.push_back(i % 3 == 2 ? static_cast<double>(random.below(2))
+                                            : static_cast<double>(random.below(grid)));
+            Options options = endless_options();
+            options.want.faces = true;
+            const auto t = votess::tessellate(points, options);
+            const votess::Box box = votess::far_box({points, {}}, {}, no_ends);
+            double farthest = 0;
+            for (const double x : t.vertices()) farthest = std::max(farthest, std::abs(x));
+            CHECK(farthest < box.upper[0]);
+            if (t.vertices().empty()) continue;
+            CHECK(votess::delaunay(t).tetrahedra_centers.size() == 1);
+        }
+    }
+
+    TEST_CASE("unbounded: some cells are those of the full run") {
+        const auto set = test::uniform(5000, 8);
+        Options options = endless_options();
+        const auto all = votess::tessellate(set.points, options);
+        std::vector<std::int64_t> ids;
+        for (std::int64_t i = 0; i < 5000; i += 50) ids.push_back(i);
+        options.only = ids;
+        const auto some = votess::tessellate(set.points, options);
+        for (std::size_t k = 0; k < ids.size(); ++k) {
+            const auto i = static_cast<std::size_t>(ids[k]);
+            CHECK(test::row_of(some, k) == test::row_of(all, i));
+            CHECK((some.volumes()[k] == all.volumes()[i] ||
+                   std::abs(some.volumes()[k] - all.volumes()[i]) <= 1e-10 * all.volumes()[i]));
+        }
+    }
+
+    TEST_CASE("unbounded: in the plane") {
+        for (const std::size_t n :
+             {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{50}, test::by_size(4500, 500)}) {
+            CAPTURE(n);
+            test::Random random(n);
+            Coordinates points;
+            for (std::size_t i = 0; i < 2 * n; ++i) points.push_back(random.uniform(0, 1));
+            Options options = endless_options(votess::Box{{-inf, -inf, 0}, {inf, inf, 0}});
+            options.planar = options.want.vertices = options.want.faces = true;
+            const auto t = votess::tessellate(points, options);
+            if (n < 100) CHECK(votess::verify(t, points).failure == "");
+            const auto hull = static_cast<std::size_t>(std::ranges::count(t.volumes(), inf));
+            if (n >= 3) CHECK(t.vertices().size() / 2 == 2 * n - 2 - hull);  // triangles of the hull
+            if (n > 100) continue;                                           // a high sheet takes long
+            options.box = votess::Box{{-0x1p150, -0x1p150, 0}, {0x1p150, 0x1p150, 0}};
+            const auto far = votess::tessellate(points, options);
+            for (std::size_t i = 0; i < n; ++i)
+                CHECK(test::row_of(t, i) == with_one_infinity(far.neighbors(i), no_ends));
+        }
+    }
+
+    TEST_CASE("unbounded: natural neighbors reproduce linear fields in the convex hull, and end at it") {
+        for (const bool weighted : {false, true}) {
+            const auto set = test::uniform(test::by_size(2000, 500), 11);
+            test::Random random(12);
+            Options options;
+            std::vector<double> values, weights;
+            for (std::size_t i = 0; i < set.size(); ++i) {
+                values.push_back(set.points[3 * i] + 2 * set.points[3 * i + 1] + 3 * set.points[3 * i + 2]);
+                if (weighted) weights.push_back(1e-4 * random.uniform(0, 1));
+            }
+            options.weights = weights;
+            const votess::Diagram d(set.points, options);
+            Coordinates queries;
+            for (std::size_t q = 0; q < test::by_size(3000, 500); ++q) queries.push_back(random.uniform(-0.1, 1.1));
+            const auto field = d.interpolate(values, 1, queries).values;
+            const auto rows = d.natural_neighbors(queries);
+            votess::ProbeOptions probing;
+            probing.list_walls = true;
+            const auto cells = d.probe(queries, probing);
+            std::size_t known = 0;
+            for (std::size_t q = 0; q < field.size(); ++q) {
+                const bool open = std::isinf(cells.volumes()[q]), empty = cells.neighbors(q).empty();
+                CHECK(std::isnan(field[q]) == (open || empty));
+                CHECK((rows.indptr[q] == rows.indptr[q + 1]) == (open || empty));
+                if (!open && !empty) ++known;
+                if (open || empty || weighted) continue;
+                const double* x = &queries[3 * q];
+                CHECK(std::abs(field[q] - (x[0] + 2 * x[1] + 3 * x[2])) <= 6e-12);
+            }
+            CHECK(known > field.size() / 3);
+            CHECK(known < field.size());
+            for (const std::int32_t seed : d.locate(Coordinates{1e9, 2e9, -3e9, 0.5, 0.5, 0.5})) CHECK(seed >= 0);
+        }
+    }
+
+    TEST_CASE("unbounded: what needs an end is refused") {
+        const auto set = test::uniform(10, 1);
+        const auto refused = [&](auto change) {
+            Options options = endless_options();
+            change(options);
+            return test::refusal(set.points, options);
+        };
+        CHECK(has(refused([](Options& o) { o.periodic = {true, false, false}; }), "without end"));
+        CHECK(has(refused([](Options& o) { o.walls = {{{1, 0, 0}, 1}}; }), "without end"));
+        CHECK(has(refused([](Options& o) { o.min_face = 1e-3; }), "min_face"));
+        CHECK(has(refused([](Options& o) { o.box->lower[0] = inf; }), "box"));
+        CHECK(has(refused([](Options& o) { o.box->upper[1] = std::nan(""); }), "box"));
+        CHECK(has(test::refusal({0, 0, 0, 1, 1, 1, 1e-300, 0, 0}, endless_options(), votess::ErrorCode::unsupported),
+                  "too small"));
+        Options half = endless_options();
+        half.box->lower[2] = 0;
+        CHECK(test::error_of([&] { (void)votess::Diagram(set.points, half); }) == votess::ErrorCode::unsupported);
+    }
+}
