@@ -45,7 +45,7 @@ struct FrameCells {
 class RangeReader {
 public:
     RangeReader(const Arguments& arguments)
-        : range_(*arguments.frames), frames_(open_frames(arguments.input, arguments.read)) {}
+        : range_(*arguments.frames), read_(arguments.read), frames_(open_frames(arguments.input, arguments.read)) {}
 
     // Returns the next frame of the range; nothing after the last. Throws Failure if the range has no frame.
     std::optional<Input> next() {
@@ -67,15 +67,21 @@ public:
 
 private:
     bool read(Input& frame) {
-        if (range_.last) return !any_ && frames_->last(frame);
+        if (range_.last) return !any_ && fitted(frames_->last(frame), frame);
         while (range_.ends_after(frames_->passed())) {
-            if (range_.holds(frames_->passed())) return frames_->next(frame);
+            if (range_.holds(frames_->passed())) return fitted(frames_->next(frame), frame);
             if (!frames_->skip()) break;
         }
         return false;
     }
 
+    bool fitted(bool found, Input& frame) const {
+        if (found) fit_dimensions(frames_->name(), read_, frame);
+        return found;
+    }
+
     const FrameRange& range_;
+    const ReadRequest& read_;
     std::unique_ptr<InputFrames> frames_;
     bool any_ = false;
 };
@@ -242,6 +248,8 @@ private:
             frame.radii = options.radii;
             frame.carried = take_carried(arguments_, frame.input);
             check_columns(frame.carried);
+            choose_dimensions(frame.input, options);
+            summary_.set_dimensions(options.planar, arguments_.read.dimensions);
             frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
         } catch (const Failure& failure) {
