@@ -130,8 +130,9 @@ std::string domain_json(const votess::Tessellation& cells, const DomainFrom& fro
     for (std::size_t k = 0; k < size_of_vectors(cells); ++k)
         periodic += std::string(periodic.empty() ? "" : ",") + (cells.periodic()[k] ? "true" : "false");
     using Cell = votess::TriclinicBox;
-    return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(components(cells, cells.box().lower)) +
-           R"(, "upper": )" + json_list(components(cells, cells.box().upper)) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
+    return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" +
+           json_list(components(cells, cells.box().lower)) + R"(, "upper": )" +
+           json_list(components(cells, cells.box().upper)) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
            of_cell(&Cell::a) + R"(, "b": )" + of_cell(&Cell::b) + R"(, "c": )" + of_cell(&Cell::c) +
            R"(, "periodic": [)" + periodic + R"(], "from": ")" + word_of(from.box) + R"(", "periodic_from": ")" +
            word_of(from.periodic) + "\"}";

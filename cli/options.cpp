@@ -48,7 +48,7 @@ domain of each frame to stdout, in the form that vt.read_frames reads)",
          R"(the columns of the coordinates, by names of a header line such as
 "Points:0,Points:1,Points:2" or "x [Mpc],y [Mpc],z [Mpc]", or by numbers
 from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps. Two names
-mean --2d; text and .npz take them)"},
+mean --2d)"},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT;
 with --2d in the unit square. The domain is that box unless --box is given)",
@@ -59,10 +59,9 @@ with --2d in the unit square. The domain is that box unless --box is given)",
          R"(two dimensions: the cells are polygons. Input are rows `x y` or `id x y`,
 arrays (N, 2), or files with z whose points have one z. Give two numbers for
 each vector: --box x0,y0,x1,y1, --cell ax,ay,bx,by, --origin x,y and --wall
-nx,ny,d. volumes are areas, surface_areas perimeters, face_areas lengths of
-edges; vectors have two components. Points of two coordinates, as in rows of
-two columns, imply it, and the summary says so)",
-         {.brief = "two dimensions, also for files of two columns: the cells are polygons"}},
+nx,ny,d. volumes are areas, surface_areas perimeters, face_areas and
+--min-area lengths of edges; vectors have two components. Points of two
+coordinates, as in rows of two columns, imply it, and the summary says so)"},
         {"--box x0,y0,z0,x1,y1,z1",
          R"(the domain. Default: the bounds of the points, each side moved out by half
 of (longest side / cbrt(N)). A point outside a given box is an error)",
@@ -113,8 +112,7 @@ walls and vertices stay. The cell of lower index decides for both, so lists
 stay symmetric. 0 drops none)",
          {.member = Number(&Options::min_face), .needs = Needs::all_cells}},
         {"--min-area AREA",
-         R"(drop faces below this area, as --min-face does; the larger limit counts. In
-two dimensions it is a length of edges)",
+         R"(drop faces below this area, as --min-face does; the larger limit counts)",
          {.member = Number(&Options::min_area), .unit = "length unit squared", .needs = Needs::all_cells}},
         {"--weights COL", R"(power diagram: COL holds the weights)"},
         {"--radii COL",
@@ -221,7 +219,9 @@ of the box, or the faces of a cell across a, b and c; -7, -8, ... = walls)",
         {"--image FILE.png",
          R"(a picture of the cells, cut open, drawn on the CPU. Cells at the walls that
 dwarf the others are omitted, with their neighbors)",
-         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section", .needs = Needs::all_cells, .solid = true}},
+         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section",
+          .needs = Needs::all_cells,
+          .solid = true}},
         {"--slice x=VALUE",
          R"(draw a plane section instead, with axes; also y=VALUE, z=VALUE)",
          {.needs = Needs::all_cells, .with = "--image"}},
@@ -229,7 +229,9 @@ dwarf the others are omitted, with their neighbors)",
          R"(volume (default), neighbors, area, x, y, z, index or a column of --copy or
 --density; on a logarithmic scale where values differ widely)",
          {.needs = Needs::cells, .solid = true}},
-        {"--colormap tide|ember|gray", R"(colors of the picture and of .glb; default tide)", {.needs = Needs::cells, .solid = true}},
+        {"--colormap tide|ember|gray",
+         R"(colors of the picture and of .glb; default tide)",
+         {.needs = Needs::cells, .solid = true}},
         {"--cut corner|half|cells|none",
          R"(part to cut away: the octant in front (default), the half in front, the
 whole cells whose points lie in that octant, or nothing)",

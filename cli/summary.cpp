@@ -108,16 +108,18 @@ std::string plain_summary(const Summary& summary) {
                            greatest + " points");
     }
     if (summary.plane_from)
-        line("dimensions", std::string("2, ") + *summary.plane_from +
-                               (summary.plane_from == std::string("assumed") ? ": the points have two coordinates" : ""));
+        line("dimensions",
+             std::string("2, ") + *summary.plane_from +
+                 (summary.plane_from == std::string("assumed") ? ": the points have two coordinates" : ""));
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
     line(summary.plane_from ? "mean edges" : "mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes) {
         const double error =
             stats.box_volume > 0 ? std::abs(stats.volume_sum - stats.box_volume) / stats.box_volume : 0;
-        line(summary.plane_from ? "area sum" : "volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " + rounded("%.10g", stats.box_volume) +
-                               ", relative difference " + rounded("%.1e", error));
+        line(summary.plane_from ? "area sum" : "volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " +
+                                                                 rounded("%.10g", stats.box_volume) +
+                                                                 ", relative difference " + rounded("%.1e", error));
     }
     if (summary.fit)
         line("fit", std::to_string(summary.fit->steps) + " steps, largest error of a volume " +
@@ -125,8 +127,9 @@ std::string plain_summary(const Summary& summary) {
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
     if (const auto tiny = tiny_faces(summary); tiny.value_or(0) > 0)
-        line(summary.plane_from ? "tiny edges" : "tiny faces",
-             std::to_string(*tiny) + " below 1e-9 of the mean " + (summary.plane_from ? "length" : "area") + "; --min-face 1e-6 drops them");
+        line(summary.plane_from ? "tiny edges" : "tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean " +
+                                                                   (summary.plane_from ? "length" : "area") +
+                                                                   "; --min-face 1e-6 drops them");
     if (stats.fallback_cells > 0)
         line("fallback", std::to_string(stats.fallback_cells) + " cells: " + reasons_of(stats));
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");

@@ -155,7 +155,8 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         cell.a = {n[0], n[1], n[2]};
         cell.b = {n[3], n[4], n[5]};
         cell.c = {n[6], n[7], n[8]};
-        if (const std::string* origin = typed.value("--origin")) cell.origin = read_vectors<3>("--origin", *origin, arguments);
+        if (const std::string* origin = typed.value("--origin"))
+            cell.origin = read_vectors<3>("--origin", *origin, arguments);
     }
     read_walls(typed, arguments);
     options.planar = !arguments.flat.empty();

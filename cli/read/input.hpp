@@ -97,7 +97,7 @@ enum class Dimensions : std::uint8_t { three, either, two };
 
 // What to read from a file.
 struct ReadRequest {
-    bool text = false;    // rows of text, whatever the extension is
+    bool text = false;  // rows of text, whatever the extension is
     Dimensions dimensions = Dimensions::three;
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format

@@ -36,7 +36,8 @@ private:
 
 class NpyPieces : public InputPieces {
 public:
-    NpyPieces(const std::string& path, std::size_t rows) : path_(path), rows_(rows), file_(std::in_place, path, Dimensions::three) {}
+    NpyPieces(const std::string& path, std::size_t rows)
+        : path_(path), rows_(rows), file_(std::in_place, path, Dimensions::three) {}
 
     bool restart() override {
         file_.emplace(path_, Dimensions::three);

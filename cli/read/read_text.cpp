@@ -1,4 +1,5 @@
-// Text rows `x y z` or `id x y z`, in the plane `x y` or `id x y`, with further columns that the run requests; and rows under a line of names.
+// Text rows `x y z` or `id x y z`, in the plane `x y` or `id x y`, with further columns that the run requests; and rows
+// under a line of names.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -260,8 +261,8 @@ private:
             throw lines_.error(
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
         }
-        const bool flat = request_.dimensions == Dimensions::two ||
-                          (request_.dimensions == Dimensions::either && places.size() == 2);
+        const bool flat =
+            request_.dimensions == Dimensions::two || (request_.dimensions == Dimensions::either && places.size() == 2);
         const std::size_t coordinates = flat ? 2 : 3;
         if (places.size() != coordinates && places.size() != coordinates + 1) {
             throw lines_.error("this row has " + columns_text(columns) + ", expected " +
@@ -311,13 +312,14 @@ private:
             if (!id) {
                 if (has_decimal_comma(field)) throw lines_.error(not_a_number(field));
                 const bool flat = layout_.axes.size() == 2;
-                const bool may_be_radii =
-                    names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
+                const bool may_be_radii = names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                   (!names_.empty() ? "" : flat ? " (columns id x y)" : " (columns id x y z)") +
+                                   (!names_.empty() ? ""
+                                    : flat          ? " (columns id x y)"
+                                                    : " (columns id x y z)") +
                                    (!may_be_radii ? ""
-                                    : flat        ? "; if the columns are x y z, leave --2d out, if x y r, add --radii 3"
-                                                  : "; if the columns are x y z r, add --radii 4"));
+                                    : flat ? "; if the columns are x y z, leave --2d out, if x y r, add --radii 3"
+                                           : "; if the columns are x y z r, add --radii 4"));
             }
             input.ids.push_back(*id);
         }

@@ -22,7 +22,7 @@ private:
 
     std::span<const double> points_;
     std::size_t size_;  // of a point
-    Point side_{};  // 0 along an axis without period
+    Point side_{};      // 0 along an axis without period
     bool triclinic_ = false;
     std::array<int, 3> reach_{};  // steps tried along each edge
     std::array<Point, 3> edges_{}, inverse_{};

@@ -34,7 +34,8 @@ TextFormat::TextFormat(std::string_view format, bool like_voropp) : like_voropp_
 
 char TextFormat::solid_code() const {
     for (const FormatPiece& piece : pieces_)
-        if (piece.code != 0 && std::string_view("zaAeEot").find(piece.code) != std::string_view::npos) return piece.code;
+        if (piece.code != 0 && std::string_view("zaAeEot").find(piece.code) != std::string_view::npos)
+            return piece.code;
     return 0;
 }
 

@@ -19,7 +19,11 @@ using Polygon = std::span<const std::int32_t>;
 class TextWriter {
 public:
     TextWriter(const OutputData& data, const NearestImages& seeds)
-        : data_(data), cells_(data.tessellation), size_(size_of_vectors(cells_)), seeds_(seeds), areas_(cells_.face_areas()) {
+        : data_(data),
+          cells_(data.tessellation),
+          size_(size_of_vectors(cells_)),
+          seeds_(seeds),
+          areas_(cells_.face_areas()) {
         if (data_.format.like_voropp()) buffer_.set_digits(6);
     }
 

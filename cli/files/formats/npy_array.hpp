@@ -26,7 +26,9 @@ public:
     NpyArray(ByteSource source, std::string name);
 
     [[nodiscard]] const std::vector<std::uint64_t>& shape() const noexcept { return shape_; }
-    [[nodiscard]] bool has_columns(std::uint64_t count) const noexcept { return shape_.size() == 2 && shape_[1] == count; }
+    [[nodiscard]] bool has_columns(std::uint64_t count) const noexcept {
+        return shape_.size() == 2 && shape_[1] == count;
+    }
     [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }  // (N,)
     [[nodiscard]] bool is_float() const noexcept { return type_ == "<f8" || type_ == "<f4"; }
     [[nodiscard]] bool is_whole() const noexcept {

@@ -1,5 +1,5 @@
-// HDF5: a dataset (N, 3) of floats, in the plane (N, 2); frames (T, N, 3) as in H5MD and MDTraj; snapshots of cosmological codes, in one
-// file or several.
+// HDF5: a dataset (N, 3) of floats, in the plane (N, 2); frames (T, N, 3) as in H5MD and MDTraj; snapshots of
+// cosmological codes, in one file or several.
 #include <algorithm>
 #include <array>
 #include <cmath>
