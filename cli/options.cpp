@@ -57,9 +57,9 @@ with --2d in the unit square. The domain is that box unless --box is given)",
         {"", "domain"},
         {"--2d",
          R"(two dimensions: the cells are polygons. Input are rows `x y` or `id x y`,
-arrays (N, 2), or files with z whose points have one z. Give two numbers for
-each vector: --box x0,y0,x1,y1, --cell ax,ay,bx,by, --origin x,y and --wall
-nx,ny,d. volumes are areas, surface_areas perimeters, face_areas and
+arrays (N, 2), or files with z whose points have one z. Give two numbers
+for each vector: --box x0,y0,x1,y1, --cell ax,ay,bx,by, --origin x,y and
+--wall nx,ny,d. volumes are areas, surface_areas perimeters, face_areas and
 --min-area lengths of edges; vectors have two components. Points of two
 coordinates, as in rows of two columns, imply it, and the summary says so)"},
         {"--box x0,y0,z0,x1,y1,z1",
@@ -196,7 +196,7 @@ without an extension, such as /dev/null, gets text)",
   %c  centroid relative to the point "x y z"          %C  absolute
   (a point beyond a periodic box counts where it lies inside)
   %%  a percent sign
-In two dimensions faces are edges: %f lengths, %F perimeter, %v area, %p the
+In two dimensions faces are edges: %f lengths, %F perimeter, %v area, %p
 corners counterclockwise; %z %a %A %e %E %o and %t are refused.
 Numbers have the fewest digits that read back as the same float64)",
          {.brief = "rows of text with the codes of Voro++, such as \"%i %q %v %n\"", .needs = Needs::cells}},

@@ -262,7 +262,7 @@ private:
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
         }
         const bool flat =
-            request_.dimensions == Dimensions::two || (request_.dimensions == Dimensions::either && places.size() == 2);
+            request_.dimensions == Dimensions::two || (request_.dimensions == Dimensions::either && columns == 2);
         const std::size_t coordinates = flat ? 2 : 3;
         if (places.size() != coordinates && places.size() != coordinates + 1) {
             throw lines_.error("this row has " + columns_text(columns) + ", expected " +

@@ -103,7 +103,7 @@ class Hdf5Files(Hdf5Test):
             self.refuse(name, "-o", "out.npz", says=[name] + ([says] if isinstance(says, str) else says))
         self.refuse("c.h5", "--dataset", "q", says=["'q'", "a b"])
         self.refuse("c.h5", "--dataset", "a/b", says="'a/b'")
-        self.refuse("a.h5", "--dataset", "a", says="(30, 2)")
+        self.refuse("a.h5", "--dataset", "a", says="(30, 1)")
         self.refuse("b.h5", "--dataset", "a", says="int64")
         self.refuse("c.h5", "--dataset", "a", "--radii", "b", says="3 numbers for each point")
         self.refuse("c.h5", "--dataset", "a", "--radii", "q", says="'q'")

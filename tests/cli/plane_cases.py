@@ -82,7 +82,7 @@ class Plane(CliTest):
         self.put("z.dump", head + " z\n" + atoms.replace("\n", " 0\n"))
         ply = "ply\nformat ascii 1.0\nelement vertex 200\nproperty double x\nproperty double y\nend_header\n"
         self.put("a.ply", ply + text_of(points))
-        files = [("a.txt",), ("-",), ("a.csv",), ("a.npy",), ("columns.npy",), ("points.npz",), ("only.npz",), ("axes.npz",), ("a.ply",)]
+        files = [("a.txt",), ("-",), ("a.csv",), ("a.npy",), ("columns.npy",), ("points.npz",), ("only.npz",), ("axes.npz",)]
         if h5py:
             with h5py.File(self.folder / "a.h5", "w") as file:
                 file["here/points"] = points
@@ -95,7 +95,7 @@ class Plane(CliTest):
             self.assertRegex(summary, "(?m)^dimensions +2, assumed: the points have two coordinates$")
             self.assertRegex(summary, r"(?m)^domain +box -?\d[^ ,]*,[^ ,]+ to [^ ,]+,[^ ,]+, not periodic, around the points; default$")
         for name, *options in [("ids.txt", "--2d"), ("more.csv", "--2d"), ("more.csv", "--columns", "x,y"), ("more.csv", "--columns", "4,3"),
-                               ("flat.npy", "--2d"), ("axes.npz", "--columns", "x,y")]:
+                               ("flat.npy", "--2d"), ("a.ply", "--2d"), ("axes.npz", "--columns", "x,y")]:
             self.assertEqual(self.areas(name, *options), expected, (name, options))
             self.assertRegex(self.run_cli(name, *options).stdout, "(?m)^dimensions +2, option$")
         boxed = self.areas("a.txt", "--box", "-9,-9,9,9")
@@ -122,11 +122,10 @@ class Plane(CliTest):
         self.put("a.txt", text_of(np.column_stack((points, radii))))
         expected = self.areas("a.csv", "--radii", "r", "--box", SQUARE)
         self.assertNotEqual(expected, self.areas("a.csv", "--2d", "--box", SQUARE))
-        self.assertEqual(self.areas("a.txt", "--radii", "3", "--box", SQUARE), expected)
         self.assertEqual(self.areas("a.txt", "--2d", "--radii", "3", "--box", SQUARE), expected)
         self.put("w.txt", text_of(np.column_stack((points, radii**2))))
-        self.assertEqual(self.areas("w.txt", "--weights", "3", "--box", SQUARE), expected)
-        self.assertEqual(self.areas("a.txt", "--radii", "3", "--box", SQUARE, "--only", "5:50:7"), expected[5:50:7])
+        self.assertEqual(self.areas("w.txt", "--2d", "--weights", "3", "--box", SQUARE), expected)
+        self.assertEqual(self.areas("a.csv", "--radii", "r", "--box", SQUARE, "--only", "5:50:7"), expected[5:50:7])
         longer = self.rows("a.csv", "--2d", "--min-area", "0.02", "--format", "%f")
         self.assertGreaterEqual(min(float(length) for row in longer for length in row.split()), 0.02)
 
@@ -197,7 +196,7 @@ class Plane(CliTest):
                 (["solid.txt", "--box", SQUARE], "the points have three coordinates: add --2d"),
                 (["z.npy", "--2d"], ["point 1 has z", "leave --2d out"]),
                 (["z.npy", "--columns", "1,2"], "--columns goes with"),
-                (["a.csv"], ["lacks 'z'", "--2d"]), (["a.csv", "--2d", "--columns", "x,y,m"], "--columns x,y,m needs three dimensions"),
+                (["a.csv"], ["lacks 'z'", "--2d"]), (["solid.txt", "--radii", "3"], ["in addition to the named ones", "--2d"]), (["a.csv", "--2d", "--columns", "x,y,m"], "--columns x,y,m needs three dimensions"),
                 (["a.txt", "--columns", "1"], "X,Y in two dimensions"), (["--random", 9, "--box", SQUARE], "for two dimensions add --2d"),
                 (["--random", 9, "--2d", "--image", "a.png"], "--image needs three dimensions, but --2d means two: leave one of them out"),
                 (["a.txt", "--box", SQUARE, "-o", "a.vtu"], ["'a.vtu' needs three dimensions", "--box 0,0,1,1"]),

@@ -164,7 +164,7 @@ private:
             const auto y = at(std::string("y") + suffix);
             const auto z = at(std::string("z") + suffix);
             if (x && y && z) return {{*x, *y, *z}, scaled};
-            if (x && y && request_.dimensions != Dimensions::three) return {{*x, *y}, scaled};
+            if (x && y && request_.dimensions == Dimensions::two) return {{*x, *y}, scaled};
         }
         throw lines_.error("no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
     }
