@@ -195,8 +195,7 @@ private:
         };
         std::vector<std::string> axes = request_.coordinates;
         if (axes.empty()) axes = {"x", "y"};
-        if (request_.coordinates.empty() && (at("z") || request_.dimensions != Dimensions::two))
-            axes.emplace_back("z");
+        if (request_.coordinates.empty() && (at("z") || request_.dimensions != Dimensions::two)) axes.emplace_back("z");
         std::vector<std::size_t> places;
         for (const std::string& axis : axes)
             if (const auto place = at(axis)) places.push_back(*place);
