@@ -258,7 +258,7 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
 }
 
 void Input::append(const Input& rows) {
-    dimensions = rows.dimensions;
+    if (!rows.points.empty()) dimensions = rows.dimensions;
     points.insert(points.end(), rows.points.begin(), rows.points.end());
     ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
     species.insert(species.end(), rows.species.begin(), rows.species.end());
