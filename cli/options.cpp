@@ -43,7 +43,7 @@ text a header line, .csv a column `frame`. Summary and --json have sums)",
         {"--points",
          R"(compute no cells; write the points, ids, species, columns of --copy and
 domain of each frame to stdout, in the form that vt.read_frames reads)",
-         {.needs = Needs::all_cells, .with = "--frames", .solid = true}},
+         {.needs = Needs::all_cells, .with = "--frames"}},
         {"--columns X,Y[,Z]",
          R"(the columns of the coordinates, by names of a header line such as
 "Points:0,Points:1,Points:2" or "x [Mpc],y [Mpc],z [Mpc]", or by numbers

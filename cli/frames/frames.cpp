@@ -137,26 +137,32 @@ std::string description_of(const Input& frame, std::size_t species) {
         units += number ? to_text(*number) : json_string(std::get<std::string>(value));
     }
     const FileDomain& domain = frame.domain;
+    const std::size_t size = frame.dimensions;
+    const auto list = [size](const std::array<double, 3>& vector) {
+        return json_array(std::span<const double>(vector).first(size));
+    };
     std::string shape;
     if (domain.cell) {
         const votess::TriclinicBox& cell = *domain.cell;
-        shape = R"("cell": [)" + json_array(cell.a) + ", " + json_array(cell.b) + ", " + json_array(cell.c) +
-                R"(], "origin": )" + json_array(cell.origin) + ", ";
+        shape = R"("cell": [)" + list(cell.a) + ", " + list(cell.b) + (size == 3 ? ", " + list(cell.c) : "") +
+                R"(], "origin": )" + list(cell.origin) + ", ";
     } else if (domain.box) {
-        shape = R"("box": [)" + json_array(domain.box->lower) + ", " + json_array(domain.box->upper) + "], ";
+        shape = R"("box": [)" + list(domain.box->lower) + ", " + list(domain.box->upper) + "], ";
     }
     std::string axes, walls;
-    for (const bool axis : domain.cell ? domain.cell->periodic : domain.periodic)
-        axes.append(axes.empty() ? "" : ", ").append(axis ? "true" : "false");
+    const std::array<bool, 3>& periodic = domain.cell ? domain.cell->periodic : domain.periodic;
+    for (std::size_t k = 0; k < size; ++k) axes.append(axes.empty() ? "" : ", ").append(periodic[k] ? "true" : "false");
     for (const votess::Wall& wall : domain.walls) {
-        const std::array<double, 4> row{wall.normal[0], wall.normal[1], wall.normal[2], wall.offset};
+        std::vector<double> row(wall.normal.begin(), wall.normal.begin() + static_cast<std::ptrdiff_t>(size));
+        row.push_back(wall.offset);
         walls.append(walls.empty() ? "" : ", ").append(json_array(row));
     }
     return R"({"frame": )" + std::to_string(frame.frame.value_or(0)) + R"(, "timestep": )" +
-           json_string(frame.timestep) + R"(, "points": )" + std::to_string(frame.size()) + R"(, "ids": )" +
-           (frame.ids.empty() ? "false" : "true") + R"(, "species": )" + std::to_string(species) + R"(, "columns": [)" +
-           columns + R"(], "units": {)" + units + "}, " + shape + R"("walls": [)" + walls + R"(], "periodic": [)" +
-           axes + R"(], "periodic_from": ")" + word_of(domain.periodic_from) + "\"}";
+           json_string(frame.timestep) + R"(, "points": )" + std::to_string(frame.size()) + R"(, "dimensions": )" +
+           std::to_string(size) + R"(, "ids": )" + (frame.ids.empty() ? "false" : "true") + R"(, "species": )" +
+           std::to_string(species) + R"(, "columns": [)" + columns + R"(], "units": {)" + units + "}, " + shape +
+           R"("walls": [)" + walls + R"(], "periodic": [)" + axes + R"(], "periodic_from": ")" +
+           word_of(domain.periodic_from) + "\"}";
 }
 
 class FrameRun {

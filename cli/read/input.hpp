@@ -71,7 +71,7 @@ struct Input {
 // Returns the numbers of a column with one number for each point. Throws Failure when it has more.
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
 
-// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each; in
+// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each. In
 // the plane box 4, cell 4, origin 2, walls 3 each.
 [[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
                                        const std::vector<double>& cell, const std::vector<double>& origin,
@@ -118,7 +118,7 @@ struct ReadRequest {
 [[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
 
 // Drops z from points of one plane and from the domain, if the request is for two dimensions or the points have two
-// coordinates. Throws Failure for points of several planes, and for a domain that is no prism along z.
+// coordinates. Throws Failure for points of several planes, and unless the domain is a prism along z.
 void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input);
 
 enum class TextKind {

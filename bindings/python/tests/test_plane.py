@@ -119,6 +119,21 @@ class Plane(unittest.TestCase):
                             np.testing.assert_array_equal(ours[name], theirs[name], name)
                             self.assertEqual(ours[name].dtype, theirs[name].dtype, name)
 
+    def test_frames_of_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "plane.npz")
+            t = vt.tessellate(POINTS, cell=((1, 0), (0.25, 1)), origin=(0.5, -1), periodic="x", outside="drop")
+            t.save(path, columns={"points": POINTS})
+            frame, = vt.read_frames(path, columns=())
+            np.testing.assert_array_equal(frame.points, POINTS)
+            self.assertEqual(frame.domain["periodic"], (True, False))
+            again = frame.tessellate(outside="drop")
+            self.assertTrue(again.planar)
+            np.testing.assert_array_equal(again.volumes, t.volumes)
+            path = Path(folder, "plane.txt")
+            path.write_text("".join(f"{x!r} {y!r}\n" for x, y in POINTS.tolist()))
+            np.testing.assert_array_equal(next(vt.read_frames(path)).points, POINTS)
+
     def test_a_plot_fills_the_box(self):
         if not have("matplotlib"):
             self.skipTest("needs matplotlib")
