@@ -28,6 +28,10 @@ std::string json_list(std::span<const double> numbers) {
     return text + "]";
 }
 
+std::span<const double> components(const votess::Tessellation& cells, const std::array<double, 3>& vector) {
+    return std::span<const double>(vector).first(size_of_vectors(cells));
+}
+
 const char* kind_of(const votess::Tessellation& cells) {
     return cells.cell() ? "cell" : cells.walls().empty() ? "box" : "polyhedron";
 }
@@ -41,6 +45,10 @@ std::string axes_of(const votess::Tessellation& cells) {
 }
 
 }  // namespace
+
+std::size_t size_of_vectors(const votess::Tessellation& cells) {
+    return cells.planar() ? 2 : 3;
+}
 
 const char* word_of(DomainSource source) {
     switch (source) {
@@ -79,20 +87,36 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     const bool axes_alone = any(stated.periodic) && !stated.box;  // they apply to the user's box
     if (!periodic && (given ? axes_alone : options.box.has_value())) axes = stated.periodic;
     if (periodic) axes = *periodic;
+    if (options.planar) axes[2] = false;  // which --periodic without a value names
     return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
                                                                  : given && !axes_alone ? DomainSource::by_default
                                                                                         : stated.periodic_from};
 }
 
+void set_ends_of_z(votess::Options& options) {
+    if (options.planar && options.box && std::isinf(options.box->lower[2]))
+        options.box->lower[2] = options.box->upper[2] = 0;
+}
+
+void choose_dimensions(const Input& input, votess::Options& options) {
+    if (options.planar && !input.planar())
+        throw bad_input(
+            "the domain of the options has two dimensions, but the points have three coordinates: add --2d if their "
+            "z does not matter, or give the domain with z");
+    options.planar = input.planar();
+    set_ends_of_z(options);
+}
+
 std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from) {
     std::string text;
+    const auto list = [&](const std::array<double, 3>& vector) { return short_list(components(cells, vector)); };
     if (const auto& cell = cells.cell()) {
-        text = "cell " + short_list(cell->a) + " " + short_list(cell->b) + " " + short_list(cell->c) + " at " +
-               short_list(cell->origin);
+        text = "cell " + list(cell->a) + " " + list(cell->b) + (cells.planar() ? "" : " " + list(cell->c)) + " at " +
+               list(cell->origin);
     } else if (std::isinf(cells.box().upper[0])) {
-        text = "all of space";
+        text = cells.planar() ? "all of the plane" : "all of space";
     } else {
-        text = "box " + short_list(cells.box().lower) + " to " + short_list(cells.box().upper);
+        text = "box " + list(cells.box().lower) + " to " + list(cells.box().upper);
     }
     if (const auto count = cells.walls().size(); count > 0) {
         text += ", cut by " + std::to_string(count) + (count == 1 ? " wall" : " walls");
@@ -107,14 +131,16 @@ std::string domain_text(const votess::Tessellation& cells, const DomainFrom& fro
 std::string domain_json(const votess::Tessellation& cells, const DomainFrom& from) {
     const auto& cell = cells.cell();
     const auto of_cell = [&](const std::array<double, 3> votess::TriclinicBox::*vector) {
-        return cell ? json_list((*cell).*vector) : "null";
+        const bool edge_c = vector == &votess::TriclinicBox::c;
+        return cell && !(cells.planar() && edge_c) ? json_list(components(cells, (*cell).*vector)) : "null";
     };
     std::string periodic;
-    for (const bool axis : cells.periodic())
-        periodic += std::string(periodic.empty() ? "" : ",") + (axis ? "true" : "false");
+    for (std::size_t k = 0; k < size_of_vectors(cells); ++k)
+        periodic += std::string(periodic.empty() ? "" : ",") + (cells.periodic()[k] ? "true" : "false");
     using Cell = votess::TriclinicBox;
-    return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" + json_list(cells.box().lower) +
-           R"(, "upper": )" + json_list(cells.box().upper) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
+    return std::string(R"({"kind": ")") + kind_of(cells) + R"(", "lower": )" +
+           json_list(components(cells, cells.box().lower)) + R"(, "upper": )" +
+           json_list(components(cells, cells.box().upper)) + R"(, "origin": )" + of_cell(&Cell::origin) + R"(, "a": )" +
            of_cell(&Cell::a) + R"(, "b": )" + of_cell(&Cell::b) + R"(, "c": )" + of_cell(&Cell::c) +
            R"(, "periodic": [)" + periodic + R"(], "from": ")" + word_of(from.box) + R"(", "periodic_from": ")" +
            word_of(from.periodic) + "\"}";

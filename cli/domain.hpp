@@ -15,6 +15,9 @@ struct DomainFrom {
     DomainSource box = DomainSource::by_default, periodic = DomainSource::by_default;
 };
 
+// Returns the number of components of vectors: 3, in the plane 2.
+[[nodiscard]] std::size_t size_of_vectors(const votess::Tessellation& cells);
+
 // Returns "option", "stated", "assumed" or "default".
 [[nodiscard]] const char* word_of(DomainSource source);
 
@@ -22,6 +25,13 @@ struct DomainFrom {
 // Failure when a periodic axis has no length.
 [[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
                                        votess::Options& options);
+
+// In two dimensions leaves z 0 in the box of --box none.
+void set_ends_of_z(votess::Options& options);
+
+// Sets Options::planar for the points. Throws Failure if the options have a domain of two dimensions, but the points
+// have three coordinates.
+void choose_dimensions(const Input& input, votess::Options& options);
 
 // Returns the line of the summary: "box 0,0,0 to 1,1,1, periodic xy; box stated, periodicity assumed".
 [[nodiscard]] std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from);

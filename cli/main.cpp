@@ -109,7 +109,7 @@ int run(const Arguments& arguments) {
         return exit_code::done;
     }
     Summary summary;
-    Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
+    Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
 
@@ -119,6 +119,8 @@ int run(const Arguments& arguments) {
     std::vector<InputColumn> carried = take_carried(arguments, input);
     arguments.coloring.check(carried);
     summary.input_note = input.note;
+    choose_dimensions(input, options);
+    summary.set_dimensions(options.planar, arguments.read.dimensions);
     const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options);
     std::vector<std::int64_t> only;
     if (!arguments.only.empty()) options.only = only = read_only(arguments.only, input.size());

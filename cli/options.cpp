@@ -44,16 +44,24 @@ text a header line, .csv a column `frame`. Summary and --json have sums)",
          R"(compute no cells; write the points, ids, species, columns of --copy and
 domain of each frame to stdout, in the form that vt.read_frames reads)",
          {.needs = Needs::all_cells, .with = "--frames"}},
-        {"--columns X,Y,Z",
+        {"--columns X,Y[,Z]",
          R"(the columns of the coordinates, by names of a header line such as
 "Points:0,Points:1,Points:2" or "x [Mpc],y [Mpc],z [Mpc]", or by numbers
-from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps)"},
+from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps. Two names
+mean --2d)"},
         {"--random N",
-         R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT.
-The domain is that box unless --box is given)",
+         R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT;
+with --2d in the unit square. The domain is that box unless --box is given)",
          {.brief = "N uniform points in the unit box instead of INPUT"}},
         {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random"}},
         {"", "domain"},
+        {"--2d",
+         R"(two dimensions: the cells are polygons. Input are rows `x y` or `id x y`,
+arrays (N, 2), or files with z whose points have one z. Give two numbers
+for each vector: --box x0,y0,x1,y1, --cell ax,ay,bx,by, --origin x,y and
+--wall nx,ny,d. volumes are areas, surface_areas perimeters, face_areas and
+--min-area lengths of edges; vectors have two components. Points of two
+coordinates, as in rows of two columns, imply it, and the summary says so)"},
         {"--box x0,y0,z0,x1,y1,z1|none",
          R"(the domain. Default: the bounds of the points, each side moved out by half
 of (longest side / cbrt(N)). A point outside a given box is an error. none:
@@ -80,14 +88,14 @@ chooses which axes of that box repeat)",
          R"(keep the side where nx x + ny y + nz z <= d. Repeatable: walls bound a
 convex polyhedron and have the ids -7, -8, ...)",
          {.repeats = true}},
-        {"--wall-sphere x,y,z,r,FACES", "", {.repeats = true}},
-        {"--wall-cylinder x,y,z,ax,ay,az,r,FACES", "", {.repeats = true}},
+        {"--wall-sphere x,y,z,r,FACES", "", {.repeats = true, .solid = true}},
+        {"--wall-cylinder x,y,z,ax,ay,az,r,FACES", "", {.repeats = true, .solid = true}},
         {"--wall-cone x,y,z,ax,ay,az,ANGLE,FACES",
          R"(FACES walls that touch a sphere, a cylinder without ends or a cone from
 outside. The axis of a cone points from its apex inwards; ANGLE is that
 between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
-         {.repeats = true}},
+         {.repeats = true, .solid = true}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell
@@ -119,7 +127,7 @@ names (Cordero and others 2008, doi:10.1039/b801115j))",
          R"(power diagram in which each cell has the volume that COL holds. The weights
 are found by damped Newton steps and written as the array `weights`.
 --weights or --radii are the start)",
-         {.needs = Needs::all_cells}},
+         {.needs = Needs::all_cells, .solid = true}},
         {"--tolerance T",
          R"(largest relative error of a volume; default 1e-9)",
          {.needs = Needs::all_cells, .with = "--volumes"}},
@@ -149,7 +157,8 @@ get an empty one, or the input is refused)",
          R"(.txt   one row per point, in the order of the input, see --format
 .csv .xyz .dump  tables with volume, neighbors (their number) and n3 to n7,
        the Voronoi index (faces of 3 to 6 and of 7 or more edges), or with
-       the columns of --want; .xyz is extended, .dump that of LAMMPS
+       the columns of --want; .xyz is extended, .dump that of LAMMPS.
+       In two dimensions area and perimeter, and no index
 .npz   NumPy arrays: indptr, indices (row i of the neighbor lists is
        indices[indptr[i]:indptr[i+1]]), shifts in periodic domains, the
        arrays of --want, status, duplicate_of if there are duplicates, ids,
@@ -188,6 +197,8 @@ without an extension, such as /dev/null, gets text)",
   %c  centroid relative to the point "x y z"          %C  absolute
   (a point beyond a periodic box counts where it lies inside)
   %%  a percent sign
+In two dimensions faces are edges: %f lengths, %F perimeter, %v area, %p
+corners counterclockwise; %z %a %A %e %E %o and %t are refused.
 Numbers have the fewest digits that read back as the same float64)",
          {.brief = "rows of text with the codes of Voro++, such as \"%i %q %v %n\"", .needs = Needs::cells}},
         {"--want LIST",
@@ -209,15 +220,19 @@ of the box, or the faces of a cell across a, b and c; -7, -8, ... = walls)",
         {"--image FILE.png",
          R"(a picture of the cells, cut open, drawn on the CPU. Cells at the walls that
 dwarf the others are omitted, with their neighbors)",
-         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section", .needs = Needs::all_cells}},
+         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section",
+          .needs = Needs::all_cells,
+          .solid = true}},
         {"--slice x=VALUE",
          R"(draw a plane section instead, with axes; also y=VALUE, z=VALUE)",
          {.needs = Needs::all_cells, .with = "--image"}},
         {"--color COLUMN",
          R"(volume (default), neighbors, area, x, y, z, index or a column of --copy or
 --density; on a logarithmic scale where values differ widely)",
-         {.needs = Needs::cells}},
-        {"--colormap tide|ember|gray", R"(colors of the picture and of .glb; default tide)", {.needs = Needs::cells}},
+         {.needs = Needs::cells, .solid = true}},
+        {"--colormap tide|ember|gray",
+         R"(colors of the picture and of .glb; default tide)",
+         {.needs = Needs::cells, .solid = true}},
         {"--cut corner|half|cells|none",
          R"(part to cut away: the octant in front (default), the half in front, the
 whole cells whose points lie in that octant, or nothing)",
@@ -235,7 +250,7 @@ whole cells whose points lie in that octant, or nothing)",
 point in the input from 0. Exact; the lowest index where cells meet, -1
 outside the domain. Into -o FILE.npy (int32), FILE.txt or - (a line each).
 In a periodic domain queries are wrapped)",
-         {.needs = Needs::all_points}},
+         {.needs = Needs::all_points, .solid = true}},
         {"--probe QUERIES",
          R"(the cell that each point of the file QUERIES would have if it alone were
 added to the points: a row or polyhedron each, by --want, --list-walls and
@@ -245,14 +260,14 @@ outside the domain; 5: at the place of a point, whose cell this is and
 which duplicate_of names; 6: heavier points leave no cell. With --weights
 or --radii the column of that name or number is read from QUERIES too; 0 if
 it has none)",
-         {.needs = Needs::all_points}},
+         {.needs = Needs::all_points, .solid = true}},
         {"--interpolate QUERIES",
          R"(the field of --values at each point of the file QUERIES, from its natural
 neighbors among the points, into -o FILE.npy (float64), FILE.txt or - (a
 line each); nan without neighbors, as outside the domain. Linear fields are
 reproduced where the cell of a query has no wall; at walls cells end as if
 the points had mirror images behind. Weights and radii as for --probe)",
-         {.needs = Needs::all_points}},
+         {.needs = Needs::all_points, .solid = true}},
         {"--values COLUMN[,COLUMN]",
          R"(columns of INPUT for --interpolate and --to-grid, by name or number as for
 --weights)",
@@ -271,7 +286,7 @@ dtfe      the average density, linear in Delaunay tetrahedra; values are
 nearest   the value of the cell that holds its center
 sibson    the value of --interpolate at its center
 The field is 0 beyond walls)",
-         {.needs = Needs::all_points}},
+         {.needs = Needs::all_points, .solid = true}},
         {"--shape NX,NY,NZ",
          R"(number of grid cells along x, y and z, or a, b and c of a triclinic box; N
 means N,N,N)",
@@ -301,7 +316,7 @@ points larger than memory. The CPU clips one block after the other; the
 rest waits in temporary files. From .npy, .h5 (snapshots too) and rows of
 text into .h5, the same file as without --memory. Not with vertices and
 faces, --min-face, --min-area, --duplicates error, pictures and queries)",
-         {.needs = Needs::one_machine}},
+         {.needs = Needs::one_machine, .solid = true}},
         {"--temporary DIR",
          R"(folder for the files of --memory; default: that of the first output. The
 run first reports how much room they need. They have no names and vanish

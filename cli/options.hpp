@@ -38,6 +38,7 @@ struct Traits {
     Needs needs = Needs::nothing;
     std::string_view with = {};  // an option that must be there too, or some to choose from with | between
     bool repeats = false;        // may be given several times
+    bool solid = false;          // needs three dimensions
 };
 
 struct Option {

@@ -82,6 +82,11 @@ std::string json_string(const std::string& text) {
     return result + "\"";
 }
 
+void Summary::set_dimensions(bool planar, Dimensions requested) {
+    plane_from.reset();
+    if (planar) plane_from = requested == Dimensions::two ? "option" : "assumed";
+}
+
 std::string Summary::failure() const {
     if (!verified || verified->passed) return {};
     return "verification failed, no file was written: " + verified->failure;
@@ -102,14 +107,19 @@ std::string plain_summary(const Summary& summary) {
                            std::to_string(frames->last) + ", of " + (least == greatest ? "" : least + " to ") +
                            greatest + " points");
     }
+    if (summary.plane_from)
+        line("dimensions",
+             std::string("2, ") + *summary.plane_from +
+                 (summary.plane_from == std::string("assumed") ? ": the points have two coordinates" : ""));
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
-    line("mean faces", rounded("%.4f", stats.mean_faces));
+    line(summary.plane_from ? "mean edges" : "mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes && std::isfinite(stats.box_volume)) {
         const double error =
             stats.box_volume > 0 ? std::abs(stats.volume_sum - stats.box_volume) / stats.box_volume : 0;
-        line("volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " + rounded("%.10g", stats.box_volume) +
-                               ", relative difference " + rounded("%.1e", error));
+        line(summary.plane_from ? "area sum" : "volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " +
+                                                                 rounded("%.10g", stats.box_volume) +
+                                                                 ", relative difference " + rounded("%.1e", error));
     }
     if (summary.fit)
         line("fit", std::to_string(summary.fit->steps) + " steps, largest error of a volume " +
@@ -117,7 +127,9 @@ std::string plain_summary(const Summary& summary) {
     if (stats.duplicates > 0) line("duplicates", std::to_string(stats.duplicates));
     if (stats.empty_cells > 0) line("empty cells", std::to_string(stats.empty_cells));
     if (const auto tiny = tiny_faces(summary); tiny.value_or(0) > 0)
-        line("tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean area; --min-face 1e-6 drops them");
+        line(summary.plane_from ? "tiny edges" : "tiny faces", std::to_string(*tiny) + " below 1e-9 of the mean " +
+                                                                   (summary.plane_from ? "length" : "area") +
+                                                                   "; --min-face 1e-6 drops them");
     if (stats.fallback_cells > 0)
         line("fallback", std::to_string(stats.fallback_cells) + " cells: " + reasons_of(stats));
     line("exact", std::to_string(stats.exact_cells) + " cells needed exact arithmetic");
@@ -184,6 +196,10 @@ std::string json_summary(const Summary& summary) {
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : summary.verified->passed ? "true" : "false");
     member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
+    if (summary.plane_from) {
+        member("dimensions", "2");
+        member("dimensions_from", json_string(*summary.plane_from));
+    }
     if (const auto& ranks = summary.ranks) {
         member("ranks", std::to_string(ranks->ranks));
         member("rounds", std::to_string(ranks->rounds));

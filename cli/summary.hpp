@@ -6,6 +6,8 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "read/input.hpp"
+
 namespace clvotess {
 
 // Further counts of a run over ranks.
@@ -25,6 +27,7 @@ struct FramesSummary {
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
+    std::optional<const char*> plane_from;  // in two dimensions: "option" or "assumed"
     bool has_volumes = false;
     std::string input_note;  // the part of the file that was read, such as a frame; may be empty
     double seconds_total = 0, seconds_read = 0, seconds_write = 0;  // the other stages are in stats
@@ -41,6 +44,7 @@ struct Summary {
     std::optional<Streamed> streamed;     // with --memory
     std::optional<FramesSummary> frames;  // with --frames; the other numbers are sums
 
+    void set_dimensions(bool planar, Dimensions requested);
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;
 };

@@ -8,6 +8,7 @@
 
 #include "arguments/only.hpp"
 #include "arguments/typed.hpp"
+#include "domain.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "frames/frames.hpp"
@@ -36,6 +37,56 @@ votess::Want read_want(const std::string& list) {
     }
 }
 
+double read_number(const std::string& option, const std::string& text, std::string_view field) {
+    const auto number = read_double(field);
+    if (!number) throw bad_input(option + " " + in_quotes(text) + ": " + in_quotes(field) + " is not a number");
+    return *number;
+}
+
+// Marks the run as one in three dimensions. Throws Failure if another option says two.
+void need_space(const std::string& what, Arguments& arguments) {
+    if (!arguments.flat.empty())
+        throw bad_input(what + " needs three dimensions, but " + arguments.flat + " means two: leave one of them out");
+    arguments.read.dimensions = Dimensions::three;
+}
+
+// Returns whether a number of a domain is left out in two dimensions: z, or one of the edge c.
+bool is_along_z(std::string_view number) {
+    return number.find('z') != std::string_view::npos || number.starts_with('c');
+}
+
+// Reads as many numbers as the option names. In two dimensions those along z are left out, and are 0.
+template <std::size_t count>
+std::array<double, count> read_vectors(const std::string& option, const std::string& text, Arguments& arguments) {
+    std::vector<std::size_t> places;
+    std::string names;
+    const std::string_view value = value_of(*find_option(option));
+    const auto all = split(value, ',');
+    for (std::size_t k = 0; k < count; ++k) {
+        if (is_along_z(all[k])) continue;
+        places.push_back(k);
+        names += (names.empty() ? "" : ",") + std::string(all[k]);
+    }
+    const auto fields = split(text, ',');
+    const std::string& other = arguments.flat;
+    const bool may_be_flat = arguments.read.dimensions != Dimensions::three, fits_flat = fields.size() == places.size();
+    const bool flat = may_be_flat && fits_flat;
+    if (!flat && !(other.empty() && fields.size() == count)) {
+        const std::string expected = other.empty() ? std::to_string(count) + " numbers " + std::string(value)
+                                                   : std::to_string(places.size()) + " numbers " + names;
+        throw bad_input(option + " must be " + expected + ", not " + in_quotes(text) +
+                        (!other.empty() ? ": " + other + " means two dimensions"
+                         : fits_flat    ? "; for two dimensions add --2d"
+                                        : ""));
+    }
+    std::array<double, count> numbers{};
+    for (std::size_t i = 0; i < fields.size(); ++i)
+        numbers[flat ? places[i] : i] = read_number(option, text, fields[i]);
+    if (flat && other.empty()) arguments.flat = option + " " + text;
+    if (!flat) arguments.read.dimensions = Dimensions::three;
+    return numbers;
+}
+
 template <std::size_t count>
 std::array<double, count> read_numbers(const std::string& option, const std::string& text) {
     const auto fields = split(text, ',');
@@ -44,11 +95,7 @@ std::array<double, count> read_numbers(const std::string& option, const std::str
                         std::string(value_of(*find_option(option))) + ", not " + in_quotes(text));
     }
     std::array<double, count> numbers{};
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto number = read_double(fields[i]);
-        if (!number) throw bad_input(option + " " + in_quotes(text) + ": " + in_quotes(fields[i]) + " is not a number");
-        numbers[i] = *number;
-    }
+    for (std::size_t i = 0; i < count; ++i) numbers[i] = read_number(option, text, fields[i]);
     return numbers;
 }
 
@@ -69,12 +116,13 @@ std::size_t read_faces(const char* option, double faces) {
     throw bad_input(std::string(option) + ": FACES must be a whole number, not " + to_text(faces));
 }
 
-void read_walls(const Typed& typed, std::vector<votess::Wall>& walls) {
+void read_walls(const Typed& typed, Arguments& arguments) {
+    std::vector<votess::Wall>& walls = arguments.options.walls;
     const auto add = [&walls](const std::vector<votess::Wall>& more) {
         walls.insert(walls.end(), more.begin(), more.end());
     };
     for (const std::string& text : typed.values("--wall")) {
-        const auto n = read_numbers<4>("--wall", text);
+        const auto n = read_vectors<4>("--wall", text, arguments);
         walls.push_back({.normal = {n[0], n[1], n[2]}, .offset = n[3]});
     }
     for (const std::string& text : typed.values("--wall-sphere")) {
@@ -98,23 +146,40 @@ void read_domain(const Typed& typed, Arguments& arguments) {
             constexpr double inf = std::numeric_limits<double>::infinity();
             options.box = votess::Box{.lower = {-inf, -inf, -inf}, .upper = {inf, inf, inf}};
         } else {
-            const auto n = read_numbers<6>("--box", *text);
+            const auto n = read_vectors<6>("--box", *text, arguments);
             options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};
         }
     }
-    if (const std::string* axes = typed.value("--periodic"))
+    if (const std::string* axes = typed.value("--periodic")) {
         arguments.periodic = read_periodic(axes->empty() ? "xyz" : *axes);
+        if (!axes->empty() && (*arguments.periodic)[2]) need_space("--periodic " + *axes, arguments);
+    }
     if (const std::string* text = typed.value("--cell")) {
         if (!typed.has("--box")) options.box.reset();
-        const auto n = read_numbers<9>("--cell", *text);
+        const auto n = read_vectors<9>("--cell", *text, arguments);
         votess::TriclinicBox& cell = options.cell.emplace();
         cell.a = {n[0], n[1], n[2]};
         cell.b = {n[3], n[4], n[5]};
         cell.c = {n[6], n[7], n[8]};
-        if (const std::string* origin = typed.value("--origin")) cell.origin = read_numbers<3>("--origin", *origin);
+        if (const std::string* origin = typed.value("--origin"))
+            cell.origin = read_vectors<3>("--origin", *origin, arguments);
     }
-    read_walls(typed, options.walls);
+    read_walls(typed, arguments);
+    options.planar = !arguments.flat.empty();
+    set_ends_of_z(options);
     if (!options.walls.empty() && typed.has("--random") && !typed.has("--box")) options.box.reset();
+}
+
+// Reads which dimensions the options allow. read_domain() and read_outputs() go on.
+void read_dimensions(const Typed& typed, Arguments& arguments) {
+    arguments.read.dimensions = typed.has("--random") ? Dimensions::three : Dimensions::either;
+    const std::string* columns = typed.value("--columns");
+    if (columns && std::ranges::count(*columns, ',') == 1) arguments.flat = "--columns " + *columns;
+    if (typed.has("--2d")) arguments.flat = "--2d";
+    if (!arguments.flat.empty()) arguments.read.dimensions = Dimensions::two;
+    if (columns && std::ranges::count(*columns, ',') == 2) need_space("--columns " + *columns, arguments);
+    for (const Option* option : arguments.given)
+        if (option->traits.solid) need_space(long_name(*option), arguments);
 }
 
 void read_source(const Typed& typed, Arguments& arguments) {
@@ -166,14 +231,17 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (random) throw bad_input("--columns goes with INPUT, not with --random");
         if (typed.has("--dataset")) throw bad_input("give either --dataset or --columns, not both");
         for (const std::string_view column : split(*columns, ',')) arguments.read.coordinates.emplace_back(column);
-        if (arguments.read.coordinates.size() != 3 || std::ranges::count(arguments.read.coordinates, std::string()) > 0)
-            throw bad_input("--columns must be three names or numbers of columns X,Y,Z, not " + in_quotes(*columns));
+        const std::vector<std::string>& names = arguments.read.coordinates;
+        if (names.size() < 2 || names.size() > 3 || std::ranges::count(names, std::string()) > 0)
+            throw bad_input("--columns must be names or numbers of columns, X,Y,Z or X,Y in two dimensions, not " +
+                            in_quotes(*columns));
     }
     if (const std::string* frames = typed.value("--frames")) arguments.frames = read_frame_range(*frames);
     if (const std::string* frame = typed.value("--frame")) arguments.read.frame = whole_number("--frame", *frame, max);
     if (random) {
         arguments.random_count = read_random_count(*random);
-        arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, 1}};
+        const double height = arguments.read.dimensions == Dimensions::two ? 0 : 1;
+        arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
     }
     if (const std::string* seed = typed.value("--rng-seed"))
         arguments.rng_seed = whole_number("--rng-seed", *seed, max);
@@ -185,7 +253,11 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     if (const std::string* format = typed.value("--format")) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
         arguments.format = TextFormat(*format);
+        if (const char code = arguments.format.solid_code())
+            need_space(std::string("--format with %") + code, arguments);
     }
+    for (const std::string& path : arguments.outputs)
+        if (is_mesh_output(path)) need_space("output " + in_quotes(path), arguments);
     if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") && !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
@@ -323,6 +395,7 @@ Arguments read_arguments(int count, const char* const* values) {
     votess::Options& options = arguments.options;
     typed.read_members(options);
     arguments.read.threads = options.threads;
+    read_dimensions(typed, arguments);
     read_source(typed, arguments);
     read_domain(typed, arguments);
     if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)

@@ -21,6 +21,7 @@ namespace clvotess {
 
 struct Arguments {
     std::string input;  // file or "-"; empty with --random
+    std::string flat;   // the option that says that there are two dimensions, for messages; empty without one
     ReadRequest read;
     std::optional<FrameRange> frames;  // by --frames
     bool points_alone = false;         // --points

@@ -46,7 +46,7 @@ std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) 
     }
     if (arguments.has_volumes) carried.push_back({"weights", 1, {}});
     if (arguments.has_density) carried.push_back({"density", 1, {}});
-    return carried_columns(arguments.outputs, std::move(carried));
+    return carried_columns(arguments.outputs, std::move(carried), input.planar());
 }
 
 std::vector<double> masses_of(const Arguments& arguments, const Input& input) {

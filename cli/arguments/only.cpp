@@ -75,7 +75,8 @@ Input points_of(const Input& input, const std::vector<std::int64_t>& only) {
     some.note = input.note;
     some.frame = input.frame;
     some.timestep = input.timestep;
-    some.points = rows_of({"points", 3, input.points}, only).values;
+    some.dimensions = input.dimensions;
+    some.points = rows_of({"points", input.dimensions, input.points}, only).values;
     for (const std::int64_t i : only) {
         some.ids.push_back(input.ids.empty() ? i : input.ids[static_cast<std::size_t>(i)]);
         if (!input.species.empty()) some.species.push_back(input.species[static_cast<std::size_t>(i)]);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstring>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -97,12 +98,11 @@ public:
         used_ += static_cast<std::size_t>(end - begin);
     }
 
-    void put_three(double x, double y, double z, char between = ' ') {
-        put_number(x);
-        put(between);
-        put_number(y);
-        put(between);
-        put_number(z);
+    void put_vector(std::span<const double> vector, char between = ' ') {
+        for (std::size_t k = 0; k < vector.size(); ++k) {
+            if (k > 0) put(between);
+            put_number(vector[k]);
+        }
     }
 
     // Writes the bytes of a value.

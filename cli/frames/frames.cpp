@@ -45,7 +45,7 @@ struct FrameCells {
 class RangeReader {
 public:
     RangeReader(const Arguments& arguments)
-        : range_(*arguments.frames), frames_(open_frames(arguments.input, arguments.read)) {}
+        : range_(*arguments.frames), read_(arguments.read), frames_(open_frames(arguments.input, arguments.read)) {}
 
     // Returns the next frame of the range; nothing after the last. Throws Failure if the range has no frame.
     std::optional<Input> next() {
@@ -67,15 +67,21 @@ public:
 
 private:
     bool read(Input& frame) {
-        if (range_.last) return !any_ && frames_->last(frame);
+        if (range_.last) return !any_ && fitted(frames_->last(frame), frame);
         while (range_.ends_after(frames_->passed())) {
-            if (range_.holds(frames_->passed())) return frames_->next(frame);
+            if (range_.holds(frames_->passed())) return fitted(frames_->next(frame), frame);
             if (!frames_->skip()) break;
         }
         return false;
     }
 
+    bool fitted(bool found, Input& frame) const {
+        if (found) fit_dimensions(frames_->name(), read_, frame);
+        return found;
+    }
+
     const FrameRange& range_;
+    const ReadRequest& read_;
     std::unique_ptr<InputFrames> frames_;
     bool any_ = false;
 };
@@ -131,26 +137,32 @@ std::string description_of(const Input& frame, std::size_t species) {
         units += number ? to_text(*number) : json_string(std::get<std::string>(value));
     }
     const FileDomain& domain = frame.domain;
+    const std::size_t size = frame.dimensions;
+    const auto list = [size](const std::array<double, 3>& vector) {
+        return json_array(std::span<const double>(vector).first(size));
+    };
     std::string shape;
     if (domain.cell) {
         const votess::TriclinicBox& cell = *domain.cell;
-        shape = R"("cell": [)" + json_array(cell.a) + ", " + json_array(cell.b) + ", " + json_array(cell.c) +
-                R"(], "origin": )" + json_array(cell.origin) + ", ";
+        shape = R"("cell": [)" + list(cell.a) + ", " + list(cell.b) + (size == 3 ? ", " + list(cell.c) : "") +
+                R"(], "origin": )" + list(cell.origin) + ", ";
     } else if (domain.box) {
-        shape = R"("box": [)" + json_array(domain.box->lower) + ", " + json_array(domain.box->upper) + "], ";
+        shape = R"("box": [)" + list(domain.box->lower) + ", " + list(domain.box->upper) + "], ";
     }
     std::string axes, walls;
-    for (const bool axis : domain.cell ? domain.cell->periodic : domain.periodic)
-        axes.append(axes.empty() ? "" : ", ").append(axis ? "true" : "false");
+    const std::array<bool, 3>& periodic = domain.cell ? domain.cell->periodic : domain.periodic;
+    for (std::size_t k = 0; k < size; ++k) axes.append(axes.empty() ? "" : ", ").append(periodic[k] ? "true" : "false");
     for (const votess::Wall& wall : domain.walls) {
-        const std::array<double, 4> row{wall.normal[0], wall.normal[1], wall.normal[2], wall.offset};
+        std::vector<double> row(wall.normal.begin(), wall.normal.begin() + static_cast<std::ptrdiff_t>(size));
+        row.push_back(wall.offset);
         walls.append(walls.empty() ? "" : ", ").append(json_array(row));
     }
     return R"({"frame": )" + std::to_string(frame.frame.value_or(0)) + R"(, "timestep": )" +
-           json_string(frame.timestep) + R"(, "points": )" + std::to_string(frame.size()) + R"(, "ids": )" +
-           (frame.ids.empty() ? "false" : "true") + R"(, "species": )" + std::to_string(species) + R"(, "columns": [)" +
-           columns + R"(], "units": {)" + units + "}, " + shape + R"("walls": [)" + walls + R"(], "periodic": [)" +
-           axes + R"(], "periodic_from": ")" + word_of(domain.periodic_from) + "\"}";
+           json_string(frame.timestep) + R"(, "points": )" + std::to_string(frame.size()) + R"(, "dimensions": )" +
+           std::to_string(size) + R"(, "ids": )" + (frame.ids.empty() ? "false" : "true") + R"(, "species": )" +
+           std::to_string(species) + R"(, "columns": [)" + columns + R"(], "units": {)" + units + "}, " + shape +
+           R"("walls": [)" + walls + R"(], "periodic": [)" + axes + R"(], "periodic_from": ")" +
+           word_of(domain.periodic_from) + "\"}";
 }
 
 class FrameRun {
@@ -242,6 +254,8 @@ private:
             frame.radii = options.radii;
             frame.carried = take_carried(arguments_, frame.input);
             check_columns(frame.carried);
+            choose_dimensions(frame.input, options);
+            summary_.set_dimensions(options.planar, arguments_.read.dimensions);
             frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
         } catch (const Failure& failure) {

@@ -12,7 +12,7 @@
 namespace clvotess {
 namespace {
 
-constexpr std::string_view title = "clvotess: exact 3D Voronoi tessellation\n\n";
+constexpr std::string_view title = "clvotess: exact Voronoi tessellation in three dimensions, or two (--2d)\n\n";
 constexpr std::string_view usage =
     "usage: clvotess INPUT [options]                      tessellate the points of INPUT\n"
     "       clvotess --random N [--rng-seed S] [options]  N uniform points in the unit box instead\n\n"

@@ -171,7 +171,7 @@ InputShare read_share(const Ranks& ranks, const Arguments& arguments) {
         ranks.together([&] {
             ReadRequest request = arguments.read;
             request.share = own;
-            share.input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, own)
+            share.input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, request)
                                                  : read_input(arguments.input, request);
         });
         share.rows = ranks.sum(std::uint64_t{share.input.size()});

@@ -33,7 +33,7 @@ std::string StageTimes::json() const {
 QueryInput read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
                          StageTimes& times) {
     QueryInput input;
-    input.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed)
+    input.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
     if (!queries.empty()) input.queries = read_input(queries, of_queries);
     votess::Options options = arguments.options;

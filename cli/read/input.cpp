@@ -9,6 +9,7 @@
 #include "files/formats/hdf5_module.hpp"
 #include "files/input_file.hpp"
 #include "files/line_reader.hpp"
+#include "files/numbers.hpp"
 #include "files/text_source.hpp"
 #include "read/frames.hpp"
 
@@ -73,6 +74,47 @@ bool is_hdf5(const std::string& path, const ReadRequest& request) {
     return extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
 }
 
+Input read_file(const std::string& path, const ReadRequest& request) {
+    const bool packed = !request.text && path != "-" && extension_of(path) == ".gz";
+    const std::string extension = request.text ? ".txt" : kind_of(packed ? path.substr(0, path.size() - 3) : path);
+    const bool hdf5 = is_hdf5(path, request);
+    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
+    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
+    constexpr std::array<std::string_view, 5> binary{".h5", ".hdf5", ".npy", ".npz", ".ply"};
+    if (packed && std::ranges::find(binary, extension) != binary.end()) {
+        throw bad_input("cannot read " + in_quotes(path) + ": only text can be packed: unpack it with gunzip");
+    }
+    if (extension == ".npy") {
+        refuse_columns(path, request);
+        return read_npy(path, request);
+    }
+    const bool text = std::ranges::find(binary, extension) == binary.end();
+    using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
+    const auto parse = [&](Parser parser) {
+        if (!text) return parser(read_whole(path), path, request);
+        TextSource source(path, packed);
+        return parser(rest_of(source), source.name(), request);
+    };
+    if (extension == ".txt" || extension == ".dat" || extension.empty()) {
+        return parse(
+            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::plain, name, request); });
+    }
+    if (extension == ".xyz") return read_xyz(std::make_unique<TextSource>(path, packed), request);
+    if (extension == ".vasp") return parse(parse_poscar);
+    if (extension == ".csv") {
+        return parse(
+            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });
+    }
+    if (extension == ".npz") return parse(parse_npz);
+    if (extension == ".dump" || extension == ".lammpstrj")
+        return read_frame(*open_dump_frames(std::make_unique<TextSource>(path, packed), request),
+                          request.frame.value_or(0));
+    if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
+    if (extension == ".ply") return parse(parse_ply);
+    const std::string remedy = conversion(extension);
+    throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
+}
+
 }  // namespace
 
 bool reads_shares(const std::string& path, const ReadRequest& request) {
@@ -103,64 +145,79 @@ std::string extension_of(const std::string& path) {
     return lower_case(text_of(path_of(path).extension()));
 }
 
+std::span<const std::size_t> columns_of(Dimensions dimensions) {
+    static constexpr std::array<std::size_t, 3> columns{3, 2, 3};
+    const std::span<const std::size_t> all(columns);
+    return dimensions == Dimensions::three    ? all.first(1)
+           : dimensions == Dimensions::either ? all.first(2)
+                                              : all.last(2);
+}
+
+std::string shapes_of(Dimensions dimensions) {
+    std::string text;
+    for (const std::size_t columns : columns_of(dimensions))
+        text += (text.empty() ? "(N, " : " or (N, ") + std::to_string(columns) + ")";
+    return text;
+}
+
 FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
                          const std::vector<double>& cell, const std::vector<double>& origin,
                          const std::vector<double>& walls) {
-    const auto three = [](const std::vector<double>& from, std::size_t at) {
-        return std::array<double, 3>{from[at], from[at + 1], from[at + 2]};
+    const std::size_t size = box.size() / 2;  // of vectors
+    const auto vector = [size](const std::vector<double>& from, std::size_t at) {
+        return std::array<double, 3>{from[at], from[at + 1], size == 3 ? from[at + 2] : 0};
     };
     FileDomain domain;
     domain.periodic_from = DomainSource::stated;
-    if (cell.size() == 9 && origin.size() == 3) {
-        domain.cell = votess::TriclinicBox{three(origin, 0), three(cell, 0), three(cell, 3), three(cell, 6), periodic};
+    if (box.size() != 4 && box.size() != 6) return domain;
+    if (cell.size() == size * size && origin.size() == size) {
+        domain.cell = votess::TriclinicBox{vector(origin, 0), vector(cell, 0), vector(cell, size),
+                                           size == 3 ? vector(cell, 6) : std::array<double, 3>{}, periodic};
         return domain;
     }
-    if (box.size() != 6) return domain;
-    domain.box = votess::Box{three(box, 0), three(box, 3)};
+    domain.box = votess::Box{vector(box, 0), vector(box, size)};
     domain.periodic = periodic;
-    for (std::size_t w = 0; w + 4 <= walls.size(); w += 4) domain.walls.push_back({three(walls, w), walls[w + 3]});
+    for (std::size_t w = 0; w + size < walls.size(); w += size + 1)
+        domain.walls.push_back({vector(walls, w), walls[w + size]});
     return domain;
 }
 
+void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input) {
+    if (request.dimensions != Dimensions::two && !input.planar()) return;
+    if (!input.planar()) {
+        const std::size_t count = input.size();
+        for (std::size_t i = 0; i < count; ++i) {
+            const double z = input.points[3 * i + 2];
+            if (z != input.points[2])
+                throw bad_input(path + ": point " + std::to_string(i) + " has z = " + to_text(z) + ", point 0 has " +
+                                to_text(input.points[2]) +
+                                ": in two dimensions all have one z; leave --2d out, or name two --columns");
+        }
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t k = 0; k < 2; ++k) input.points[2 * i + k] = input.points[3 * i + k];
+        input.points.resize(2 * count);
+        input.dimensions = 2;
+    }
+    FileDomain& domain = input.domain;
+    domain.periodic[2] = false;
+    if (domain.box) domain.box->lower[2] = domain.box->upper[2] = 0;
+    if (domain.cell) {
+        votess::TriclinicBox& cell = *domain.cell;
+        if (cell.a[2] != 0 || cell.b[2] != 0 || cell.c[0] != 0 || cell.c[1] != 0)
+            throw bad_input(path + ": in two dimensions a and b of the cell have no z, and c has nothing else: give " +
+                            "--cell ax,ay,bx,by");
+        cell.origin[2] = cell.c[2] = 0;
+        cell.periodic[2] = false;
+    }
+    for (const votess::Wall& wall : domain.walls)
+        if (wall.normal[2] != 0)
+            throw bad_input(path + ": a wall leans against the plane of two dimensions: give --box and --wall");
+}
+
 Input read_input(const std::string& path, const ReadRequest& request) {
-    const bool packed = !request.text && path != "-" && extension_of(path) == ".gz";
-    const std::string extension = request.text ? ".txt" : kind_of(packed ? path.substr(0, path.size() - 3) : path);
-    const bool hdf5 = is_hdf5(path, request);
-    refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
-    if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
-    constexpr std::array<std::string_view, 5> binary{".h5", ".hdf5", ".npy", ".npz", ".ply"};
-    if (packed && std::ranges::find(binary, extension) != binary.end()) {
-        throw bad_input("cannot read " + in_quotes(path) + ": only text can be packed: unpack it with gunzip");
-    }
-    if (extension == ".npy") {
-        refuse_columns(path, request);
-        return read_npy(path, request.share);
-    }
-    const bool text = std::ranges::find(binary, extension) == binary.end();
-    using Parser = Input (*)(std::string_view, const std::string&, const ReadRequest&);
-    const auto parse = [&](Parser parser) {
-        if (!text) return parser(read_whole(path), path, request);
-        TextSource source(path, packed);
-        return parser(rest_of(source), source.name(), request);
-    };
-    if (extension == ".txt" || extension == ".dat" || extension.empty()) {
-        return parse(
-            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::plain, name, request); });
-    }
-    if (extension == ".xyz") return read_xyz(std::make_unique<TextSource>(path, packed), request);
-    if (extension == ".vasp") return parse(parse_poscar);
-    if (extension == ".csv") {
-        return parse(
-            [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });
-    }
-    if (extension == ".npz") return parse(parse_npz);
-    if (extension == ".dump" || extension == ".lammpstrj")
-        return read_frame(*open_dump_frames(std::make_unique<TextSource>(path, packed), request),
-                          request.frame.value_or(0));
-    if (extension == ".data" || extension == ".lmp") return parse(parse_lammps_data);
-    if (extension == ".ply") return parse(parse_ply);
-    const std::string remedy = conversion(extension);
-    throw bad_input("cannot read " + in_quotes(path) + ": " + (remedy.empty() ? known : remedy));
+    Input input = read_file(path, request);
+    fit_dimensions(path, request, input);
+    return input;
 }
 
 std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequest& request) {
@@ -201,6 +258,7 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
 }
 
 void Input::append(const Input& rows) {
+    if (!rows.points.empty()) dimensions = rows.dimensions;
     points.insert(points.end(), rows.points.begin(), rows.points.end());
     ids.insert(ids.end(), rows.ids.begin(), rows.ids.end());
     species.insert(species.end(), rows.species.begin(), rows.species.end());

@@ -51,7 +51,8 @@ struct InputColumn {
 };
 
 struct Input {
-    std::vector<double> points;        // 3N: x0 y0 z0 x1 ...
+    std::vector<double> points;        // 3N: x0 y0 z0 x1 ..., or 2N in the plane
+    std::size_t dimensions = 3;        // 2 in the plane: z is 0 in the domain
     std::vector<std::int64_t> ids;     // N, or empty without a column of ids
     std::vector<InputColumn> columns;  // those of ReadRequest::columns, then all others with all_columns
     std::vector<std::string> species;  // N with ReadRequest::species, if the file names them; else empty
@@ -61,7 +62,8 @@ struct Input {
     std::optional<std::uint64_t> frame;  // number from 0, of a file of frames
     std::string timestep;                // a number that the file states; may be empty
 
-    [[nodiscard]] std::size_t size() const noexcept { return points.size() / 3; }
+    [[nodiscard]] std::size_t size() const noexcept { return points.size() / dimensions; }
+    [[nodiscard]] bool planar() const noexcept { return dimensions == 2; }
     // Appends points with the same columns.
     void append(const Input& rows);
 };
@@ -69,7 +71,8 @@ struct Input {
 // Returns the numbers of a column with one number for each point. Throws Failure when it has more.
 [[nodiscard]] std::span<const double> one_each(const InputColumn& column);
 
-// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each.
+// Returns the domain in the arrays of .npz and .h5: box 6, periodic 3, cell 9 and origin 3 or empty, walls 4 each. In
+// the plane box 4, cell 4, origin 2, walls 3 each.
 [[nodiscard]] FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 3>& periodic,
                                        const std::vector<double>& cell, const std::vector<double>& origin,
                                        const std::vector<double>& walls);
@@ -84,11 +87,20 @@ struct Share {
     [[nodiscard]] std::uint64_t end(std::uint64_t rows) const noexcept { return Share{part + 1, parts}.begin(rows); }
 };
 
+// The numbers of coordinates that points may have.
+enum class Dimensions : std::uint8_t { three, either, two };
+
+// Returns the numbers of columns that arrays of points may have, the preferred one first.
+[[nodiscard]] std::span<const std::size_t> columns_of(Dimensions dimensions);
+// Returns their shapes for messages: "(N, 3) or (N, 2)".
+[[nodiscard]] std::string shapes_of(Dimensions dimensions);
+
 // What to read from a file.
 struct ReadRequest {
-    bool text = false;    // rows of text, whatever the extension is
+    bool text = false;  // rows of text, whatever the extension is
+    Dimensions dimensions = Dimensions::three;
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
-    std::vector<std::string> coordinates;  // columns of x, y and z; empty: by the rules of the format
+    std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format
     std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
     bool columns_may_lack = false;         // skip those of `columns` that the file lacks
     bool all_columns = false;              // read the others too
@@ -104,6 +116,10 @@ struct ReadRequest {
 
 // Returns the points of a file with a known extension, or of text on stdin for "-". Throws Failure.
 [[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
+
+// Drops z from points of one plane and from the domain, if the request is for two dimensions or the points have two
+// coordinates. Throws Failure for points of several planes, and unless the domain is a prism along z.
+void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input);
 
 enum class TextKind {
     plain,  // .txt and stdin
@@ -121,10 +137,10 @@ enum class TextKind {
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
-[[nodiscard]] Input read_npy(const std::string& path, const Share& share = {});
+[[nodiscard]] Input read_npy(const std::string& path, const ReadRequest& request = {});
 
-// Returns random seeds in the unit box. They depend on `rng_seed` alone, not on the machine.
-[[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share = {});
+// Returns random seeds in the unit box, or unit square. They depend on `rng_seed` alone, not on the machine.
+[[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request = {});
 
 // The seeds of a file in pieces, for files larger than memory.
 class InputPieces {

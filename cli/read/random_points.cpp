@@ -51,11 +51,12 @@ private:
 
 }  // namespace
 
-Input random_points(std::uint64_t count, std::uint64_t rng_seed, const Share& share) {
+Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request) {
     Input input;
-    const std::uint64_t begin = share.begin(count);
-    input.points.resize(3 * (share.end(count) - begin));
-    SplitMix64 generator(rng_seed, 3 * begin);
+    input.dimensions = request.dimensions == Dimensions::two ? 2 : 3;
+    const std::uint64_t begin = request.share.begin(count);
+    input.points.resize(input.dimensions * (request.share.end(count) - begin));
+    SplitMix64 generator(rng_seed, input.dimensions * begin);
     for (double& coordinate : input.points) coordinate = generator.uniform();
     return input;
 }

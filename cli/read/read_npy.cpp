@@ -13,7 +13,7 @@ namespace {
 class NpyFile {
 public:
     // Refuses a FIFO before opening it, which would wait for a writer.
-    explicit NpyFile(const std::string& path) {
+    NpyFile(const std::string& path, Dimensions dimensions) {
         std::error_code problem;
         const auto status = std::filesystem::status(votess::system::path_of(path), problem);
         if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
@@ -25,7 +25,7 @@ public:
         };
         const auto skip = [this](std::uint64_t count) { file_->skip(count); };
         array_.emplace(ByteSource{file_->size(), read, skip}, path);
-        array_->check_points();
+        array_->check_points(columns_of(dimensions));
     }
     [[nodiscard]] NpyArray& array() { return *array_; }
 
@@ -36,10 +36,11 @@ private:
 
 class NpyPieces : public InputPieces {
 public:
-    NpyPieces(const std::string& path, std::size_t rows) : path_(path), rows_(rows), file_(std::in_place, path) {}
+    NpyPieces(const std::string& path, std::size_t rows)
+        : path_(path), rows_(rows), file_(std::in_place, path, Dimensions::three) {}
 
     bool restart() override {
-        file_.emplace(path_);
+        file_.emplace(path_, Dimensions::three);
         return true;
     }
     bool next(Input& piece) override {
@@ -55,9 +56,11 @@ private:
 
 }  // namespace
 
-Input read_npy(const std::string& path, const Share& share) {
+Input read_npy(const std::string& path, const ReadRequest& request) {
+    const Share& share = request.share;
     Input input;
-    NpyFile file(path);
+    NpyFile file(path, request.dimensions);
+    input.dimensions = file.array().shape()[1];
     const std::uint64_t rows = file.array().shape()[0];
     if (share.parts == 1)
         file.array().read_floats(input.points);

@@ -21,8 +21,9 @@ public:
         const ZipMember* points = find_points();
         if (points) {
             NpyArray array = open(*points);
-            array.check_points();
+            array.check_points(columns_of(request_.dimensions));
             array.read_floats(input.points);
+            input.dimensions = array.shape()[1];
         } else {
             read_axes(input);
         }
@@ -35,7 +36,7 @@ public:
         }
         for (const std::string& name : request_.columns) read_column(name, input);
         if (request_.all_columns) read_others(points, input);
-        read_domain(input.domain);
+        read_domain(input);
         return input;
     }
 
@@ -67,8 +68,8 @@ private:
         return bad_input(name_ + ": no array " + in_quotes(name) + "; there are " + list(all));
     }
 
-    // Returns the member named by --dataset, or `points`, or the only (N, 3) array; null when there are x, y, z
-    // instead.
+    // Returns the member named by --dataset, or `points`, or the only array that fits; null when there are x, y and
+    // perhaps z instead.
     [[nodiscard]] const ZipMember* find_points() const {
         if (!request_.dataset.empty()) {
             if (const ZipMember* const member = find(request_.dataset)) return member;
@@ -80,16 +81,22 @@ private:
             return nullptr;
         }
         if (const ZipMember* const member = find("points")) return member;
-        if (find("x") && find("y") && find("z")) return nullptr;
+        const bool flat = request_.dimensions != Dimensions::three;
+        if (find("x") && find("y") && (find("z") || flat)) return nullptr;
         std::vector<const ZipMember*> candidates;
-        for (const ZipMember& member : members_) {
-            if (!member.name.ends_with(".npy") || plain_name(member) == "box" || plain_name(member) == "cell") continue;
-            const NpyArray array = open(member);
-            if (array.is_points() && array.is_float()) candidates.push_back(&member);
+        for (const std::size_t columns : columns_of(request_.dimensions)) {
+            for (const ZipMember& member : members_) {
+                const std::string name = plain_name(member);
+                if (!member.name.ends_with(".npy") || name == "box" || name == "cell") continue;
+                const NpyArray array = open(member);
+                if (array.has_columns(columns) && array.is_float()) candidates.push_back(&member);
+            }
+            if (!candidates.empty()) break;
         }
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
-            throw bad_input(name_ + ": no array of floats with shape (N, 3), nor arrays x, y and z");
+            throw bad_input(name_ + ": no array of floats with shape " + shapes_of(request_.dimensions) +
+                            (flat ? ", nor arrays x and y" : ", nor arrays x, y and z"));
         }
         throw bad_input(name_ + ": several arrays could be the points, name one with --dataset: " + list(candidates));
     }
@@ -108,34 +115,38 @@ private:
     }
 
     // Reads the domain in the arrays that clvotess writes.
-    void read_domain(FileDomain& domain) const {
-        const std::vector<double> box = numbers("box", 2, 3);
+    void read_domain(Input& input) const {
+        const std::size_t size = input.dimensions;
+        const std::vector<double> box = numbers("box", 2, size);
         const ZipMember* const axes = find("periodic");
         if (box.empty() || !axes) return;
         NpyArray array = open(*axes);
-        if (!array.is_column() || array.shape()[0] != 3 || !array.is_whole()) return;
+        if (!array.is_column() || array.shape()[0] != size || !array.is_whole()) return;
         const std::vector<std::int64_t> flags = array.read_whole();
         std::array<bool, 3> periodic{};
-        for (std::size_t k = 0; k < 3; ++k) periodic[k] = flags[k] != 0;
-        domain = stated_domain(box, periodic, numbers("cell", 3, 3), numbers("origin", 3, 1), numbers("walls", 0, 4));
+        for (std::size_t k = 0; k < size; ++k) periodic[k] = flags[k] != 0;
+        input.domain = stated_domain(box, periodic, numbers("cell", size, size), numbers("origin", size, 1),
+                                     numbers("walls", 0, size + 1));
     }
 
-    // Returns the names of the arrays of x, y and z.
+    // Returns the names of the arrays of x, y and perhaps z.
     [[nodiscard]] std::vector<std::string> axis_names() const {
-        return request_.coordinates.empty() ? std::vector<std::string>{"x", "y", "z"} : request_.coordinates;
+        if (!request_.coordinates.empty()) return request_.coordinates;
+        return find("z") ? std::vector<std::string>{"x", "y", "z"} : std::vector<std::string>{"x", "y"};
     }
 
     void read_axes(Input& input) const {
         const std::vector<std::string> axes = axis_names();
         std::size_t count = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
+        input.dimensions = axes.size();
+        for (std::size_t k = 0; k < axes.size(); ++k) {
             NpyArray array = open(*find(axes[k]));
             if (!array.is_column() || !array.is_float()) {
                 throw bad_input(name_ + ": " + axes[k] + " is not an array of floats with shape (N,)");
             }
             if (k == 0) count = array.shape()[0];
             check_length(axes[k], array, count, axes[0]);
-            array.read_floats(input.points, k, 3);
+            array.read_floats(input.points, k, axes.size());
         }
     }
 

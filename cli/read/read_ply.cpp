@@ -194,13 +194,18 @@ private:
             return index;
         };
         std::vector<std::string> axes = request_.coordinates;
-        if (axes.empty()) axes = {"x", "y", "z"};
-        const auto x = at(axes[0]), y = at(axes[1]), z = at(axes[2]);
+        if (axes.empty()) axes = {"x", "y"};
+        if (request_.coordinates.empty() && (at("z") || request_.dimensions != Dimensions::two)) axes.emplace_back("z");
+        std::vector<std::size_t> places;
+        for (const std::string& axis : axes)
+            if (const auto place = at(axis)) places.push_back(*place);
         auto id = at("id");
         if (id && is_float(element.properties[*id].type)) id.reset();
-        if (!x || !y || !z)
-            throw bad_input(lines_.name() + ": the element vertex has no properties " + axes[0] + ", " + axes[1] +
-                            ", " + axes[2]);
+        if (places.size() != axes.size()) {
+            std::string list;
+            for (const std::string& axis : axes) list += (list.empty() ? "" : ", ") + axis;
+            throw bad_input(lines_.name() + ": the element vertex has no properties " + list);
+        }
         ReadRequest of_numbers = request_;
         of_numbers.species = false;
         ColumnPlaces wanted(of_numbers, names, lines_.name());
@@ -210,7 +215,7 @@ private:
             }
         }
         if (request_.all_columns) {
-            std::vector<std::size_t> taken{*x, *y, *z};
+            std::vector<std::size_t> taken = places;
             if (id) taken.push_back(*id);
             Words all(names.size(), "0");  // every property is a number or a list
             for (std::size_t k = 0; k < names.size(); ++k)
@@ -220,11 +225,12 @@ private:
         check_count(element);
         const auto count = static_cast<std::size_t>(element.count);
         Input input;
-        input.points.reserve(3 * count);
+        input.dimensions = places.size();
+        input.points.reserve(input.dimensions * count);
         if (id) input.ids.reserve(count);
         input.columns = wanted.columns(count);
         if (ascii_) {
-            read_text_rows(element, {*x, *y, *z}, id, wanted, input);
+            read_text_rows(element, places, id, wanted, input);
         } else {
             std::vector<const char*> fields;
             const auto value = [&](std::size_t k) {
@@ -232,7 +238,7 @@ private:
             };
             for (std::size_t i = 0; i < count; ++i) {
                 pass_row(element, i, fields);
-                for (const std::size_t k : {*x, *y, *z}) input.points.push_back(value(k));
+                for (const std::size_t k : places) input.points.push_back(value(k));
                 if (id) input.ids.push_back(*load_whole(element.properties[*id].type, fields[*id], swapped_));
                 wanted.append(input, no_word, [&](std::size_t k, const std::string&) { return value(k); });
             }
@@ -240,7 +246,7 @@ private:
         return input;
     }
 
-    void read_text_rows(const Element& element, const std::array<std::size_t, 3>& axes, std::optional<std::size_t> id,
+    void read_text_rows(const Element& element, const std::vector<std::size_t>& axes, std::optional<std::size_t> id,
                         const ColumnPlaces& wanted, Input& input) {
         const auto is_list = [](const Property& property) { return property.count_type.has_value(); };
         if (std::any_of(element.properties.begin(), element.properties.end(), is_list)) {

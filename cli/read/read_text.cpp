@@ -1,4 +1,5 @@
-// Text rows `x y z` or `id x y z`, with further columns that the run requests; and rows under a line of names.
+// Text rows `x y z` or `id x y z`, in the plane `x y` or `id x y`, with further columns that the run requests; and rows
+// under a line of names.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -30,7 +31,7 @@ struct Row {
 
 // The columns of coordinates and id.
 struct Layout {
-    std::array<std::size_t, 3> axes{};
+    std::vector<std::size_t> axes;
     std::optional<std::size_t> id;
 };
 
@@ -175,16 +176,30 @@ private:
         return static_cast<std::size_t>(at - names_.begin());
     }
 
-    // Throws Failure unless the line names x, y and z, and each used name once.
+    // Returns the names of the coordinates. Only names of x and y, the id and requested columns mean two dimensions.
+    [[nodiscard]] std::vector<std::string> axis_names() const {
+        if (!request_.coordinates.empty()) return request_.coordinates;
+        bool flat = request_.dimensions != Dimensions::three && !named("z");
+        if (request_.dimensions == Dimensions::either)
+            for (std::size_t k = 0; k < names_.size(); ++k)
+                flat &= names_[k] == "x" || names_[k] == "y" || names_[k] == "id" || is_requested(names_[k]) ||
+                        is_requested(std::to_string(k + 1));
+        return flat ? std::vector<std::string>{"x", "y"} : std::vector<std::string>{"x", "y", "z"};
+    }
+    [[nodiscard]] bool is_requested(const std::string& name) const {
+        return std::ranges::count(request_.columns, name) > 0;
+    }
+
+    // Throws Failure unless the line names the coordinates, and each used name once.
     void check_names() const {
-        std::vector<std::string> used = request_.coordinates;
-        if (used.empty()) used = {"x", "y", "z"};
+        std::vector<std::string> used = axis_names();
         for (const std::string& axis : used) {
             if (named(axis) || (!request_.coordinates.empty() && read_uint64(axis))) continue;
             std::string list;
             for (const std::string& name : names_) list += (list.empty() ? "" : ", ") + in_quotes(name);
             throw lines_.error("the line of names lacks " + in_quotes(axis) +
-                               ": name the columns of the coordinates by --columns; there are " + list);
+                               ": name the columns of the coordinates by --columns" +
+                               (axis == "z" ? ", or add --2d for x and y alone" : "") + "; there are " + list);
         }
         used.emplace_back("id");
         used.insert(used.end(), request_.columns.begin(), request_.columns.end());
@@ -197,15 +212,14 @@ private:
     }
 
     // Returns the columns of --columns, by names or numbers.
-    [[nodiscard]] std::array<std::size_t, 3> axes_of(std::size_t columns) const {
-        std::array<std::size_t, 3> axes{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::string& name = request_.coordinates[k];
+    [[nodiscard]] std::vector<std::size_t> axes_of(std::size_t columns) const {
+        std::vector<std::size_t> axes;
+        for (const std::string& name : request_.coordinates) {
             const auto number = read_uint64(name);
             if (const auto at = named(name)) {
-                axes[k] = *at;
+                axes.push_back(*at);
             } else if (number && *number >= 1 && *number <= columns) {
-                axes[k] = *number - 1;
+                axes.push_back(*number - 1);
             } else {
                 throw lines_.error("no column " + in_quotes(name) + " of --columns: this row has " +
                                    columns_text(columns) +
@@ -215,7 +229,8 @@ private:
         return axes;
     }
 
-    // Returns the layout by the line of names. Without one, the columns except `wanted` are x y z or id x y z.
+    // Returns the layout by the line of names. Without one, the columns except `wanted` are x y z or id x y z, in the
+    // plane x y or id x y.
     [[nodiscard]] Layout layout_of(std::size_t columns, const ColumnPlaces& wanted) const {
         if (columns > kept_fields) {
             throw lines_.error("this row has " + std::to_string(columns) + " columns, more than the " +
@@ -232,7 +247,7 @@ private:
             return layout;
         }
         if (!names_.empty()) {
-            layout.axes = {*named("x"), *named("y"), *named("z")};
+            for (const std::string& axis : axis_names()) layout.axes.push_back(*named(axis));
             layout.id = named("id");
             return layout;
         }
@@ -242,17 +257,21 @@ private:
         }
         if (request_.all_columns && !request_.columns_may_lack)
             throw lines_.error("--copy all needs a header line, as in .csv");
-        if (columns == 5 && wanted.end() == 0) {
+        if (columns == 5 && wanted.end() == 0 && request_.dimensions != Dimensions::two) {
             throw lines_.error(
                 "5 columns have one too many: name it with --radii 5, --weights 5 or --copy 5, or remove it");
         }
-        if (places.size() != 3 && places.size() != 4) {
-            throw lines_.error("this row has " + columns_text(columns) + ", expected 3 (x y z) or 4 (id x y z)" +
+        const bool flat =
+            request_.dimensions == Dimensions::two || (request_.dimensions == Dimensions::either && columns == 2);
+        const std::size_t coordinates = flat ? 2 : 3;
+        if (places.size() != coordinates && places.size() != coordinates + 1) {
+            throw lines_.error("this row has " + columns_text(columns) + ", expected " +
+                               (flat ? "2 (x y) or 3 (id x y) with --2d" : "3 (x y z) or 4 (id x y z)") +
                                (wanted.end() > 0 ? " in addition to the named ones" : "") +
-                               (places.size() == 2 ? "; for points in a plane add a column of zeros" : ""));
+                               (places.size() == 2 ? "; for two dimensions add --2d" : ""));
         }
-        if (places.size() == 4) layout.id = places[0];
-        std::copy(places.end() - 3, places.end(), layout.axes.begin());
+        if (places.size() > coordinates) layout.id = places[0];
+        layout.axes.assign(places.end() - static_cast<std::ptrdiff_t>(coordinates), places.end());
         return layout;
     }
 
@@ -276,7 +295,8 @@ private:
     void begin(Input& input) const {
         const auto rows =
             1 + static_cast<std::size_t>(std::count(lines_.rest().begin(), lines_.rest().end(), '\n')) + 1;
-        input.points.reserve(3 * rows);
+        input.dimensions = layout_.axes.size();
+        input.points.reserve(input.dimensions * rows);
         if (layout_.id) input.ids.reserve(rows);
         input.columns = places_->columns(rows);
     }
@@ -291,10 +311,15 @@ private:
             const auto id = read_int64(field);
             if (!id) {
                 if (has_decimal_comma(field)) throw lines_.error(not_a_number(field));
-                const bool may_be_radii = names_.empty() && row.count == 4 && read_double(field);
+                const bool flat = layout_.axes.size() == 2;
+                const bool may_be_radii = names_.empty() && row.count == layout_.axes.size() + 1 && read_double(field);
                 throw lines_.error(in_quotes(field) + " is not a whole number, as an id must be" +
-                                   (names_.empty() ? " (columns id x y z)" : "") +
-                                   (may_be_radii ? "; if the columns are x y z r, add --radii 4" : ""));
+                                   (!names_.empty() ? ""
+                                    : flat          ? " (columns id x y)"
+                                                    : " (columns id x y z)") +
+                                   (!may_be_radii ? ""
+                                    : flat ? "; if the columns are x y z, leave --2d out, if x y r, add --radii 3"
+                                           : "; if the columns are x y z r, add --radii 4"));
             }
             input.ids.push_back(*id);
         }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "domain.hpp"
+
 namespace clvotess {
 namespace {
 
@@ -15,13 +17,15 @@ double dot(const Point& a, const Point& b) {
 
 }  // namespace
 
-NearestImages::NearestImages(std::span<const double> points, const votess::Tessellation& cells) : points_(points) {
+NearestImages::NearestImages(std::span<const double> points, const votess::Tessellation& cells)
+    : points_(points), size_(size_of_vectors(cells)) {
     for (std::size_t k = 0; k < 3; ++k) {
         if (cells.periodic()[k]) side_[k] = cells.box().upper[k] - cells.box().lower[k];
     }
     if (!cells.cell()) return;
     triclinic_ = true;
     edges_ = {cells.cell()->a, cells.cell()->b, cells.cell()->c};
+    if (cells.planar()) edges_[2] = {0, 0, 1};
     for (std::size_t k = 0; k < 3; ++k) {
         reach_[k] = cells.periodic()[k] ? 2 : 0;
         // An edge without period only helps to find coordinates along the others: use the normal of these.
@@ -35,7 +39,8 @@ NearestImages::NearestImages(std::span<const double> points, const votess::Tesse
 }
 
 Point NearestImages::image(std::size_t i, const Point& inside) const {
-    Point seed{points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
+    Point seed{};
+    for (std::size_t k = 0; k < size_; ++k) seed[k] = points_[size_ * i + k];
     if (std::isnan(inside[0])) return seed;  // no cell
     if (triclinic_) return nearest_in_lattice(seed, inside);
     for (std::size_t k = 0; k < 3; ++k) {

@@ -11,7 +11,7 @@ using Point = std::array<double, 3>;
 
 class NearestImages {
 public:
-    // points: 3N. Both arguments must outlive the object.
+    // points: 3N, or 2N in the plane, where z is 0. Both arguments must outlive the object.
     NearestImages(std::span<const double> points, const votess::Tessellation& cells);
 
     // Returns the image of seed i that is nearest to `inside`, a place in its cell.
@@ -21,7 +21,8 @@ private:
     [[nodiscard]] Point nearest_in_lattice(Point seed, const Point& inside) const;
 
     std::span<const double> points_;
-    Point side_{};  // 0 along an axis without period
+    std::size_t size_;  // of a point
+    Point side_{};      // 0 along an axis without period
     bool triclinic_ = false;
     std::array<int, 3> reach_{};  // steps tried along each edge
     std::array<Point, 3> edges_{}, inverse_{};

@@ -81,13 +81,19 @@ bool carries_columns(const std::string& path) {
     return kind && kind->carries;
 }
 
+bool is_mesh_output(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->mesh;
+}
+
 bool is_colored(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->write == write_glb;
 }
 
 // The name of a dataset of HDF5 is the last part of its path.
-std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs, std::vector<InputColumn> columns) {
+std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs, std::vector<InputColumn> columns,
+                                         bool planar) {
     for (std::size_t c = 0; c < columns.size(); ++c) {
         std::string& name = columns[c].name;
         name = name.substr(name.rfind('/') + 1);
@@ -102,7 +108,7 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
                 throw bad_input("cannot carry the words of " + in_quotes(name) + " into " + in_quotes(path) +
                                 ", which holds numbers: write .csv, .npz or .h5");
             const bool taken = kind->write == write_vtu ? is_vtu_array(name)
-                               : is_table(*kind)        ? is_table_column(name)
+                               : is_table(*kind)        ? is_table_column(name, planar)
                                                         : kind->write != write_text && is_result_array(name);
             if (kind->carries && taken) {
                 throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +

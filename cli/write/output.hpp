@@ -30,6 +30,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 // Whether the file needs a domain with ends.
 [[nodiscard]] bool needs_box(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
+[[nodiscard]] bool is_mesh_output(const std::string& path);  // whether it holds polyhedra
 [[nodiscard]] bool is_colored(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
@@ -91,7 +92,7 @@ void check_frame_outputs(const std::vector<std::string>& paths);
 // Returns the carried columns with their names in the output. Throws Failure when a name occurs twice or is that of an
 // array of the file.
 [[nodiscard]] std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs,
-                                                       std::vector<InputColumn> columns);
+                                                       std::vector<InputColumn> columns, bool planar = false);
 
 void write_outputs(const std::vector<std::string>& paths, const OutputData& data);
 
@@ -100,7 +101,7 @@ void write_npz(OutputFile& file, const OutputData& data);
 void write_csv(OutputFile& file, const OutputData& data);
 void write_xyz(OutputFile& file, const OutputData& data);
 void write_dump(OutputFile& file, const OutputData& data);
-[[nodiscard]] bool is_table_column(std::string_view name);  // whether a table may hold one of that name
+[[nodiscard]] bool is_table_column(std::string_view name, bool planar);  // whether a table may hold one of that name
 void write_vtu(OutputFile& file, const OutputData& data);
 [[nodiscard]] bool is_vtu_array(std::string_view name);  // whether .vtu always holds an array of that name
 void write_ply(OutputFile& file, const OutputData& data);

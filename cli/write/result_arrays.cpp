@@ -50,6 +50,7 @@ ResultArray as_array(std::string_view name, const std::vector<std::string>& word
 std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
                                        const std::vector<InputColumn>& carried) {
     std::vector<ResultArray> arrays;
+    const std::size_t size = piece.size;
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         arrays.push_back(as_array(name, std::span(values), columns));
     };
@@ -61,12 +62,12 @@ std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::W
     if (wanted.neighbors) {
         add("indptr", piece.indptr);
         piece.wide ? add_entries("indices", piece.wide_indices) : add_entries("indices", piece.indices);
-        if (piece.has_shifts) add_entries("shifts", piece.shifts, 3);
+        if (piece.has_shifts) add_entries("shifts", piece.shifts, size);
     }
     if (wanted.areas) add_entries("face_areas", piece.face_areas);
-    if (wanted.normals) add_entries("face_normals", piece.face_normals, 3);
+    if (wanted.normals) add_entries("face_normals", piece.face_normals, size);
     if (wanted.volumes) add("volumes", piece.volumes);
-    if (wanted.centroids) add("centroids", piece.centroids, 3);
+    if (wanted.centroids) add("centroids", piece.centroids, size);
     if (wanted.surfaces) add("surface_areas", piece.surface_areas);
     if (wanted.radii) add("security_radii", piece.security_radii);
     if (wanted.counts) {
@@ -87,6 +88,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
     const votess::Want& wanted = data.wanted;
     ResultPiece whole;
+    whole.size = size_of_vectors(cells);
     whole.ids = data.input.ids;
     whole.has_ids = !whole.ids.empty();
     whole.indptr = cells.indptr();
@@ -110,7 +112,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
         mesh.push_back(as_array(name, values, columns));
     };
     if (wanted.vertices) {
-        add("vertices", cells.vertices(), 3);
+        add("vertices", cells.vertices(), whole.size);
         add("cell_vertex_indptr", cells.cell_vertex_indptr());
         add("cell_vertex_indices", cells.cell_vertex_indices());
     }
@@ -122,25 +124,32 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     return arrays;
 }
 
-DomainArrays::DomainArrays(const votess::Tessellation& cells)
-    : box_(cells.box().lower.begin(), cells.box().lower.end()),
-      periodic_(cells.periodic().begin(), cells.periodic().end()) {
-    box_.insert(box_.end(), cells.box().upper.begin(), cells.box().upper.end());
+DomainArrays::DomainArrays(const votess::Tessellation& cells) {
+    const std::size_t size = size_of_vectors(cells);
+    const auto append = [size](const auto& vector, auto& to) {
+        to.insert(to.end(), vector.begin(), vector.begin() + static_cast<std::ptrdiff_t>(size));
+    };
+    append(cells.box().lower, box_);
+    append(cells.box().upper, box_);
+    append(cells.periodic(), periodic_);
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         arrays_.push_back(as_array(name, std::span(values.data(), values.size()), columns));
     };
-    add("box", box_, 3);
+    add("box", box_, size);
     add("periodic", periodic_);
     if (const auto& cell = cells.cell()) {
-        for (const auto* edge : {&cell->a, &cell->b, &cell->c}) cell_.insert(cell_.end(), edge->begin(), edge->end());
-        add("cell", cell_, 3);
-        add("origin", cell->origin);
+        append(cell->a, cell_);
+        append(cell->b, cell_);
+        if (size == 3) append(cell->c, cell_);
+        append(cell->origin, origin_);
+        add("cell", cell_, size);
+        add("origin", origin_);
     }
     for (const votess::Wall& wall : cells.walls()) {
-        walls_.insert(walls_.end(), wall.normal.begin(), wall.normal.end());
+        append(wall.normal, walls_);
         walls_.push_back(wall.offset);
     }
-    if (!walls_.empty()) add("walls", walls_, 4);
+    if (!walls_.empty()) add("walls", walls_, size + 1);
 }
 
 }  // namespace clvotess

@@ -51,6 +51,7 @@ template <typename Number>
 
 // A piece of a result, with the names of Tessellation. duplicate_of and shifts are empty where the whole has none.
 struct ResultPiece {
+    std::size_t size = 3;  // of vectors
     std::span<const std::int64_t> ids;
     std::span<const std::int64_t> indptr;  // n+1
     std::span<const std::int32_t> indices;
@@ -70,7 +71,7 @@ struct ResultPiece {
 [[nodiscard]] bool is_result_array(std::string_view name);
 
 // The domain: box (2, 3), periodic (3,); for a triclinic domain cell (3, 3) and origin (3,); walls (M, 4) if any. In
-// .h5 all except the walls are attributes of the root.
+// the plane vectors have two components. In .h5 all except the walls are attributes of the root.
 class DomainArrays {
 public:
     explicit DomainArrays(const votess::Tessellation& cells);
@@ -80,7 +81,7 @@ public:
     [[nodiscard]] const std::vector<ResultArray>& all() const noexcept { return arrays_; }
 
 private:
-    std::vector<double> box_, cell_, walls_;
+    std::vector<double> box_, cell_, origin_, walls_;
     std::vector<std::uint8_t> periodic_;
     std::vector<ResultArray> arrays_;
 };

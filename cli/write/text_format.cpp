@@ -32,6 +32,13 @@ TextFormat::TextFormat(std::string_view format, bool like_voropp) : like_voropp_
     end_literal();
 }
 
+char TextFormat::solid_code() const {
+    for (const FormatPiece& piece : pieces_)
+        if (piece.code != 0 && std::string_view("zaAeEot").find(piece.code) != std::string_view::npos)
+            return piece.code;
+    return 0;
+}
+
 void TextFormat::add_needs(votess::Want& want) const {
     for (const FormatPiece& piece : pieces_) {
         switch (piece.code) {

@@ -24,6 +24,8 @@ public:
     [[nodiscard]] bool like_voropp() const noexcept { return like_voropp_; }
 
     [[nodiscard]] const std::vector<FormatPiece>& pieces() const noexcept { return pieces_; }
+    // Returns the first code that needs three dimensions; 0 without one.
+    [[nodiscard]] char solid_code() const;
     // Adds to `want` the arrays that the codes print.
     void add_needs(votess::Want& want) const;
 

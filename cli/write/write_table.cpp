@@ -45,6 +45,20 @@ std::size_t faces_with(const votess::Tessellation& cells, std::size_t i, std::si
     return count;
 }
 
+// Returns 0 for z in the plane.
+double coordinate(const OutputData& data, std::size_t i, std::size_t axis) {
+    const std::size_t size = data.input.dimensions;
+    return axis < size ? data.input.points[size * i + axis] : 0;
+}
+
+// Adds the columns x, y and z, or fewer.
+void add_coordinates(const OutputData& data, std::size_t count, Table& table) {
+    for (std::size_t k = 0; k < count; ++k)
+        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
+                             row.put_number(coordinate(data, i, k));
+                         }});
+}
+
 TableColumn ids_of(const OutputData& data, std::int64_t first) {
     const std::vector<std::int64_t>& ids = data.input.ids;
     return {"id", 'I', 1, [&ids, first](OutputBuffer& row, std::size_t i, std::size_t) {
@@ -61,18 +75,19 @@ Table results_of(const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
     const votess::Want& wanted = data.wanted;
     Table table;
-    if (wanted.volumes) table.push_back(of_numbers("volume", cells.volumes()));
+    const bool planar = cells.planar();
+    if (wanted.volumes) table.push_back(of_numbers(planar ? "area" : "volume", cells.volumes()));
     if (wanted.neighbors)
         table.push_back({"neighbors", 'I', 1, [&cells](OutputBuffer& row, std::size_t i, std::size_t) {
                              row.put_number(neighbors_of(cells, i));
                          }});
-    if (wanted.faces)
+    if (wanted.faces && !planar)
         table.push_back(
             {"voronoi_index", 'I', index_parts, [&cells](OutputBuffer& row, std::size_t i, std::size_t part) {
                  row.put_number(faces_with(cells, i, part));
              }});
-    if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), 3));
-    if (wanted.surfaces) table.push_back(of_numbers("surface_area", cells.surface_areas()));
+    if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), size_of_vectors(cells)));
+    if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
     if (data.has_radii) table.push_back(of_numbers("radius", data.radii));
     return table;
@@ -94,7 +109,7 @@ void add_carried(const OutputData& data, Table& table) {
 std::string part_name(const TableColumn& column, std::size_t part) {
     if (column.width == 1) return column.name;
     if (column.name == "voronoi_index") return std::string("n") + std::to_string(part + 3);
-    if (column.width == 3) return column.name + "_" + "xyz"[part];
+    if (column.width == 3 || column.name.ends_with("centroid")) return column.name + "_" + "xyz"[part];
     return column.name + "_" + std::to_string(part + 1);
 }
 
@@ -128,19 +143,18 @@ bool is_whole(const std::string& word) {
     return read_int64(word).has_value();
 }
 
-// Returns the edges of the domain, a box or a cell, with its corner.
+// Returns the edges of the domain, a box or a cell, with its corner. A domain of the plane gets the height 1 around
+// z = 0, as in LAMMPS: other programs read three edges.
 votess::TriclinicBox edges_of(const votess::Tessellation& cells) {
-    if (cells.cell()) return *cells.cell();
     const votess::Box& box = cells.box();
-    return {.origin = box.lower,
-            .a = {box.upper[0] - box.lower[0], 0, 0},
-            .b = {0, box.upper[1] - box.lower[1], 0},
-            .c = {0, 0, box.upper[2] - box.lower[2]},
-            .periodic = cells.periodic()};
-}
-
-void put_vector(OutputBuffer& text, const std::array<double, 3>& vector) {
-    text.put_three(vector[0], vector[1], vector[2]);
+    votess::TriclinicBox edges{.origin = box.lower,
+                               .a = {box.upper[0] - box.lower[0], 0, 0},
+                               .b = {0, box.upper[1] - box.lower[1], 0},
+                               .c = {0, 0, box.upper[2] - box.lower[2]},
+                               .periodic = cells.periodic()};
+    if (cells.cell()) edges = *cells.cell();
+    if (cells.planar()) edges.origin[2] = -0.5, edges.c = {0, 0, 1};
+    return edges;
 }
 
 // Writes a box whose edges are those of LAMMPS by their bounds and tilts, others by the edges.
@@ -155,9 +169,9 @@ void put_dump_box(OutputBuffer& text, const votess::Tessellation& cells) {
     if (!cells.cell()) {
         text.put(flags + "\n");
         for (std::size_t k = 0; k < 3; ++k) {
-            text.put_number(cells.box().lower[k]);
-            text.put(' ');
-            text.put_number(cells.box().upper[k]);
+            const bool height = k == 2 && cells.planar();
+            text.put_vector(std::array{height ? box.origin[k] : cells.box().lower[k],
+                                       height ? box.origin[k] + c[k] : cells.box().upper[k]});
             text.put('\n');
         }
         return;
@@ -168,9 +182,10 @@ void put_dump_box(OutputBuffer& text, const votess::Tessellation& cells) {
         above{std::max({0.0, xy, xz, xy + xz}), std::max(0.0, yz), 0}, side{a[0], b[1], c[2]}, tilt{xy, xz, yz};
     for (std::size_t k = 0; k < 3; ++k) {
         if (restricted) {
-            text.put_three(box.origin[k] + below[k], box.origin[k] + side[k] + above[k], tilt[k]);
+            const std::array<double, 3> row{box.origin[k] + below[k], box.origin[k] + side[k] + above[k], tilt[k]};
+            text.put_vector(row);
         } else {
-            put_vector(text, k == 0 ? a : k == 1 ? b : c);
+            text.put_vector(k == 0 ? a : k == 1 ? b : c);
             text.put(' ');
             text.put_number(box.origin[k]);
         }
@@ -203,10 +218,7 @@ void write_dump(OutputFile& file, const OutputData& data) {
     } else {
         table.push_back(words("element", species));
     }
-    for (std::size_t k = 0; k < 3; ++k)
-        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
-                             row.put_number(data.input.points[3 * i + k]);
-                         }});
+    add_coordinates(data, 3, table);
     for (TableColumn& column : results_of(data)) {
         if (column.name != "radius") column.name.insert(0, "c_");
         table.push_back(std::move(column));
@@ -230,13 +242,13 @@ void write_xyz(OutputFile& file, const OutputData& data) {
     OutputBuffer head;
     head.put_number(data.tessellation.size());
     head.put("\nLattice=\"");
-    put_vector(head, box.a);
+    head.put_vector(box.a);
     head.put(' ');
-    put_vector(head, box.b);
+    head.put_vector(box.b);
     head.put(' ');
-    put_vector(head, box.c);
+    head.put_vector(box.c);
     head.put("\" Origin=\"");
-    put_vector(head, box.origin);
+    head.put_vector(box.origin);
     head.put("\" pbc=\"");
     for (std::size_t k = 0; k < 3; ++k) {
         if (k > 0) head.put(' ');
@@ -259,7 +271,9 @@ void write_xyz(OutputFile& file, const OutputData& data) {
                              row.put(species.empty() ? std::string_view("X") : species[i]);
                          }});
     }
-    table.push_back(of_numbers("pos", data.input.points, 3));
+    table.push_back({"pos", 'R', 3, [&data](OutputBuffer& row, std::size_t i, std::size_t part) {
+                         row.put_number(coordinate(data, i, part));
+                     }});
     if (!data.input.ids.empty()) table.push_back(ids_of(data, 0));
     for (TableColumn& column : results_of(data)) table.push_back(std::move(column));
     add_carried(data, table);
@@ -275,10 +289,7 @@ void write_xyz(OutputFile& file, const OutputData& data) {
 
 void write_csv(OutputFile& file, const OutputData& data) {
     Table table{ids_of(data, 0)};
-    for (std::size_t k = 0; k < 3; ++k)
-        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
-                             row.put_number(data.input.points[3 * i + k]);
-                         }});
+    add_coordinates(data, data.input.dimensions, table);
     for (TableColumn& column : results_of(data)) table.push_back(std::move(column));
     add_carried(data, table);
     if (data.place != FramePlace::later) {
@@ -292,7 +303,7 @@ void write_csv(OutputFile& file, const OutputData& data) {
     write_rows(file, data, table, framed ? std::to_string(data.input.frame.value_or(0)) + "," : "", ',');
 }
 
-bool is_table_column(std::string_view name) {
+bool is_table_column(std::string_view name, bool planar) {
     constexpr std::array<std::string_view, 17> names{"id",
                                                      "x",
                                                      "y",
@@ -311,6 +322,7 @@ bool is_table_column(std::string_view name) {
                                                      "n6",
                                                      "n7"};
     if (name.starts_with("c_")) name.remove_prefix(2);  // in a dump
+    if (planar && (name == "area" || name == "perimeter")) return true;
     return std::ranges::find(names, name) != names.end();
 }
 

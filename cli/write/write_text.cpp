@@ -19,7 +19,11 @@ using Polygon = std::span<const std::int32_t>;
 class TextWriter {
 public:
     TextWriter(const OutputData& data, const NearestImages& seeds)
-        : data_(data), cells_(data.tessellation), seeds_(seeds), areas_(cells_.face_areas()) {
+        : data_(data),
+          cells_(data.tessellation),
+          size_(size_of_vectors(cells_)),
+          seeds_(seeds),
+          areas_(cells_.face_areas()) {
         if (data_.format.like_voropp()) buffer_.set_digits(6);
     }
 
@@ -53,7 +57,7 @@ public:
 
 private:
     void put(char code, std::size_t i) {
-        const double* const seed = data_.input.points.data() + 3 * i;
+        const double* const seed = data_.input.points.data() + size_ * i;
         switch (code) {
             case 'i':
                 return buffer_.put_number(id_of(i));
@@ -64,7 +68,7 @@ private:
             case 'z':
                 return buffer_.put_number(seed[2]);
             case 'q':
-                return buffer_.put_three(seed[0], seed[1], seed[2]);
+                return buffer_.put_vector({seed, size_});
             case 'r':
                 return buffer_.put_number(data_.radii.empty() ? radius_of_voropp : data_.radii[i]);
             case 'w':
@@ -82,13 +86,13 @@ private:
             case 'v':
                 return buffer_.put_number(cells_.volumes()[i]);
             case 'c': {
-                const double* const centroid = cells_.centroids().data() + 3 * i;
-                const Point origin = seeds_.image(i, {centroid[0], centroid[1], centroid[2]});
-                return buffer_.put_three(centroid[0] - origin[0], centroid[1] - origin[1], centroid[2] - origin[2]);
+                Point centroid = point_of(cells_.centroids(), i);
+                const Point origin = seeds_.image(i, centroid);
+                for (std::size_t k = 0; k < size_; ++k) centroid[k] -= origin[k];
+                return buffer_.put_vector(std::span(centroid).first(size_));
             }
             case 'C': {
-                const double* const centroid = cells_.centroids().data() + 3 * i;
-                return buffer_.put_three(centroid[0], centroid[1], centroid[2]);
+                return buffer_.put_vector(cells_.centroids().subspan(size_ * i, size_));
             }
             case 'p':
                 return put_vertices(i, seeds_.image(i, mean_vertex(i)));
@@ -109,8 +113,7 @@ private:
                 return put_list(order_, [&](std::size_t entry) { buffer_.put_number(areas_[entry]); });
             case 'l':
                 return put_list(order_, [&](std::size_t entry) {
-                    const double* const normal = cells_.face_normals().data() + 3 * entry;
-                    put_bracketed(normal[0], normal[1], normal[2]);
+                    put_bracketed(cells_.face_normals().subspan(size_ * entry, size_));
                 });
             case 'a':
                 return put_list(order_, [&](std::size_t entry) { buffer_.put_number(polygon(entry).size()); });
@@ -140,10 +143,17 @@ private:
         }
     }
 
-    void put_bracketed(double x, double y, double z) {
+    void put_bracketed(std::span<const double> vector) {
         buffer_.put('(');
-        buffer_.put_three(x, y, z, ',');
+        buffer_.put_vector(vector, ',');
         buffer_.put(')');
+    }
+
+    // Returns row i of vectors; z is 0 in the plane.
+    [[nodiscard]] Point point_of(std::span<const double> vectors, std::size_t i) const {
+        Point point{};
+        for (std::size_t k = 0; k < size_; ++k) point[k] = vectors[size_ * i + k];
+        return point;
     }
 
     [[nodiscard]] std::int64_t id_of(std::size_t i) const {
@@ -183,7 +193,7 @@ private:
     }
 
     [[nodiscard]] const double* vertex(std::int32_t index) const {
-        return cells_.vertices().data() + 3 * static_cast<std::size_t>(index);
+        return cells_.vertices().data() + size_ * static_cast<std::size_t>(index);
     }
 
     // Returns the number of a mesh vertex among those of the cell, which ascend.
@@ -206,7 +216,7 @@ private:
         Point sum{};
         const Polygon vertices = vertices_of(i);
         for (const std::int32_t index : vertices) {
-            for (std::size_t k = 0; k < 3; ++k) sum[k] += vertex(index)[k];
+            for (std::size_t k = 0; k < size_; ++k) sum[k] += vertex(index)[k];
         }
         for (double& x : sum) x /= static_cast<double>(vertices.size());
         return sum;
@@ -214,8 +224,9 @@ private:
 
     void put_vertices(std::size_t i, const Point& origin) {
         put_list(vertices_of(i), [&](std::int32_t index) {
-            const double* const at = vertex(index);
-            put_bracketed(at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]);
+            Point at = point_of(cells_.vertices(), static_cast<std::size_t>(index));
+            for (std::size_t k = 0; k < size_; ++k) at[k] -= origin[k];
+            put_bracketed(std::span(at).first(size_));
         });
     }
 
@@ -253,6 +264,7 @@ private:
 
     const OutputData& data_;
     const votess::Tessellation& cells_;
+    std::size_t size_;  // of vectors
     OutputBuffer buffer_;
     const NearestImages& seeds_;
     std::span<const double> areas_;

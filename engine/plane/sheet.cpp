@@ -19,7 +19,6 @@ namespace {
 
 using detail::Result;
 
-constexpr std::int32_t below = -5, above = -6;  // ids of the walls of the sheet
 // Height over the mean distance of the points. Large ones slow dense clusters, small ones all cells: for 1e5 points
 // uniform and in 50 clusters 2^-5 was best on the whole.
 constexpr double relative_height = 0x1p-5;
@@ -143,10 +142,9 @@ Sheet::Sheet(const Points& points, const Options& planar)
 
 void Sheet::flatten(Result& result) const {
     result.planar = true;
-    const double thickness = 2 * height_;
     const std::size_t count = result.status.size();
     flatten_rows(result);
-    for (double& area : result.volumes) area /= thickness;
+    for (double& area : result.volumes) area /= thickness();
     drop_third(result.centroids);
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
@@ -155,7 +153,7 @@ void Sheet::flatten(Result& result) const {
     }
     for (double& radius : result.security_radii)
         radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height_) * (radius / 2 + height_)));
-    result.least_face /= thickness;
+    result.least_face /= thickness();
 
     const auto make_flat = [](std::array<double, 3>& x) { x[2] = 0; };
     make_flat(result.box.lower);
@@ -166,15 +164,14 @@ void Sheet::flatten(Result& result) const {
     }
     Stats& stats = result.stats;
     const std::uint64_t cells = count - stats.empty_cells;
-    stats.volume_sum /= thickness;
-    stats.box_volume /= thickness;
+    stats.volume_sum /= thickness();
+    stats.box_volume /= thickness();
     stats.faces -= 2 * cells;
     if (cells > 0) stats.mean_faces -= 2;
 }
 
 // Drops the walls of the sheet, and all walls where the plane lists none.
 void Sheet::flatten_rows(Result& r) const {
-    const double thickness = 2 * height_;
     // Corners above stand for those of the plane.
     std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
     std::int32_t corners = 0;
@@ -204,11 +201,11 @@ void Sheet::flatten_rows(Result& r) const {
             if (id == above)
                 for (const std::int32_t v : polygon)
                     if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
-            if (id == above || id == below) continue;
-            if (!r.face_areas.empty()) perimeter += r.face_areas[at(e)] / thickness;
+            if (bounds(id)) continue;
+            if (!r.face_areas.empty()) perimeter += r.face_areas[at(e)] / thickness();
             if (id < 0 && !list_walls_) continue;
             r.indices[at(place)] = id;
-            if (!r.face_areas.empty()) r.face_areas[at(place)] = r.face_areas[at(e)] / thickness;
+            if (!r.face_areas.empty()) r.face_areas[at(place)] = r.face_areas[at(e)] / thickness();
             for (std::size_t k = 0; k < 2; ++k) {
                 if (!r.face_normals.empty()) r.face_normals[2 * at(place) + k] = r.face_normals[3 * at(e) + k];
                 if (!r.shifts.empty()) r.shifts[2 * at(place) + k] = r.shifts[3 * at(e) + k];

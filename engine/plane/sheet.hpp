@@ -3,6 +3,7 @@
 // volumes and areas of the sheet divided by 2h, without rounding.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "input/job.hpp"
@@ -22,11 +23,16 @@ public:
 
     [[nodiscard]] Points points() const { return {points_, {}}; }  // (N, 3)
     [[nodiscard]] const Options& options() const { return options_; }
+    [[nodiscard]] double thickness() const { return 2 * height_; }
+    // Returns whether a wall is that below or above all points.
+    [[nodiscard]] static bool bounds(std::int32_t wall) { return wall == below || wall == above; }
     // Turns the result of the sheet into that of the plane.
     void flatten(detail::Result& result) const;
 
 private:
     void flatten_rows(detail::Result& result) const;
+
+    static constexpr std::int32_t below = -5, above = -6;
 
     std::vector<double> points_;
     Options options_;

@@ -141,7 +141,7 @@ bool nearly_equal(double volume, double expected, double tolerance, double mean)
            std::abs(volume - expected) <= tolerance * (std::isfinite(mean) ? mean : std::abs(expected));
 }
 
-// Checks the cells of the plane by those of a sheet, whose own cells are verified.
+// Checks the cells of the plane by the prisms of a sheet, which are verified.
 VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
     require_points(t, points, "verify");
     Options options = domain_options(t);
@@ -152,20 +152,26 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
     options.want = {.neighbors = true, .volumes = true, .counts = true};
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     const Sheet sheet({copy, {}}, options);
-    VerifyReport report = verify(tessellate(sheet.points().f64, sheet.options()), sheet.points().f64, how);
-    if (!report.passed) return report;
-    const Tessellation again = tessellate(std::span<const double>(copy), options);
+    const std::span<const double> places = sheet.points().f64;
+    const Tessellation prisms = tessellate(places, sheet.options());
+    VerifyReport report = verify(prisms, places, how);
     const auto fail = [&](std::size_t i, const char* what) {
         report.passed = false;
-        report.failure = "cell " + std::to_string(i) + " has other " + what + " than a second run";
+        report.failure = "cell " + std::to_string(i) + " has other " + what + " than in a second run";
     };
     const double tolerance = t.stats().precision == Precision::single ? 1e-4 : 1e-9;
     const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
+    std::vector<std::int32_t> row;
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
-        if (t.status()[i] != again.status()[i]) fail(i, "status");
-        if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), again.neighbors(i))) fail(i, "neighbors");
-        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], again.volumes()[i], tolerance, mean)) fail(i, "area");
-        if (!t.face_counts().empty() && t.face_counts()[i] != again.face_counts()[i]) fail(i, "numbers of edges");
+        row.clear();
+        for (const std::int32_t j : prisms.neighbors(i))
+            if (!Sheet::bounds(j)) row.push_back(j);
+        const std::uint32_t faces = prisms.face_counts()[i], edges = faces == 0 ? 0 : faces - 2;
+        const double area = prisms.volumes()[i] / sheet.thickness();
+        if (t.status()[i] != prisms.status()[i]) fail(i, "status");
+        if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), row)) fail(i, "neighbors");
+        if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], area, tolerance, mean)) fail(i, "area");
+        if (!t.face_counts().empty() && t.face_counts()[i] != edges) fail(i, "numbers of edges");
     }
     return report;
 }

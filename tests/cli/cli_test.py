@@ -21,7 +21,7 @@ JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "vo
              "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "tiny_faces", "threads", "seconds",
              "peak_memory_bytes", "verified", "verified_cells"]
 SECONDS_KEYS = ["total", "open", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
-OPTIONS = re.findall(r'^ *\{"(?:-\w, )?(--[a-z+-]+)', (ROOT / "cli/options.cpp").read_text(), re.M)
+OPTIONS = re.findall(r'^ *\{"(?:-\w, )?(--[a-z0-9+-]+)', (ROOT / "cli/options.cpp").read_text(), re.M)
 SHORT_OPTIONS = ["-o", "-x", "-t", "-g", "-k", "-q", "-h"]
 
 CUBE = "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 0 1\n1 0 1\n0 1 1\n1 1 1\n"

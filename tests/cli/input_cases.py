@@ -157,7 +157,7 @@ class Source(CliTest):
         record = np.zeros(3, dtype=[("x", "f8"), ("y", "f8"), ("z", "f8")])
         for content, says in [(points.astype(">f8"), ["big-endian", "'>f8'"]), (points.astype(">f4"), "big-endian"),
                               (points.astype("i8"), "'<i8'"), (points.astype("f2"), "'<f2'"), (record, "records"),
-                              (points[:, :2], "(10, 2)"), (points.ravel(), "(30,)"), (np.float64(3), "()"),
+                              (points[:, :1], "(10, 1)"), (points.ravel(), "(30,)"), (np.float64(3), "()"),
                               (points.reshape(1, 10, 3), "(1, 10, 3)"), (points.reshape(5, 6), "(5, 6)"),
                               (whole[:-1], "239 bytes"), (whole + b"x", "241 bytes"), (whole[:50], "too early"),
                               (whole[:5], "not a .npy"), (b"", "not a .npy"), (b"1 2 3\n" * 9, "not a .npy"),
@@ -184,7 +184,7 @@ class Source(CliTest):
     def test_bad_rows_name_file_and_line(self):
         for content, line, says in [("1 2 3\n4 5 6\n7 8\n", 3, "2 columns"),
                                     ("1 2 3\n\n# c\n1 2 3 4\n", 4, "4 columns"),
-                                    ("1 2 3\n1\n", 2, "1 column,"), ("1 2\n", 1, "2 columns"), ("1\n", 1, "1 column,"),
+                                    ("1 2 3\n1\n", 2, "1 column,"), ("1\n", 1, "1 column,"),
                                     ("1 2 3 4 5\n", 1, "radii"), ("1 2 3 4 5 6\n", 1, "6 columns"),
                                     ("1 2 3 4\n1 2 3 4 5\n", 2, "5 columns"),
                                     ("1 2 3\n4 five 6\n", 2, "'five'"), ("1 2 3x\n", 1, "'3x'"),

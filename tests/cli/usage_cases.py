@@ -162,7 +162,7 @@ class Usage(CliTest):
         rows = [line for line in usual.splitlines() if re.match(r"  [-I]", line)]
         self.assertTrue(10 <= len(rows) <= 12, usual)
         text = self.run_cli("--help-all").stdout
-        self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z][a-z-]*(?:\+\+)?", text)), set(OPTIONS))
+        self.assertEqual(set(re.findall(r"(?<![\w-])--[a-z0-9][a-z-]*(?:\+\+)?", text)), set(OPTIONS))
         for option in SHORT_OPTIONS:
             self.assertRegex(text, rf"(?m)^  {option}, --")
         for code in "ixyzqrwpPomgEesFAaftlnvcC%":
@@ -210,7 +210,7 @@ class Usage(CliTest):
         commands = [c for page in (readme, *pages) for c in re.findall(r"clvotess [^\n`]*", page.read_text("utf-8"))]
         self.assertTrue(commands)
         for command in commands:
-            for option in re.findall(r"(?<=\s)--[a-z][a-z-]*(?:\+\+)?", command):
+            for option in re.findall(r"(?<=\s)--[a-z0-9][a-z-]*(?:\+\+)?", command):
                 self.assertIn(option, OPTIONS, command)
 
     def test_version(self):

@@ -34,7 +34,7 @@ class Frame:
     """A frame of a file: points with their ids and columns, and the domain that the file states."""
 
     number: int  #: from 0
-    points: Float64Array  #: (N, 3)
+    points: Float64Array  #: (N, 3), or (N, 2) in two dimensions
     #: the arguments box, cell, origin, periodic and walls of :func:`tessellate`; empty if the file states none
     domain: Dict[str, Any] = field(default_factory=dict)
     timestep: Optional[float] = None
@@ -85,7 +85,7 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
         return None
     head = json.loads(line)
     count = head["points"]
-    points = _read(stream, np.float64, 3 * count).reshape(-1, 3)
+    points = _read(stream, np.float64, head["dimensions"] * count).reshape(-1, head["dimensions"])
     ids = _read(stream, np.int64, count) if head["ids"] else None
     columns = {}
     for name, width in head["columns"]:

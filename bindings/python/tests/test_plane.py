@@ -1,6 +1,8 @@
 """Two dimensions: points of shape (N, 2)."""
 
+import os
 import pickle
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -93,6 +95,44 @@ class Plane(unittest.TestCase):
             first.save(path)
             with np.load(path) as arrays:
                 self.assertEqual((arrays["box"].shape, arrays["vertices"].shape[1]), ((2, 2), 2))
+
+    def test_files_of_clvotess_are_the_same(self):
+        program = os.environ.get("VOTESS_CLI")
+        if not program:
+            self.skipTest("VOTESS_CLI names no clvotess")
+        cases = (
+            (["--box", "0,0,1,1", "--periodic", "y"], {"box": BOX, "periodic": "y"}),
+            (["--cell", "1,0,0.25,1", "--origin", "0.5,-1"], {"cell": ((1, 0), (0.25, 1)), "origin": (0.5, -1)}),
+            (["--box", "0,0,1,1", "--wall", "1,1,1.5", "--outside", "keep"], {"box": BOX, "walls": [(1, 1, 1.5)], "outside": "keep"}),
+            ([], {}),
+        )
+        with tempfile.TemporaryDirectory() as folder:
+            np.save(Path(folder, "points.npy"), POINTS)
+            for options, domain in cases:
+                with self.subTest(**domain):
+                    vt.tessellate(POINTS, want=EVERYTHING, list_walls=True, device="cpu", **domain).save(Path(folder, "ours.npz"))
+                    command = [program, "points.npy", *options, "-x", "cpu", "--list-walls", "--want", EVERYTHING, "-o", "theirs.npz", "-q"]
+                    subprocess.run(command, cwd=folder, check=True)
+                    with np.load(Path(folder, "ours.npz")) as ours, np.load(Path(folder, "theirs.npz")) as theirs:
+                        self.assertEqual(set(ours.files), set(theirs.files))
+                        for name in set(ours.files) - {"domain_from", "periodic_from"}:
+                            np.testing.assert_array_equal(ours[name], theirs[name], name)
+                            self.assertEqual(ours[name].dtype, theirs[name].dtype, name)
+
+    def test_frames_of_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "plane.npz")
+            t = vt.tessellate(POINTS, cell=((1, 0), (0.25, 1)), origin=(0.5, -1), periodic="x", outside="drop")
+            t.save(path, columns={"points": POINTS})
+            frame, = vt.read_frames(path, columns=())
+            np.testing.assert_array_equal(frame.points, POINTS)
+            self.assertEqual(frame.domain["periodic"], (True, False))
+            again = frame.tessellate(outside="drop")
+            self.assertTrue(again.planar)
+            np.testing.assert_array_equal(again.volumes, t.volumes)
+            path = Path(folder, "plane.txt")
+            path.write_text("".join(f"{x!r} {y!r}\n" for x, y in POINTS.tolist()))
+            np.testing.assert_array_equal(next(vt.read_frames(path)).points, POINTS)
 
     def test_a_plot_fills_the_box(self):
         if not have("matplotlib"):

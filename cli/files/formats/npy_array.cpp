@@ -96,7 +96,7 @@ void NpyArray::parse_header(std::string_view dict) {
     }
 }
 
-void NpyArray::check_points() const {
+void NpyArray::check_points(std::span<const std::size_t> columns) const {
     if (type_ == ">f8" || type_ == ">f4") {
         throw error("big-endian numbers (" + in_quotes(type_) +
                     ") are not supported: save points.astype(\"<f8\") instead");
@@ -104,13 +104,18 @@ void NpyArray::check_points() const {
     if (!is_float()) {
         throw error("array of type " + in_quotes(type_) + ", expected float64 or float32: save points.astype(float)");
     }
-    if (!is_points()) throw error("array of shape " + shape_text() + ", expected (N, 3)");
+    std::string expected;
+    for (const std::size_t count : columns) {
+        if (has_columns(count)) return;
+        expected += (expected.empty() ? "(N, " : " or (N, ") + std::to_string(count) + ")";
+    }
+    throw error("array of shape " + shape_text() + ", expected " + expected);
 }
 
 void NpyArray::check_size(std::size_t item_size) const {
     if (count_ <= bytes_ / item_size && bytes_ == count_ * item_size) return;
-    const std::uint64_t columns = is_points() ? 3 : 1;
-    throw error("the header announces " + std::to_string(count_ / columns) + (columns == 3 ? " points" : " numbers") +
+    const std::uint64_t columns = has_columns(3) || has_columns(2) ? shape_[1] : 1;
+    throw error("the header announces " + std::to_string(count_ / columns) + (columns > 1 ? " points" : " numbers") +
                 " of " + std::to_string(columns * item_size) + " bytes, but " + std::to_string(bytes_) +
                 " bytes follow");
 }
@@ -140,8 +145,7 @@ void NpyArray::each(Take take) {
 template <typename Number>
 void NpyArray::rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end) {
     check_size(sizeof(Number));
-    constexpr std::uint64_t columns = 3;
-    const std::uint64_t rows = shape_[0], taken = end - begin;
+    const std::uint64_t columns = shape_[1], rows = shape_[0], taken = end - begin;
     to.resize(columns * taken);
     const auto skip = [&](std::uint64_t numbers) { source_.skip(numbers * sizeof(Number)); };
     if (!column_major_) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,10 @@ public:
     NpyArray(ByteSource source, std::string name);
 
     [[nodiscard]] const std::vector<std::uint64_t>& shape() const noexcept { return shape_; }
-    [[nodiscard]] bool is_points() const noexcept { return shape_.size() == 2 && shape_[1] == 3; }  // (N, 3)
-    [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }                    // (N,)
+    [[nodiscard]] bool has_columns(std::uint64_t count) const noexcept {
+        return shape_.size() == 2 && shape_[1] == count;
+    }
+    [[nodiscard]] bool is_column() const noexcept { return shape_.size() == 1; }  // (N,)
     [[nodiscard]] bool is_float() const noexcept { return type_ == "<f8" || type_ == "<f4"; }
     [[nodiscard]] bool is_whole() const noexcept {
         return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8" || type_ == "|u1" || type_ == "|b1";
@@ -35,14 +38,14 @@ public:
     // Reads all values of a float64 or float32 array, in row-major order. Value k goes to to[offset + stride k]. Call
     // it once.
     void read_floats(std::vector<double>& to, std::size_t offset = 0, std::size_t stride = 1);
-    // Reads the rows begin to end of an (N, 3) array of floats. The source must skip. Call it once.
+    // Reads the rows begin to end of an array (N, K) of floats. The source must skip. Call it once.
     void read_rows(std::vector<double>& to, std::uint64_t begin, std::uint64_t end);
     // Reads the next rows of points, up to a number. Throws Failure for an array that is stored column by column.
     void read_next(std::uint64_t rows, std::vector<double>& to);
     // Reads all values of an array of whole numbers. Call it once.
     [[nodiscard]] std::vector<std::int64_t> read_whole();
-    // Throws Failure unless the array is (N, 3) of floats.
-    void check_points() const;
+    // Throws Failure unless the array is (N, K) of floats, for one of these K.
+    void check_points(std::span<const std::size_t> columns) const;
 
 private:
     [[nodiscard]] Failure error(const std::string& message) const;

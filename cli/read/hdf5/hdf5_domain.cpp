@@ -43,9 +43,9 @@ std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string
     FileDomain domain;
     const std::vector<std::string> boundary = file.texts(box, "boundary");
     std::array<bool, 3> periodic{};
-    if (boundary.size() == 3) {
+    if (boundary.size() == 2 || boundary.size() == 3) {
         domain.periodic_from = DomainSource::stated;
-        for (std::size_t k = 0; k < 3; ++k) periodic[k] = lower_case(boundary[k]) == "periodic";
+        for (std::size_t k = 0; k < boundary.size(); ++k) periodic[k] = lower_case(boundary[k]) == "periodic";
     }
     Numbers edges = file.attribute(box.c_str(), "edges");
     if (file.has(box + "/edges/value")) {
@@ -59,9 +59,11 @@ std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string
     } else if (edges.empty()) {
         edges = numbers_of(file, box + "/edges", std::nullopt);
     }
-    if (edges.size() == 3) {
-        domain.box = votess::Box{{0, 0, 0}, {edges[0], edges[1], edges[2]}};
+    if (edges.size() == 2 || edges.size() == 3) {
+        domain.box = votess::Box{{0, 0, 0}, {edges[0], edges[1], edges.size() == 3 ? edges[2] : 0}};
         domain.periodic = periodic;
+    } else if (edges.size() == 4) {
+        domain.cell = votess::TriclinicBox{.a = {edges[0], edges[1]}, .b = {edges[2], edges[3]}, .periodic = periodic};
     } else if (edges.size() == 9) {
         domain.cell = votess::TriclinicBox{.a = {edges[0], edges[1], edges[2]},
                                            .b = {edges[3], edges[4], edges[5]},
@@ -126,15 +128,17 @@ FileDomain domain_of_snapshot(const Hdf5File& file) {
 
 FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points, const std::optional<FrameOfFile>& frame) {
     const Numbers axes = file.attribute("/", "periodic");
-    if (axes.size() == 3) {  // a file that clvotess wrote
+    if (axes.size() == 2 || axes.size() == 3) {  // a file that clvotess wrote
         Numbers walls;
-        if (file.has("walls") && file.open("walls").has_columns(4)) {
+        if (file.has("walls") && file.open("walls").has_columns(axes.size() + 1)) {
             const Hdf5Dataset planes = file.open("walls");
             file.check_unpacked(planes.bytes());
             planes.append_to(walls);
         }
-        return stated_domain(file.attribute("/", "box"), {axes[0] != 0, axes[1] != 0, axes[2] != 0},
-                             file.attribute("/", "cell"), file.attribute("/", "origin"), walls);
+        std::array<bool, 3> periodic{};
+        for (std::size_t k = 0; k < axes.size(); ++k) periodic[k] = axes[k] != 0;
+        return stated_domain(file.attribute("/", "box"), periodic, file.attribute("/", "cell"),
+                             file.attribute("/", "origin"), walls);
     }
     if (const auto domain = domain_of_h5md(file, points, frame)) return *domain;
     if (const auto domain = domain_of_mdtraj(file, frame)) return *domain;

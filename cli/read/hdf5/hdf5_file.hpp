@@ -41,9 +41,10 @@ public:
         type_size_ = H5Tget_size(type.id());
     }
 
-    [[nodiscard]] bool is_points() const { return has_columns(3); }
-    // Returns whether the shape is (frames, N, 3), of floats.
-    [[nodiscard]] bool is_frames() const { return extent_.size() == 3 && extent_[2] == 3 && is_float(); }
+    // Returns whether the shape is (frames, N, count), of floats.
+    [[nodiscard]] bool has_frames(hsize_t count) const {
+        return extent_.size() == 3 && extent_[2] == count && is_float();
+    }
     // Reads one frame from now on: the first dimension counts frames.
     void choose_frame(std::uint64_t frame) {
         frame_ = frame;

@@ -1,5 +1,5 @@
-// HDF5: a dataset (N, 3) of floats; frames (T, N, 3) as in H5MD and MDTraj; snapshots of cosmological codes, in one
-// file or several.
+// HDF5: a dataset (N, 3) of floats, in the plane (N, 2); frames (T, N, 3) as in H5MD and MDTraj; snapshots of
+// cosmological codes, in one file or several.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,11 +54,12 @@ public:
     // rows: of a piece.
     Hdf5Pieces(const std::string& path, const ReadRequest& request, std::uint64_t rows)
         : request_(request), rows_(rows), first_(first_snapshot_file(path)) {
-        name_ = request_.dataset.empty() ? find_points(first_, "") : without_slash(request_.dataset);
-        if (first_.is_group(name_)) name_ = find_points(first_, name_ + "/");
+        name_ = request_.dataset.empty() ? find_points("") : without_slash(request_.dataset);
+        if (first_.is_group(name_)) name_ = find_points(name_ + "/");
         if (first_.has(name_)) {
             const Hdf5Dataset points = first_.open(name_);
-            if (points.is_frames()) frames_ = points.rows();
+            for (const std::size_t columns : columns_of(request_.dimensions))
+                if (points.has_frames(columns)) frames_ = points.rows();
         }
         units = first_.units();
         if (frames_) {
@@ -141,8 +142,9 @@ private:
     }
 
     // Returns the only dataset of a group that can be the points.
-    [[nodiscard]] static std::string find_points(const Hdf5File& file, const std::string& group) {
-        std::vector<std::string> candidates = candidates_of(file, group);
+    [[nodiscard]] std::string find_points(const std::string& group) const {
+        const Hdf5File& file = first_;
+        const std::vector<std::string> candidates = candidates_of(file, group);
         const auto is_usual = [](const std::string& path) {
             const std::string name = lower_case(path.substr(path.rfind('/') + 1));
             return name == "coordinates" || name == "positions" || path.ends_with("position/value");
@@ -150,7 +152,7 @@ private:
         if (std::ranges::count_if(candidates, is_usual) == 1) return *std::ranges::find_if(candidates, is_usual);
         if (candidates.size() == 1) return candidates[0];
         if (candidates.empty()) {
-            throw bad_input(file.path() + ": no dataset of floats with shape (N, 3)");
+            throw bad_input(file.path() + ": no dataset of floats with shape " + shapes_of(request_.dimensions));
         }
         constexpr std::size_t shown = 8;
         std::string list;
@@ -160,13 +162,16 @@ private:
     }
 
     // Returns the datasets of a group, or of the root for "", that can be the points.
-    [[nodiscard]] static std::vector<std::string> candidates_of(const Hdf5File& file, const std::string& group) {
+    [[nodiscard]] std::vector<std::string> candidates_of(const Hdf5File& file, const std::string& group) const {
         std::vector<std::string> candidates;
-        for (const std::string& name : file.datasets()) {
-            if (!name.starts_with(group) || is_no_place(name)) continue;
-            const Hdf5Dataset set = file.open(name);
-            const bool box = name.ends_with("/box/edges") || name.ends_with("/box/edges/value");
-            if (!box && (set.is_points() || set.is_frames())) candidates.push_back(name);
+        for (const std::size_t columns : columns_of(request_.dimensions)) {
+            for (const std::string& name : file.datasets()) {
+                if (!name.starts_with(group) || is_no_place(name)) continue;
+                const Hdf5Dataset set = file.open(name);
+                const bool box = name.ends_with("/box/edges") || name.ends_with("/box/edges/value");
+                if (!box && (set.has_columns(columns) || set.has_frames(columns))) candidates.push_back(name);
+            }
+            if (!candidates.empty()) break;
         }
         return candidates;
     }
@@ -175,7 +180,8 @@ private:
         std::string list;
         for (const std::string& other : candidates_of(file, "")) list += " " + other;
         return bad_input(file.path() + ": no dataset " + in_quotes(name_) +
-                         (list.empty() ? ", nor any of floats with shape (N, 3)" : "; of shape (N, 3) are" + list));
+                         (list.empty() ? ", nor any of floats with shape " + shapes_of(request_.dimensions)
+                                       : "; of the shape of points are" + list));
     }
 
     // append() reports errors of the points.
@@ -199,6 +205,7 @@ private:
         const std::uint64_t skipped = std::clamp(begin_, read_, read_ + passed) - read_,
                             rows = std::clamp(end_, read_, read_ + passed) - read_ - skipped;
         const std::uint64_t first = here + skipped;
+        to.dimensions = part_->points->width();
         part_->points->append_to(to.points, first, rows);
         if (part_->ids) part_->ids->append_to(to.ids, first, rows);
         if (to.columns.empty()) to.columns = columns_;
@@ -229,7 +236,10 @@ private:
         part_->points.emplace(file.open(name_));
         if (frames_) part_->points->choose_frame(frame_);
         const Hdf5Dataset& points = *part_->points;
-        if (!points.is_points()) throw points.error("has " + points.description() + ", expected (N, 3) of floats");
+        const auto columns = columns_of(request_.dimensions);
+        if (std::ranges::none_of(columns, [&](std::size_t count) { return points.has_columns(count); }))
+            throw points.error("has " + points.description() + ", expected " + shapes_of(request_.dimensions) +
+                               " of floats");
         find_ids(file, points.rows());
         if (points.rows() > 0) {
             if (with_ids_ && *with_ids_ != part_->ids.has_value())

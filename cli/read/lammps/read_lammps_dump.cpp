@@ -18,7 +18,7 @@ namespace {
 
 // The columns of x, y, z, and their scaling.
 struct Place {
-    std::array<std::size_t, 3> columns{};
+    std::vector<std::size_t> columns;
     bool scaled = false;
 };
 
@@ -150,11 +150,10 @@ private:
         };
         if (!request_.coordinates.empty()) {
             Place place;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::string& name = request_.coordinates[k];
+            for (const std::string& name : request_.coordinates) {
                 const auto found = at(name);
                 if (!found) throw lines_.error("no column " + in_quotes(name) + " of --columns");
-                place.columns[k] = *found;
+                place.columns.push_back(*found);
             }
             constexpr std::array<std::string_view, 2> fractions{"xs", "xsu"};
             place.scaled = std::ranges::find(fractions, request_.coordinates[0]) != fractions.end();
@@ -165,6 +164,7 @@ private:
             const auto y = at(std::string("y") + suffix);
             const auto z = at(std::string("z") + suffix);
             if (x && y && z) return {{*x, *y, *z}, scaled};
+            if (x && y && request_.dimensions == Dimensions::two) return {{*x, *y}, scaled};
         }
         throw lines_.error("no columns x y z, xu yu zu, xs ys zs or xsu ysu zsu");
     }
@@ -179,17 +179,21 @@ private:
                                " are announced");
         }
         std::array<double, 3> position{};
-        for (std::size_t k = 0; k < 3; ++k) position[k] = lines_.number(words_[place_.columns[k]]);
+        const std::size_t size = place_.columns.size();
+        for (std::size_t k = 0; k < size; ++k) position[k] = lines_.number(words_[place_.columns[k]]);
         if (place_.scaled) position = box_.unscaled(position);
         if (first_) {
-            std::vector<std::size_t> taken(place_.columns.begin(), place_.columns.end());
+            std::vector<std::size_t> taken = place_.columns;
             taken.push_back(id_.value_or(names_.size()));
             if (request_.all_columns) wanted_->add_others(names_, taken, words_);
             wanted_->find_words(words_);
             first_ = false;
         }
-        if (input.points.empty()) input.columns = wanted_->columns(max_rows());
-        input.points.insert(input.points.end(), position.begin(), position.end());
+        if (input.points.empty()) {
+            input.columns = wanted_->columns(max_rows());
+            input.dimensions = size;
+        }
+        input.points.insert(input.points.end(), position.begin(), position.begin() + static_cast<std::ptrdiff_t>(size));
         if (id_) input.ids.push_back(lines_.whole(words_[*id_], "an id"));
         wanted_->append(
             input, [&](std::size_t k) { return words_[k]; },

@@ -50,7 +50,7 @@ using namespace clvotess;
 
 void check(const Input& input) {
     const std::size_t count = input.size();
-    if (input.points.size() != 3 * count) complain("no whole number of points");
+    if (input.points.size() != input.dimensions * count) complain("no whole number of points");
     if (!input.ids.empty() && input.ids.size() != count) complain("ids of another number than points");
     for (const InputColumn& column : input.columns)
         if (column.values.size() + column.words.size() != column.width * count)
@@ -72,11 +72,26 @@ std::string refusal(Read read) {
     }
 }
 
+// Reads in both other ways, as clvotess does.
+template <typename Read>
+void read_planes(Read read, ReadRequest request) {
+    for (const Dimensions dimensions : {Dimensions::either, Dimensions::two}) {
+        request.dimensions = dimensions;
+        (void)refusal([&] {
+            Input input = read(request);
+            fit_dimensions("file", request, input);
+            if (dimensions == Dimensions::two && !input.planar()) complain("two dimensions are requested");
+            check(input);
+        });
+    }
+}
+
 // Requests without columns, with optional columns, with all columns, and for another frame.
 template <typename Read>
 void read_all_ways(Read read, bool frames = false) {
     const auto with = [&](const ReadRequest& request) { (void)refusal([&] { check(read(request)); }); };
     with({});
+    read_planes(read, {});
     ReadRequest wishes;
     wishes.columns = {"r", "radius", "4"};
     with(wishes);
@@ -207,7 +222,10 @@ void parse_gz(std::string_view bytes) {
 void parse_npy(std::string_view bytes) {
     const MemoryFile file(bytes);
     (void)refusal([&] { check(read_npy(file.path())); });
-    (void)refusal([&] { check(read_npy(file.path(), {1, 3})); });
+    ReadRequest part;
+    part.share = {1, 3};
+    (void)refusal([&] { check(read_npy(file.path(), part)); });
+    read_planes([&](const ReadRequest& request) { return read_npy(file.path(), request); }, part);
     (void)refusal([&] {
         const auto pieces = open_npy(file.path(), 2);
         for (Input piece; pieces->next(piece);) check(piece);
@@ -230,6 +248,7 @@ void parse_hdf5(std::string_view bytes) {
     ReadRequest all;
     all.all_columns = true;
     (void)refusal([&] { check(clvotess_hdf5.read(file.path(), all)); });
+    read_planes([&](const ReadRequest& request) { return clvotess_hdf5.read(file.path(), request); }, all);
     (void)refusal([&] {
         const auto frames = clvotess_hdf5.open_frames(file.path(), {});
         for (Input frame; frames->passed() < 4 && frames->next(frame);) check(frame);
