@@ -303,11 +303,16 @@ def _triangles(diagram: Diagram) -> Int64Array:
 def _tetrahedra(diagram: Diagram) -> Int64Array:
     """Returns (T, 4) positive tetrahedra."""
     dual = diagram.t.delaunay()
+    tetrahedra: Int64Array = dual.tetrahedra.astype(np.int64)
+    # The rows of a cell do not tell the order of several edges to infinity at one vertex.
+    outer = np.flatnonzero(diagram.is_open[tetrahedra].all(axis=1))
+    mirrored = outer[orientation(diagram.t.points, *tetrahedra[outer].T) < 0]
+    tetrahedra[mirrored, 2:] = tetrahedra[mirrored, :1:-1]
     if len(dual.polytopes) == 0:
-        return dual.tetrahedra
+        return tetrahedra
     lowest = np.full(len(diagram.vertices) + 1, -1)  # the last one is that of infinity
     lowest[dual.polytope_centers] = dual.polytopes.indices[dual.polytopes.indptr[:-1]]
-    return np.concatenate((dual.tetrahedra, _cut_polytopes(diagram, lowest)))
+    return np.concatenate((tetrahedra, _cut_polytopes(diagram, lowest)))
 
 
 def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:

@@ -173,7 +173,7 @@ class VoronoiTest(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "NaN"):
                 make(np.where(points == points[0], np.nan, points))
             with self.assertRaisesRegex(ValueError, "shape"):
-                make(points[:, :2])
+                make(points[:, :1])
             with self.assertRaisesRegex(NotImplementedError, "furthest_site"):
                 make(points, furthest_site=True)
             with self.assertRaisesRegex(NotImplementedError, "incremental"):
