@@ -278,9 +278,12 @@ def _empty(kind: Type[Delaunay]) -> Delaunay:
 
 def _cofactors(sides: Float64Array) -> Float64Array:
     """Returns the derivatives of the determinants of matrices (T, ndim, ndim) by their elements."""
+    cofactors: Float64Array
     if sides.shape[1] == 2:
-        return sides[:, ::-1, ::-1] * np.array([(1, -1), (-1, 1)])
-    return np.cross(sides[:, [1, 2, 0]], sides[:, [2, 0, 1]])
+        cofactors = sides[:, ::-1, ::-1] * np.array([(1, -1), (-1, 1)])
+    else:
+        cofactors = np.cross(sides[:, [1, 2, 0]], sides[:, [2, 0, 1]])
+    return cofactors
 
 
 def _triangles(diagram: Diagram) -> Int64Array:
@@ -296,8 +299,8 @@ def _triangles(diagram: Diagram) -> Int64Array:
     lowest = np.full(len(diagram.vertices) + 1, len(diagram.t))  # the last one is that of infinity
     np.minimum.at(lowest, center, i)
     apex = lowest[center]
-    kept = (center >= 0) & (i != apex) & (j != apex)
-    return np.column_stack((apex, i, j))[kept]
+    kept = np.flatnonzero((center >= 0) & (i != apex) & (j != apex))
+    return np.column_stack((apex[kept], i[kept], j[kept]))
 
 
 def _tetrahedra(diagram: Diagram) -> Int64Array:

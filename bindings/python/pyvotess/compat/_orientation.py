@@ -33,7 +33,7 @@ def orientation(points: Float64Array, *ids: Int64Array) -> Int64Array:
 def _exact_sign(corners: List[List[float]]) -> int:
     first, *others = ([Fraction(x) for x in corner] for corner in corners)
     value = _expand([[x - y for x, y in zip(corner, first)] for corner in others], -1)
-    return (value > 0) - (value < 0)
+    return int(value > 0) - int(value < 0)
 
 
 def _expand(rows: List[List[Any]], sign: int) -> Any:
