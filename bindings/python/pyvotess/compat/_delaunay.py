@@ -48,9 +48,9 @@ class Delaunay(OfPoints):
 
     Differences from scipy:
 
-    - The corners of a tetrahedron are ordered so that det(b-a, c-a, d-a) > 0. Triangles are counterclockwise, as in scipy.
-    - Five or more points on one sphere, or four on one circle, are triangulated from the lowest index, consistently with
-      their neighbors.
+    - The corners of a tetrahedron are ordered so that det(b-a, c-a, d-a) > 0. Triangles are counterclockwise, as there.
+    - Five or more points on one sphere, or four on one circle, are triangulated from the lowest index. The simplices
+      fit together.
     - Flat simplices at the hull, which Qhull may merge, are included.
     - ``coplanar`` lists only points that equal an earlier one.
     """
@@ -172,7 +172,7 @@ class Delaunay(OfPoints):
 
     @cached_property
     def equations(self) -> Float64Array:
-        """(T, ndim + 2) float64: downward unit normal and offset of the plane through the lifted corners of each simplex.
+        """(T, ndim + 2) float64: downward unit normal and offset of the plane through the lifted corners of simplices.
 
         NaN for a simplex that is too flat.
         """

@@ -46,8 +46,8 @@ class Voronoi(OfPoints):
 
     Differences from scipy:
 
-    - Five or more points on one sphere, or four on one circle, have one vertex. Qhull returns several at the same place,
-      or merges close ones.
+    - Five or more points on one sphere, or four on one circle, have one vertex. Qhull returns several at one place, or
+      merges close ones.
     - Ridges with a single vertex, which Qhull omits in space, are included.
     - Point i has region i. There is no empty region for Qhull's point at infinity.
     - The region of a point that equals an earlier one is empty; ``point_region`` is that of the earlier one.

@@ -1,7 +1,8 @@
 """scipy.spatial's Voronoi and Delaunay for two and three dimensions.
 
 Use ``from pyvotess.compat.scipy import Voronoi, Delaunay``. Each class lists its differences. ``QhullError`` is that of
-SciPy if it is installed.
+SciPy if it is installed. Points whose coordinates differ by more than 50 orders of magnitude are refused: see the
+box ``"none"`` of :func:`pyvotess.tessellate`.
 """
 
 from typing import TYPE_CHECKING, Any
