@@ -77,7 +77,7 @@ class Delaunay(OfPoints):
         super().__init__(points, furthest_site, incremental)
         diagram = diagram_of_space(self.points, options)
         simplices = _triangles(diagram) if self.ndim == 2 else _tetrahedra(diagram)
-        # With one simplex for each vertex, edges are dual to ridges.
+        # Edges are dual to ridges if each vertex has one simplex.
         self._edges = diagram.ridge_seeds if len(simplices) == len(diagram.vertices) else None
         self.simplices: Int32Array = simplices.astype(np.int32)
         self.nsimplex = len(self.simplices)
@@ -307,7 +307,7 @@ def _tetrahedra(diagram: Diagram) -> Int64Array:
     """Returns (T, 4) positive tetrahedra."""
     dual = diagram.t.delaunay()
     tetrahedra: Int64Array = dual.tetrahedra.astype(np.int64)
-    # The rows of a cell do not tell the order of several edges to infinity at one vertex.
+    # delaunay() cannot order several edges of a cell from one vertex to infinity.
     outer = np.flatnonzero(diagram.is_open[tetrahedra].all(axis=1))
     mirrored = outer[orientation(diagram.t.points, *tetrahedra[outer].T) < 0]
     tetrahedra[mirrored, 2:] = tetrahedra[mirrored, :1:-1]
@@ -351,7 +351,7 @@ def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
 def _facets_of_hull(points: Float64Array, center: Int64Array, i: Int64Array, j: Int64Array) -> Int64Array:
     """Returns the number of a facet for each of its edges from seed i to seed j, counterclockwise seen from outside.
 
-    Of all edges that begin at j, the one whose end is farthest outside of the plane through i and j follows.
+    The edge that follows begins at j. Its end k is such that no other edge ends outside of the plane of i, j, k.
     """
     begins, ends = (center * len(points) + seed for seed in (i, j))
     order = np.argsort(begins, kind="stable")

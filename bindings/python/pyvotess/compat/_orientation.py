@@ -37,7 +37,7 @@ def _exact_sign(corners: List[List[float]]) -> int:
 
 
 def _expand(rows: List[List[Any]], sign: int) -> Any:
-    """Returns the determinant of rows of numbers or arrays. With sign 1 all of its products are added."""
+    """Returns the determinant of rows of numbers or arrays if sign is -1, their permanent if it is 1."""
     if len(rows) == 1:
         return rows[0][0]
     minors = ([row[:k] + row[k + 1 :] for row in rows[1:]] for k in range(len(rows)))
