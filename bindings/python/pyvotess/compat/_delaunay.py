@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import sys
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Type
+from typing import TYPE_CHECKING, Any, Optional, Tuple, Type
 
 import numpy as np
 
