@@ -48,7 +48,7 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
         if (entry % entries_per_check == 0) check_stop();
         if (r.indices[entry] >= 0) continue;
         for (std::int64_t k = r.face_offsets[entry]; k < r.face_offsets[entry + 1]; ++k)
-            cells[joined.original(r.face_vertices[at(k)])] = 0;
+            if (const std::int32_t v = r.face_vertices[at(k)]; v >= 0) cells[joined.original(v)] = 0;
     }
     return cells;
 }
@@ -82,6 +82,8 @@ public:
             if (i % cells_per_check == 0) check_stop();
             add_tetrahedra(i);
         }
+        if (r_.lone_tetrahedron)
+            for (std::size_t k = 0; k < 4; ++k) put_corner(k, {(*r_.lone_tetrahedron)[k], {}});
         add_polytopes();
         return std::move(out_);
     }
@@ -107,14 +109,29 @@ private:
         }
         std::ranges::sort(passages_, {}, [](const Passage& p) { return std::tuple(p.vertex, p.entry); });
         for (std::size_t p = 0; p + 2 < passages_.size(); p += 3) {
-            const Passage& one = passages_[p];
-            const bool next_first = passages_[p + 1].after == one.before;
-            const std::size_t simplex = 4 * at(place_[at(one.vertex)]);
-            put_corner(simplex, {static_cast<std::int32_t>(i), {}});
-            put_corner(simplex + 1, across(one.entry));
-            put_corner(simplex + 2, across(passages_[next_first ? p + 1 : p + 2].entry));
-            put_corner(simplex + 3, across(passages_[next_first ? p + 2 : p + 1].entry));
+            const Passage &a = passages_[p], &b = passages_[p + 1], &c = passages_[p + 2];
+            // Two edges may go to infinity; a finite one tells the turn. A cell without any leaves it to a later one.
+            const auto meets = [](const Passage& x, const Passage& y) { return x.after >= 0 && x.after == y.before; };
+            const bool open = std::min({a.before, b.before, c.before}) < 0;
+            if (open ? meets(b, a) || meets(a, c) || meets(c, b) : meets(b, a))
+                put_tetrahedron(i, a, b, c);
+            else if (!open || meets(c, a) || meets(a, b) || meets(b, c))
+                put_tetrahedron(i, a, c, b);
         }
+    }
+
+    // Seen from outside of cell i, the faces lie counterclockwise around the vertex.
+    void put_tetrahedron(std::size_t i, const Passage& a, const Passage& b, const Passage& c) {
+        std::array<Member, 4> corners{Member{static_cast<std::int32_t>(i), {}}, across(a.entry), across(b.entry),
+                                      across(c.entry)};
+        const auto lowest = std::ranges::min_element(corners, {}, &Member::seed) - corners.begin();
+        if (lowest != 0) {  // two swaps keep the turn
+            std::swap(corners[0], corners[static_cast<std::size_t>(lowest)]);
+            std::swap(corners[static_cast<std::size_t>(lowest % 3 + 1)],
+                      corners[static_cast<std::size_t>((lowest + 1) % 3 + 1)]);
+        }
+        const std::size_t simplex = 4 * at(place_[at(a.vertex)]);
+        for (std::size_t k = 0; k < 4; ++k) put_corner(simplex + k, corners[k]);
     }
 
     void add_polytopes() {

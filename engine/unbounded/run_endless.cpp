@@ -1,9 +1,12 @@
 #include "unbounded/run_endless.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <vector>
 
 #include "core/progress.hpp"
+#include "exact/insphere.hpp"
 #include "input/implied_wants.hpp"
 #include "unbounded/open_cells.hpp"
 
@@ -30,6 +33,7 @@ public:
 
     Result make() {
         Result result = options_.only || points_.count() < min_near ? in_far_box() : in_both_boxes();
+        if (result.vertices.size() == 3) find_tetrahedron(result);
         keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
         return result;
     }
@@ -53,6 +57,26 @@ private:
         std::vector<double> squares;
         for (const double radius : weights) squares.push_back(radius * radius);
         return far_box(points, squares, *options_.box);
+    }
+
+    void find_tetrahedron(Result& result) const {
+        std::vector<std::int32_t> seeds;
+        for (std::size_t i = 0; i < points_.count(); ++i)
+            if (result.cell_vertex_indptr[i] != result.cell_vertex_indptr[i + 1])
+                seeds.push_back(static_cast<std::int32_t>(i));
+        if (seeds.size() != 4) return;
+        std::array<exact::Point, 4> x;
+        double largest = 0;
+        for (std::size_t k = 0; k < 4; ++k)
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                x[k][axis] = points_[3 * at(seeds[k]) + axis];
+                largest = std::max(largest, std::abs(x[k][axis]));
+            }
+        const int exponent = std::ilogb(largest);
+        for (exact::Point& point : x)
+            for (double& coordinate : point) coordinate = std::ldexp(coordinate, -exponent);
+        if (exact::orient(x[1], x[2], x[3], x[0]) < 0) std::swap(seeds[2], seeds[3]);
+        result.lone_tetrahedron = {seeds[0], seeds[1], seeds[2], seeds[3]};
     }
 
     Result in_far_box() {

@@ -231,6 +231,32 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("unbounded: Delaunay tetrahedra of few points turn the right way") {
+        test::Random random(21);
+        for (int trial = 0; trial < 300; ++trial) {
+            Coordinates points;
+            const std::size_t n = 4 + random.below(4);
+            for (std::size_t i = 0; i < 3 * n; ++i) points.push_back(random.uniform(-1, 1));
+            Options options = endless_options(trial % 5 == 4 ? votess::Box{{-inf, -1, -inf}, {inf, 1, inf}} : no_ends);
+            options.want.faces = true;
+            const auto dual = votess::delaunay(votess::tessellate(points, options));
+            for (std::size_t t = 0; t < dual.tetrahedra.size(); t += 4) {
+                std::array<std::array<double, 3>, 3> d{};
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t c = 0; c < 3; ++c)
+                        d[k][c] = points[3 * static_cast<std::size_t>(dual.tetrahedra[t + k + 1]) + c] -
+                                  points[3 * static_cast<std::size_t>(dual.tetrahedra[t]) + c];
+                const double six = d[0][0] * (d[1][1] * d[2][2] - d[1][2] * d[2][1]) -
+                                   d[0][1] * (d[1][0] * d[2][2] - d[1][2] * d[2][0]) +
+                                   d[0][2] * (d[1][0] * d[2][1] - d[1][1] * d[2][0]);
+                CHECK(six > 0);
+                CHECK(dual.tetrahedra[t] == std::min({dual.tetrahedra[t], dual.tetrahedra[t + 1],
+                                                      dual.tetrahedra[t + 2], dual.tetrahedra[t + 3]}));
+            }
+            if (trial % 5 != 4) CHECK(dual.tetrahedra.size() > 0);
+        }
+    }
+
     TEST_CASE("unbounded: some cells are those of the full run") {
         const auto set = test::uniform(5000, 8);
         Options options = endless_options();

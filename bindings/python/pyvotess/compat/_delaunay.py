@@ -1,15 +1,17 @@
-"""scipy.spatial.Delaunay for three dimensions."""
+"""scipy.spatial.Delaunay for two and three dimensions."""
 
 from __future__ import annotations
 
+import itertools
 import sys
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Type
+from typing import TYPE_CHECKING, Any, Optional, Tuple, Type
 
 import numpy as np
 
+from ._diagram import Diagram, diagram_of_space
+from ._orientation import orientation
 from ._points import OfPoints
-from ._unbounded import Diagram, diagram_of_space, orientation
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -19,17 +21,20 @@ if TYPE_CHECKING:
     Int32Array = npt.NDArray[np.int32]
     BoolArray = npt.NDArray[np.bool_]
 
-#: the face opposite to each corner of a positive tetrahedron, counterclockwise seen from outside
-_OPPOSITE = np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)])
+#: by dimension: the face opposite to each corner of a positive simplex, counterclockwise seen from outside or around it
+_OPPOSITE = {
+    2: np.array([(1, 2), (2, 0), (0, 1)]),
+    3: np.array([(1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1)]),
+}
 _QUERIES_AT_ONCE = 1 << 16
 
 
 class Delaunay(OfPoints):
-    """The Delaunay tetrahedra of points in space, with the attributes of scipy.spatial.Delaunay.
+    """The Delaunay tetrahedra of points in space, or triangles in the plane, as scipy.spatial.Delaunay.
 
     Parameters
     ----------
-    points : (N, 3) numbers, N >= 4, not all in one plane.
+    points : (N, 3) numbers, not all in one plane, or (N, 2), not all on one line.
     furthest_site, incremental : must be False.
     qhull_options : not used.
     options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
@@ -37,15 +42,15 @@ class Delaunay(OfPoints):
     Attributes: ``points``, ``simplices``, ``neighbors``, ``convex_hull``, ``coplanar``, ``vertex_to_simplex``,
     ``vertex_neighbor_vertices``, ``transform``, ``equations``, ``paraboloid_scale``, ``paraboloid_shift``, ``npoints``,
     ``nsimplex``, ``ndim``, ``min_bound``, ``max_bound``, ``furthest_site``, as in scipy. All except the first two are
-    computed at first use. ``scipy.interpolate.LinearNDInterpolator`` accepts the object instead of points.
+    computed at first use. Interpolators of ``scipy.interpolate`` accept the object instead of points.
 
-    The simplices fill the convex hull. Exact arithmetic verifies that their surface is convex. Raises QhullError when a
-    simplex at the hull is so flat that no box contains the center of its sphere.
+    The simplices fill the convex hull.
 
     Differences from scipy:
 
-    - The corners of a simplex are ordered so that det(b-a, c-a, d-a) > 0.
-    - Five or more points on one sphere are triangulated from the lowest index, consistently with their neighbors.
+    - The corners of a tetrahedron are ordered so that det(b-a, c-a, d-a) > 0. Triangles are counterclockwise, as there.
+    - Five or more points on one sphere, or four on one circle, are triangulated from the lowest index. The simplices
+      fit together.
     - Flat simplices at the hull, which Qhull may merge, are included.
     - ``coplanar`` lists only points that equal an earlier one.
     """
@@ -71,42 +76,41 @@ class Delaunay(OfPoints):
         del qhull_options
         super().__init__(points, furthest_site, incremental)
         diagram = diagram_of_space(self.points, options)
-        tetrahedra, lowest = _tetrahedra(diagram)
-        if (lowest >= 0).any():
-            tetrahedra = np.concatenate((tetrahedra, _cut_polytopes(diagram, lowest)))
-            self._edges = None
-        else:
-            self._edges = diagram.ridge_seeds
-        self.simplices: Int32Array = tetrahedra.astype(np.int32)
+        simplices = _triangles(diagram) if self.ndim == 2 else _tetrahedra(diagram)
+        # Edges are dual to ridges if each vertex has one simplex.
+        self._edges = diagram.ridge_seeds if len(simplices) == len(diagram.vertices) else None
+        self.simplices: Int32Array = simplices.astype(np.int32)
         self.nsimplex = len(self.simplices)
         self._duplicate_of = diagram.duplicate_of
 
     @cached_property
     def neighbors(self) -> Int32Array:
-        """(T, 4) int32, the simplex opposite to each corner, -1 at the hull."""
-        faces = np.sort(self.simplices[:, _OPPOSITE].reshape(-1, 3), axis=1).astype(np.int64)
-        if self.npoints < 2**21:  # three ids in one number sort faster
-            order = np.argsort((faces[:, 0] << 42) | (faces[:, 1] << 21) | faces[:, 2], kind="stable")
+        """(T, ndim + 1) int32, the simplex opposite to each corner, -1 at the hull."""
+        count = self.ndim + 1
+        faces = np.sort(self.simplices[:, _OPPOSITE[self.ndim]].reshape(-1, self.ndim), axis=1).astype(np.int64)
+        bits = 63 // self.ndim
+        if self.npoints < 2**bits:  # all ids in one number sort faster
+            order = np.argsort(sum(faces[:, k] << k * bits for k in range(self.ndim)), kind="stable")
         else:
-            order = np.lexsort((faces[:, 2], faces[:, 1], faces[:, 0]))
+            order = np.lexsort(faces.T)
         sorted_faces = faces[order]
         first = np.flatnonzero((sorted_faces[1:] == sorted_faces[:-1]).all(axis=1))
         neighbors = np.full(len(faces), -1, dtype=np.int32)
-        neighbors[order[first]] = order[first + 1] // 4
-        neighbors[order[first + 1]] = order[first] // 4
-        return neighbors.reshape(-1, 4)
+        neighbors[order[first]] = order[first + 1] // count
+        neighbors[order[first + 1]] = order[first] // count
+        return neighbors.reshape(-1, count)
 
     @cached_property
     def convex_hull(self) -> Int32Array:
-        """(F, 3) int32, the triangles of the hull, counterclockwise seen from outside."""
+        """(F, ndim) int32: the triangles of the hull, counterclockwise seen from outside, or its edges around it."""
         simplex, corner = np.nonzero(self.neighbors < 0)
-        return np.take_along_axis(self.simplices[simplex], _OPPOSITE[corner], axis=1)
+        return np.take_along_axis(self.simplices[simplex], _OPPOSITE[self.ndim][corner], axis=1)
 
     @cached_property
     def vertex_to_simplex(self) -> Int32Array:
         """(N,) int32, a simplex with the point, or with the earlier point that it equals."""
         simplex = np.full(self.npoints, -1, dtype=np.int32)
-        simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), 4)
+        simplex[self.simplices.ravel()] = np.repeat(np.arange(self.nsimplex, dtype=np.int32), self.ndim + 1)
         copies = np.flatnonzero(self._duplicate_of >= 0)
         simplex[copies] = simplex[self._duplicate_of[copies]]
         return simplex
@@ -122,7 +126,7 @@ class Delaunay(OfPoints):
         """(indptr, indices): the points that share an edge with point k are ``indices[indptr[k]:indptr[k+1]]``."""
         edges = self._edges
         if edges is None:
-            ends = np.array([(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
+            ends = np.array(list(itertools.combinations(range(self.ndim + 1), 2)))
             all_edges = np.sort(self.simplices[:, ends].reshape(-1, 2), axis=1).astype(np.int64)
             numbers = np.unique(all_edges[:, 0] * self.npoints + all_edges[:, 1])
             edges = np.column_stack(np.divmod(numbers, self.npoints))
@@ -133,20 +137,20 @@ class Delaunay(OfPoints):
 
     @cached_property
     def transform(self) -> Float64Array:
-        """(T, 4, 3) float64: a matrix and the last corner r. ``matrix @ (x - r)`` are the first barycentric coordinates.
+        """(T, ndim + 1, ndim) float64: a matrix and the last corner r of each simplex.
 
-        The matrix is NaN for a simplex that is too flat.
+        ``matrix @ (x - r)`` are the first barycentric coordinates. The matrix is NaN for a simplex that is too flat.
         """
         corners = self.points[self.simplices]
-        a, b, c = (corners[:, k] - corners[:, 3] for k in range(3))
-        crosses = np.stack((np.cross(b, c), np.cross(c, a), np.cross(a, b)), axis=1)
-        volume = np.einsum("tk,tk->t", a, crosses[:, 0])
+        sides = corners[:, :-1] - corners[:, -1:]
+        cofactors = _cofactors(sides)
+        volume = np.einsum("tk,tk->t", sides[:, 0], cofactors[:, 0])
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            inverse = crosses / volume[:, None, None]
-            lengths = np.abs(np.stack((a, b, c), axis=1)).sum(axis=2).max(axis=1)
+            inverse = cofactors / volume[:, None, None]
+            lengths = np.abs(sides).sum(axis=2).max(axis=1)
             condition = lengths * np.abs(inverse).sum(axis=1).max(axis=1)
         inverse[~(condition * 1000 * np.finfo(np.float64).eps < 1)] = np.nan
-        return np.concatenate((inverse, corners[:, 3:]), axis=1)
+        return np.concatenate((inverse, corners[:, -1:]), axis=1)
 
     @cached_property
     def _paraboloid(self) -> Tuple[float, float]:
@@ -168,28 +172,30 @@ class Delaunay(OfPoints):
 
     @cached_property
     def equations(self) -> Float64Array:
-        """(T, 5) float64: downward unit normal and offset of the plane through the lifted corners of each simplex.
+        """(T, ndim + 2) float64: downward unit normal and offset of the plane through the lifted corners of simplices.
 
         NaN for a simplex that is too flat.
         """
-        # In units of the largest coordinate. Vectors from corner d, in the order of a positive volume.
+        # In units of the largest coordinate.
         unit = np.abs(self.points).max()
         scale, shift = self.paraboloid_scale * unit, self.paraboloid_shift / unit
         corners = self.points[self.simplices] / unit
-        d = corners[:, 3]
-        b, a, c = (corners[:, k] - d for k in range(3))
-        # The plane n.x - volume h = offset is that of the sphere, |x - d|^2 volume = (x - d).toward.
-        volume = np.einsum("tk,tk->t", a, np.cross(b, c))[:, None]
-        pairs = ((a, b, c), (b, c, a), (c, a, b))
-        toward = sum(np.einsum("tk,tk->t", u, u)[:, None] * np.cross(v, w) for u, v, w in pairs)
-        offset = shift * volume - scale * np.einsum("tk,tk->t", d, d * volume + toward)[:, None]
-        planes = np.concatenate((scale * (2 * d * volume + toward), -volume, offset * unit), axis=1)
+        last = corners[:, -1]
+        sides = corners[:, :-1] - corners[:, -1:]
+        # The determinant of the sides is positive in the plane and negative in space.
+        cofactors = (-1) ** self.ndim * _cofactors(sides)
+        # The plane n.x - volume h = offset is that of the sphere, |x - last|^2 volume = (x - last).toward.
+        volume = np.einsum("tk,tk->t", sides[:, 0], cofactors[:, 0])[:, None]
+        toward = np.einsum("tkx,tkx,tky->ty", sides, sides, cofactors)
+        offset = shift * volume - scale * np.einsum("tk,tk->t", last, last * volume + toward)[:, None]
+        planes = np.concatenate((scale * (2 * last * volume + toward), -volume, offset * unit), axis=1)
         with np.errstate(divide="ignore", invalid="ignore"):
-            equations: Float64Array = planes / np.sqrt(np.einsum("tk,tk->t", planes[:, :4], planes[:, :4]))[:, None]
+            lengths = np.sqrt(np.einsum("tk,tk->t", planes[:, :-1], planes[:, :-1]))
+            equations: Float64Array = planes / lengths[:, None]
         return equations
 
     def lift_points(self, x: npt.ArrayLike) -> Float64Array:
-        """Returns (..., 4) float64, the points (..., 3) lifted to the paraboloid."""
+        """Returns (..., ndim + 1) float64, the points (..., ndim) lifted to the paraboloid."""
         array = np.asarray(x, dtype=np.float64)
         height = self.paraboloid_scale * np.einsum("...k,...k->...", array, array) + self.paraboloid_shift
         return np.concatenate((array, height[..., None]), axis=-1)
@@ -199,11 +205,11 @@ class Delaunay(OfPoints):
 
         It is positive inside the sphere of the simplex.
         """
-        distances: Float64Array = self.lift_points(xi) @ self.equations[:, :4].T + self.equations[:, 4]
+        distances: Float64Array = self.lift_points(xi) @ self.equations[:, :-1].T + self.equations[:, -1]
         return distances
 
     def find_simplex(self, xi: npt.ArrayLike, bruteforce: bool = False, tol: Optional[float] = None) -> Int32Array:
-        """Returns (...,) int32, the simplex that contains each point of ``xi`` (..., 3), -1 outside of the hull.
+        """Returns (...,) int32, the simplex that contains each point of ``xi`` (..., ndim), -1 outside of the hull.
 
         The search walks from simplex to simplex by exact signs. A point outside counts as inside if its barycentric
         coordinates in the last simplex are at least ``-tol``, by default 100 machine epsilons. ``bruteforce`` is not
@@ -211,9 +217,9 @@ class Delaunay(OfPoints):
         """
         del bruteforce
         array = np.asarray(xi, dtype=np.float64)
-        if array.ndim == 0 or array.shape[-1] != 3:
-            raise ValueError(f"xi has shape {array.shape}: it must be (..., 3)")
-        queries = array.reshape(-1, 3)
+        if array.ndim == 0 or array.shape[-1] != self.ndim:
+            raise ValueError(f"xi has shape {array.shape}: it must be (..., {self.ndim})")
+        queries = array.reshape(-1, self.ndim)
         allowed = 100 * float(np.finfo(np.float64).eps) if tol is None else tol
         found = np.full(len(queries), -1, dtype=np.int32)
         known = np.flatnonzero(np.isfinite(queries).all(axis=1))
@@ -228,13 +234,15 @@ class Delaunay(OfPoints):
         places = np.concatenate((self.points, queries))
         found = np.full(len(queries), -1, dtype=np.int32)
         walking = np.arange(len(queries))
+        beyond_sign = -((-1) ** self.ndim)  # orientation() of a face and a point beyond it
         while len(walking):
             corners = self.simplices[at[walking]].astype(np.int64)
             beyond = np.full(len(walking), -1)
-            for k in range(4):
+            for k, opposite in enumerate(_OPPOSITE[self.ndim]):
                 undecided = np.flatnonzero(beyond < 0)
-                a, b, c = corners[undecided][:, _OPPOSITE[k]].T
-                beyond[undecided[orientation(places, a, b, c, self.npoints + walking[undecided]) > 0]] = k
+                face = corners[undecided][:, opposite].T
+                sign = orientation(places, *face, self.npoints + walking[undecided])
+                beyond[undecided[sign == beyond_sign]] = k
             found[walking[beyond < 0]] = at[walking[beyond < 0]]
             walking, beyond = walking[beyond >= 0], beyond[beyond >= 0]
             following = self.neighbors[at[walking], beyond]
@@ -259,7 +267,7 @@ class Delaunay(OfPoints):
 
     def _is_close(self, queries: Float64Array, simplices: Int32Array, allowed: float) -> BoolArray:
         transform = self.transform[simplices]
-        first = np.einsum("tij,tj->ti", transform[:, :3], queries - transform[:, 3])
+        first = np.einsum("tij,tj->ti", transform[:, :-1], queries - transform[:, -1])
         least = np.minimum(first.min(axis=1, initial=np.inf), 1 - first.sum(axis=1))
         return np.asarray(least >= -allowed)
 
@@ -268,19 +276,42 @@ def _empty(kind: Type[Delaunay]) -> Delaunay:
     return kind.__new__(kind)
 
 
-def _tetrahedra(diagram: Diagram) -> Tuple[Int64Array, Int64Array]:
-    """Returns (T, 4) positive tetrahedra, and (V,) the lowest seed of the polytope at each vertex, -1 without one."""
-    found: List[Int64Array] = []
-    lowest = np.full(len(diagram.vertices), -1, dtype=np.int64)
-    first = 0  # number of the first vertex that is in no earlier part
-    for part in diagram.parts:
-        complex_ = part.t.delaunay()
-        found.append(part.seeds[complex_.tetrahedra[part.number[complex_.centers] >= first]])
-        center = part.number[complex_.polytope_centers]
-        least = part.seeds[complex_.polytopes.indices[complex_.polytopes.indptr[:-1]]]
-        lowest[center[center >= first]] = least[center >= first]
-        first = int(part.number.max(initial=-1)) + 1
-    return np.concatenate(found), lowest
+def _cofactors(sides: Float64Array) -> Float64Array:
+    """Returns the derivatives of the determinants of matrices (T, ndim, ndim) by their elements."""
+    cofactors: Float64Array
+    if sides.shape[1] == 2:
+        cofactors = sides[:, ::-1, ::-1] * np.array([(1, -1), (-1, 1)])
+    else:
+        cofactors = np.cross(sides[:, [1, 2, 0]], sides[:, [2, 0, 1]])
+    return cofactors
+
+
+def _triangles(diagram: Diagram) -> Int64Array:
+    """Returns (T, 3) counterclockwise triangles: each vertex has a fan from the lowest seed around it.
+
+    An edge of the diagram from vertex v to w has seed i on its left and j on its right. Counterclockwise around w, j
+    follows i; around v, i follows j.
+    """
+    ends = diagram.ridges[1].reshape(-1, 2)
+    center = ends[:, ::-1].ravel()
+    i = diagram.ridge_seeds.ravel()
+    j = diagram.ridge_seeds[:, ::-1].ravel()
+    lowest = np.full(len(diagram.vertices) + 1, len(diagram.t))  # the last one is that of infinity
+    np.minimum.at(lowest, center, i)
+    apex = lowest[center]
+    kept = np.flatnonzero((center >= 0) & (i != apex) & (j != apex))
+    return np.column_stack((apex[kept], i[kept], j[kept]))
+
+
+def _tetrahedra(diagram: Diagram) -> Int64Array:
+    """Returns (T, 4) positive tetrahedra."""
+    dual = diagram.t.delaunay()
+    tetrahedra: Int64Array = dual.tetrahedra.astype(np.int64)
+    if len(dual.polytopes) == 0:
+        return tetrahedra
+    lowest = np.full(len(diagram.vertices) + 1, -1)  # the last one is that of infinity
+    lowest[dual.polytope_centers] = dual.polytopes.indices[dual.polytopes.indptr[:-1]]
+    return np.concatenate((tetrahedra, _cut_polytopes(diagram, lowest)))
 
 
 def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
@@ -295,14 +326,15 @@ def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
     following = np.empty_like(corners)
     following[:-1] = corners[1:]
     following[indptr[1:] - 1] = corners[indptr[:-1]]
-    has_polytope = np.append(lowest >= 0, False)  # vertices on the box have none
-    leaves = np.flatnonzero(has_polytope[np.maximum(corners, -1)])
-    enters = np.flatnonzero(has_polytope[np.maximum(following, -1)])
+    leaves = np.flatnonzero(lowest[corners] >= 0)
+    enters = np.flatnonzero(lowest[following] >= 0)
     center = np.concatenate((corners[leaves], following[enters]))
     other = np.concatenate((following[leaves], corners[enters]))
     # Seen along the edge towards the center, the facet is left of the path from seed i to seed j.
     i, j = diagram.ridge_seeds[np.concatenate((ridge[leaves], ridge[enters]))].T
     i, j = np.where(np.arange(len(center)) < len(leaves), (i, j), (j, i))
+    of_hull = np.flatnonzero(other < 0)
+    other[of_hull] = -1 - _facets_of_hull(diagram.t.points, center[of_hull], i[of_hull], j[of_hull])
     order = np.lexsort((other, center))
     center, other, i, j = center[order], other[order], i[order], j[order]
     is_first = np.append(True, (center[1:] != center[:-1]) | (other[1:] != other[:-1]))
@@ -310,3 +342,27 @@ def _cut_polytopes(diagram: Diagram, lowest: Int64Array) -> Int64Array:
     apex = lowest[center]
     kept = (least != apex) & (i != least) & (j != least)
     return np.column_stack((apex[kept], i[kept], j[kept], least[kept]))
+
+
+def _facets_of_hull(points: Float64Array, center: Int64Array, i: Int64Array, j: Int64Array) -> Int64Array:
+    """Returns the number of a facet for each of its edges from seed i to seed j, counterclockwise seen from outside.
+
+    The edge that follows begins at j. Its end k is such that no other edge ends outside of the plane of i, j, k.
+    """
+    begins, ends = (center * len(points) + seed for seed in (i, j))
+    order = np.argsort(begins, kind="stable")
+    first = np.searchsorted(begins[order], ends, side="left")
+    count = np.searchsorted(begins[order], ends, side="right") - first
+    following = order[first]
+    for k in range(1, int(count.max(initial=0))):
+        edge = np.flatnonzero(count > k)
+        best, candidate = following[edge], order[first[edge] + k]
+        is_back = j[best] == i[edge]
+        is_outside = orientation(points, i[edge], j[edge], j[best], j[candidate]) > 0
+        following[edge] = np.where(is_back | is_outside, candidate, best)
+    # The number of a facet is that of its first edge. Each step doubles the number of edges compared.
+    facet = np.arange(len(i))
+    for _ in range(len(i).bit_length()):
+        facet = np.minimum(facet, facet[following])
+        following = following[following]
+    return facet

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class QhullError(RuntimeError):
-    """The points have no diagram in space: fewer than four, or all in one plane."""
+    """The points span too little for a diagram: all are in one plane, or in the plane all are on one line."""
 
 
 @lru_cache(maxsize=None)
@@ -30,9 +30,8 @@ def qhull_error() -> Type[RuntimeError]:
 
 
 class OfPoints:
-    """Holds ``points`` (N, 3) float64. Raises for arguments that scipy or votess does not support."""
+    """Holds ``points`` (N, 3) or (N, 2) float64. Raises for arguments that scipy or votess does not support."""
 
-    ndim = 3
     furthest_site = False
 
     def __init__(self, points: Any, furthest_site: bool, incremental: bool) -> None:
@@ -40,20 +39,20 @@ class OfPoints:
             raise NotImplementedError("furthest_site: votess has no furthest-site diagram; use scipy.spatial")
         if incremental:
             self.add_points(points)
-        self.points: Float64Array = np.ascontiguousarray(as_points(points), dtype=np.float64)
+        self.points: Float64Array = np.ascontiguousarray(as_points(points, planar=True), dtype=np.float64)
         if np.isnan(self.points).any():
             raise ValueError("points cannot contain NaN")
-        self.npoints = len(self.points)
+        self.npoints, self.ndim = self.points.shape
 
     @cached_property
     def min_bound(self) -> Float64Array:
-        """(3,) float64, the smallest coordinates of the points."""
+        """(ndim,) float64, the smallest coordinates of the points."""
         lower: Float64Array = self.points.min(axis=0)
         return lower
 
     @cached_property
     def max_bound(self) -> Float64Array:
-        """(3,) float64, the largest coordinates of the points."""
+        """(ndim,) float64, the largest coordinates of the points."""
         upper: Float64Array = self.points.max(axis=0)
         return upper
 

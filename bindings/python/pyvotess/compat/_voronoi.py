@@ -1,4 +1,4 @@
-"""scipy.spatial.Voronoi for three dimensions."""
+"""scipy.spatial.Voronoi for two and three dimensions."""
 
 from __future__ import annotations
 
@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from .._input import as_box
+from ._diagram import Diagram, diagram_of_space
 from ._pause import garbage_collector_paused
 from ._points import OfPoints
-from ._unbounded import diagram_in_box, diagram_of_space
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -30,15 +29,15 @@ def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[
 
 
 class Voronoi(OfPoints):
-    """The Voronoi diagram of points in space, with the attributes of scipy.spatial.Voronoi.
+    """The Voronoi diagram of points in space or in the plane, with the attributes of scipy.spatial.Voronoi.
 
     Parameters
     ----------
-    points : (N, 3) numbers, N >= 4, not all in one plane.
+    points : (N, 3) numbers, not all in one plane, or (N, 2), not all on one line.
     furthest_site, incremental : must be False.
     qhull_options : not used.
     box : as for :func:`pyvotess.tessellate`. Vertices beyond it become -1, and pairs of cells that meet only there are
-        missing. Default: a box that contains every vertex, verified in exact arithmetic. Raises QhullError without one.
+        missing. Default: no box.
     options : of :func:`pyvotess.tessellate`: ``threads``, ``device``, ``instructions``, ``progress``.
 
     Attributes: ``points``, ``vertices``, ``ridge_points``, ``ridge_vertices``, ``regions``, ``point_region``,
@@ -47,8 +46,9 @@ class Voronoi(OfPoints):
 
     Differences from scipy:
 
-    - Five or more points on one sphere have one vertex. Qhull returns several at the same place, or merges close ones.
-    - Ridges with a single vertex, which Qhull omits, are included.
+    - Five or more points on one sphere, or four on one circle, have one vertex. Qhull returns several at one place, or
+      merges close ones.
+    - Ridges with a single vertex, which Qhull omits in space, are included.
     - Point i has region i. There is no empty region for Qhull's point at infinity.
     - The region of a point that equals an earlier one is empty; ``point_region`` is that of the earlier one.
     """
@@ -68,7 +68,7 @@ class Voronoi(OfPoints):
         if box is None:
             self._diagram = diagram_of_space(self.points, options)
         else:
-            self._diagram = diagram_in_box(self.points, as_box(box), options)
+            self._diagram = Diagram(self.points, box, options)
         self.vertices = self._diagram.vertices
         self.ridge_points: Int32Array = self._diagram.ridge_seeds.astype(np.int32)
         duplicate_of = self._diagram.duplicate_of
@@ -76,8 +76,15 @@ class Voronoi(OfPoints):
 
     @cached_property
     def ridge_vertices(self) -> List[List[int]]:
-        """For each row of ``ridge_points`` the vertices around the common polygon, -1 where it is open."""
+        """For each row of ``ridge_points`` the vertices around the common polygon, -1 where it is open.
+
+        In the plane the two ends of the common edge, ascending.
+        """
         indptr, corners = self._diagram.ridges
+        if self.ndim == 2:
+            with garbage_collector_paused():
+                pairs: List[List[int]] = np.sort(corners.reshape(-1, 2), axis=1).tolist()
+            return pairs
         is_inner = corners >= 0
         # Of consecutive corners on the box the first is kept, also if all corners are on the box.
         before = np.empty_like(is_inner)
@@ -86,18 +93,15 @@ class Voronoi(OfPoints):
         kept = is_inner | before
         if len(indptr) > 1:
             kept[indptr[:-1]] |= ~np.logical_or.reduceat(is_inner, indptr[:-1])
-        return _rows(indptr, np.maximum(corners, -1), kept)
+        return _rows(indptr, corners, kept)
 
     @cached_property
     def regions(self) -> List[List[int]]:
-        """The vertices of each cell, ascending, after a -1 where the cell is open."""
+        """The vertices of each cell, after a -1 where the cell is open. They ascend; in the plane they are in order."""
         indptr, corners = self._diagram.cells
-        is_inner = corners >= 0
-        regions = _rows(indptr, corners, is_inner)
-        for row in np.flatnonzero(np.diff(np.concatenate(([0], np.cumsum(~is_inner)))[indptr])).tolist():
-            regions[row].append(-1)
-        for row in self._diagram.unordered.tolist():
-            regions[row].sort()
+        regions = _rows(indptr, corners, corners >= 0)
+        for row in np.flatnonzero(self._diagram.is_open).tolist():
+            regions[row].insert(0, -1)
         return regions
 
     @cached_property

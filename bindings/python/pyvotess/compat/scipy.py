@@ -1,8 +1,8 @@
-"""scipy.spatial's Voronoi and Delaunay for three dimensions: ``from pyvotess.compat.scipy import Voronoi, Delaunay``.
+"""scipy.spatial's Voronoi and Delaunay for two and three dimensions.
 
-Diagrams of scipy are unbounded; those of votess end at a box. Cells that reach a box near the points are computed again in
-a box with a margin of at least 2**64 times their extent, until exact arithmetic proves that no vertex is beyond it. Each
-class lists further differences. ``QhullError`` is that of SciPy if it is installed.
+Use ``from pyvotess.compat.scipy import Voronoi, Delaunay``. Each class lists its differences. ``QhullError`` is that of
+SciPy if it is installed. Points whose coordinates differ by more than 50 orders of magnitude are refused: see the
+box ``"none"`` of :func:`pyvotess.tessellate`.
 """
 
 from typing import TYPE_CHECKING, Any

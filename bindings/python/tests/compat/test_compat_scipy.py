@@ -4,6 +4,7 @@ import copy
 import pickle
 import sys
 import unittest
+from fractions import Fraction
 from unittest import mock
 
 import numpy as np
@@ -173,7 +174,7 @@ class VoronoiTest(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "NaN"):
                 make(np.where(points == points[0], np.nan, points))
             with self.assertRaisesRegex(ValueError, "shape"):
-                make(points[:, :2])
+                make(points[:, :1])
             with self.assertRaisesRegex(NotImplementedError, "furthest_site"):
                 make(points, furthest_site=True)
             with self.assertRaisesRegex(NotImplementedError, "incremental"):
@@ -368,6 +369,192 @@ class DelaunayTest(unittest.TestCase):
         self.assertEqual(tri.vertex_to_simplex[50], tri.vertex_to_simplex[7])
         self.assertTrue(all(7 in tri.simplices[k] for k in tri.coplanar[:1, 1]))
         np.testing.assert_array_equal(tri.simplices, Delaunay(points[:50]).simplices)
+
+
+SQUARES = np.stack(np.meshgrid(np.arange(6.0), np.arange(5.0)), axis=-1).reshape(-1, 2)
+SIDES = np.array([(3, 4), (4, 3), (5, 0), (0, 5)])
+CIRCLE = np.unique(np.concatenate([SIDES * signs for signs in ((1, 1), (1, -1), (-1, 1), (-1, -1))]), axis=0)
+
+IN_PLANE = {
+    "uniform": uniform(150)[:, :2],
+    "one triangle": np.array([(0, 0), (1, 0), (0, 1)]),
+    "square": SQUARES[[0, 1, 6, 7]],
+    "lattice": SQUARES,
+    "lattice in any order": np.random.default_rng(5).permutation(SQUARES),
+    "hexagons": np.concatenate((SQUARES * (1, 3**0.5), (SQUARES + 0.5) * (1, 3**0.5))),
+    "turned lattice": SQUARES @ turned(np.eye(3))[:2, :2],
+    "almost a lattice": SQUARES + 1e-15 * uniform(30)[:, :2],
+    "on a circle": CIRCLE,
+    "around a circle": on_sphere(60)[:, :2] / np.linalg.norm(on_sphere(60)[:, :2], axis=1)[:, None],
+    "clusters": np.concatenate([k + 0.02**k * uniform(40, seed=k)[:, :2] for k in range(3)]),
+    "tiny clusters": np.concatenate([k + 1e-5**k * uniform(40, seed=k)[:, :2] for k in range(3)]),
+    "thin": uniform(100)[:, :2] * (1, 1e-7),
+    "far away": uniform(100)[:, :2] + 1e8,
+    "small": uniform(100)[:, :2] * 1e-30,
+}
+
+
+def exact(rows):
+    return [[Fraction(x) for x in row] for row in rows.tolist()]
+
+
+def determinant(rows):
+    if not rows:
+        return 1
+    return sum((-1) ** k * x * determinant([row[:k] + row[k + 1 :] for row in rows[1:]]) for k, x in enumerate(rows[0]))
+
+
+def left_turn(a, b, c):
+    """Returns a number of the sign of the area of the triangle."""
+    return determinant([[q - p for p, q in zip(a, x)] for x in (b, c)])
+
+
+def in_circle(a, b, c, d):
+    """Returns a positive number if d is inside of the circle through a counterclockwise triangle."""
+    rows = [[p - q for p, q in zip(x, d)] for x in (a, b, c)]
+    return determinant([[x, y, x * x + y * y] for x, y in rows])
+
+
+class PlaneTest(unittest.TestCase):
+    def test_triangles_are_those_of_delaunay(self):
+        for name, points in IN_PLANE.items():
+            with self.subTest(name):
+                tri = Delaunay(points)
+                places, hull = exact(np.asarray(points, dtype=float)), tri.convex_hull.tolist()
+                self.assertEqual(tri.simplices.shape, (2 * len(points) - 2 - len(hull), 3))
+                areas = [left_turn(*(places[k] for k in row)) for row in tri.simplices.tolist()]
+                self.assertGreater(min(areas), 0)
+                # The edges of the hull are one convex ring around the triangles.
+                after = dict(hull)
+                self.assertEqual(sorted(after), sorted(after.values()))
+                self.assertTrue(all(left_turn(places[a], places[b], places[after[b]]) >= 0 for a, b in hull))
+                self.assertEqual(sum(areas), sum(left_turn([0, 0], places[a], places[b]) for a, b in hull))
+                # No corner of a neighbor is inside of the circle of a triangle: so no other point is either.
+                for simplex, row in zip(tri.simplices.tolist(), tri.neighbors.tolist()):
+                    for corner, neighbor in zip(simplex, row):
+                        if neighbor >= 0:
+                            other = set(tri.simplices[neighbor].tolist())
+                            self.assertEqual(len(other & (set(simplex) - {corner})), 2)
+                            (beyond,) = other - set(simplex)
+                            self.assertLessEqual(in_circle(*(places[k] for k in (*simplex, beyond))), 0)
+
+    def test_diagram(self):
+        for name, points in IN_PLANE.items():
+            with self.subTest(name):
+                vor = Voronoi(points)
+                count = len(vor.vertices)
+                self.assertEqual(vor.vertices.shape, (count, 2))
+                # All vertices, infinity too, all ridges and regions are a map on a sphere.
+                self.assertEqual(count + 1 - len(vor.ridge_points) + len(points), 2)
+                self.assertTrue(all(len(row) == 2 and row == sorted(row) for row in vor.ridge_vertices))
+                # Around a region two vertices, one after the other, are the ends of a ridge.
+                ridges = [[] for _ in points]
+                for (i, j), row in vor.ridge_dict.items():
+                    ridges[i].append(tuple(row))
+                    ridges[j].append(tuple(row))
+                for point, region in enumerate(vor.regions):
+                    around = [tuple(sorted(pair)) for pair in zip(region, region[1:] + region[:1])]
+                    self.assertEqual(sorted(around), sorted(ridges[point]))
+                    self.assertEqual(region[0] == -1, -1 in region)
+        middles = SQUARES[(SQUARES < (5, 4)).all(axis=1)] + 0.5
+        self.assertEqual(sorted(Voronoi(SQUARES).vertices.tolist()), sorted(middles.tolist()))
+        self.assertEqual(len(Voronoi(CIRCLE).vertices), 1)
+
+    def test_vertices_are_as_far_from_all_cells_around(self):
+        points = uniform(5000, seed=9)[:, :2]  # so many that cells at infinity are made apart
+        vor = Voronoi(points)
+        vertex = np.concatenate(vor.regions)
+        cell = np.repeat(np.arange(5000), [len(row) for row in vor.regions])[vertex >= 0]
+        vertex = vertex[vertex >= 0]
+        distance = np.linalg.norm(points[cell] - vor.vertices[vertex], axis=1)
+        largest, least = np.zeros(len(vor.vertices)), np.full(len(vor.vertices), np.inf)
+        np.maximum.at(largest, vertex, distance)
+        np.minimum.at(least, vertex, distance)
+        self.assertTrue((np.bincount(vertex) == 3).all())
+        self.assertLess((largest / least).max(), 1 + 1e-9)
+
+    def test_find_simplex(self):
+        for name in ("uniform", "lattice", "on a circle", "clusters"):
+            with self.subTest(name):
+                tri = Delaunay(IN_PLANE[name])
+                low, high = tri.min_bound, tri.max_bound
+                queries = low + (uniform(200, seed=8)[:, :2] * 1.2 - 0.1) * (high - low)
+                places, asked = exact(tri.points), exact(queries)
+                for query, simplex in zip(asked, tri.find_simplex(queries, tol=0).tolist()):
+                    if simplex >= 0:
+                        a, b, c = (places[k] for k in tri.simplices[simplex])
+                        self.assertTrue(all(left_turn(*side, query) >= 0 for side in ((a, b), (b, c), (c, a))))
+                    else:
+                        turns = [left_turn(places[a], places[b], query) for a, b in tri.convex_hull]
+                        self.assertLess(min(turns), 0)
+        self.assertEqual(Delaunay(SQUARES).find_simplex(np.full((2, 5, 2), 0.5)).shape, (2, 5))
+        with self.assertRaisesRegex(ValueError, "shape"):
+            Delaunay(SQUARES).find_simplex(np.zeros((3, 3)))
+
+    def test_planes_and_coordinates_of_triangles(self):
+        tri = Delaunay(IN_PLANE["uniform"])
+        weights = np.random.default_rng(3).dirichlet((1, 1, 1), tri.nsimplex)
+        places = np.einsum("tk,tkx->tx", weights, tri.points[tri.simplices])
+        first = np.einsum("tij,tj->ti", tri.transform[:, :2], places - tri.transform[:, 2])
+        np.testing.assert_allclose(first, weights[:, :2], atol=1e-9)
+        # The plane of a triangle contains its lifted corners, and all others are on one side.
+        distances = tri.plane_distance(tri.points)
+        self.assertEqual(distances.shape, (150, tri.nsimplex))
+        np.testing.assert_allclose(np.take_along_axis(distances, tri.simplices.T, axis=0), 0, atol=1e-12)
+        self.assertLess(distances.max(), 1e-12)
+
+    def test_equal_points(self):
+        points = IN_PLANE["uniform"]
+        more = np.concatenate((points, points[7:9]))
+        tri, vor = Delaunay(more), Voronoi(more)
+        self.assertEqual(tri.coplanar[:, [0, 2]].tolist(), [[150, 7], [151, 8]])
+        np.testing.assert_array_equal(tri.simplices, Delaunay(points).simplices)
+        self.assertEqual(vor.regions[-2:], [[], []])
+        self.assertEqual(vor.regions[:150], Voronoi(points).regions)
+
+    def test_box(self):
+        points = IN_PLANE["uniform"]
+        whole, cut = Voronoi(points), Voronoi(points, box=(0, 0, 1, 1))
+        inside = ((whole.vertices > 0) & (whole.vertices < 1)).all(axis=1)
+        self.assertEqual(len(cut.vertices), np.count_nonzero(inside))
+        self.assertTrue(sets(cut.ridge_points) <= sets(whole.ridge_points))
+
+    def test_what_is_refused(self):
+        points = uniform(50)[:, :2]
+        for make in (Voronoi, Delaunay):
+            for flat in (points * (1, 0), points[:2], points[:0], points * 0, SQUARES[:6]):
+                with self.assertRaisesRegex(QhullError, "three, or all in one line"):
+                    make(flat)
+
+    @needs_scipy
+    def test_equals_scipy(self):
+        for name in ("uniform", "one triangle", "clusters", "thin", "small"):
+            points = IN_PLANE[name]
+            ours, theirs = Delaunay(points), peer.Delaunay(points)
+            self.assertEqual(sets(ours.simplices), sets(theirs.simplices))
+            self.assertEqual(sets(ours.convex_hull), sets(theirs.convex_hull))
+            for attribute in ("points", "simplices", "neighbors", "convex_hull", "coplanar", "vertex_to_simplex"):
+                self.assertEqual(getattr(ours, attribute).dtype, getattr(theirs, attribute).dtype, attribute)
+            row = {tuple(sorted(simplex)): k for k, simplex in enumerate(ours.simplices.tolist())}
+            order = [row[tuple(sorted(simplex))] for simplex in theirs.simplices.tolist()]
+            np.testing.assert_allclose(ours.equations[order], theirs.equations, rtol=0, atol=1e-6)
+            ours, theirs = Voronoi(points), peer.Voronoi(points)
+            place = peer.cKDTree(ours.vertices).query(theirs.vertices)[1]
+            self.assertEqual(sorted(place), list(range(len(ours.vertices))))
+            place = np.append(place, -1).tolist()
+            expected = {tuple(sorted(key)): sorted(place[v] for v in row) for key, row in theirs.ridge_dict.items()}
+            self.assertEqual(ours.ridge_dict, expected)
+            for point, region in enumerate(ours.regions):
+                self.assertEqual(ring(region), ring([place[v] for v in theirs.regions[theirs.point_region[point]]]))
+
+    @needs_scipy
+    def test_interpolators_of_scipy(self):
+        points = IN_PLANE["uniform"]
+        values = np.sin(9 * points[:, 0]) * points[:, 1]
+        queries = uniform(300, seed=7)[:, :2] * 1.2 - 0.1
+        for make in (scipy.interpolate.LinearNDInterpolator, scipy.interpolate.CloughTocher2DInterpolator):
+            found = make(Delaunay(points), values)(queries)
+            np.testing.assert_allclose(found, make(peer.Delaunay(points), values)(queries), rtol=0, atol=1e-9)
 
 
 if __name__ == "__main__":
