@@ -142,11 +142,12 @@ std::string check_polygons(const votess::Tessellation& t) {
 TEST_SUITE("cases") {
     TEST_CASE("unbounded: cells of random and degenerate sets are exact") {
         test::Random random(5);
-        std::size_t sets = 0, open = 0;
+        std::size_t sets = 0, open = 0, number = 0;
         for (std::uint64_t seed = 1; seed <= 2; ++seed)
             for (const test::PointSet& set : test::families(seed % 2 == 0 ? 12 : 31, seed)) {
                 CAPTURE(set.name);
                 CAPTURE(seed);
+                if (seed == 1 && number++ % 3 != 0) continue;  // these take longer
                 Options options = endless_options();
                 std::vector<double> weights;
                 if (seed == 2) {
@@ -184,8 +185,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: many seeds, with all arrays") {
-        const std::size_t n = test::by_size(4000, 500);
-        for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(17),
+        const std::size_t n = test::by_size(2000, 500);
+        for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(12),
                                    test::scaled(test::clustered(n, 4), 0x1p-100)}) {
             CAPTURE(set.name);
             Options options = endless_options();
