@@ -284,6 +284,24 @@ class NaturalNeighbors(unittest.TestCase):
         rows = self.diagram.natural_neighbors(queries, at_walls=False).neighbors
         self.assertEqual([list(row) for row in rows], [[5], [], []])
 
+    def test_without_a_box(self):
+        d = vt.Diagram(self.points)
+        queries = np.vstack((self.queries, self.points[:1] + 10))
+        values = self.points @ (1, 2, 3)
+        field, slope = d.interpolate(values, queries, gradient=True)
+        known = ~np.isnan(field)
+        self.assertTrue(0 < np.count_nonzero(~known) < len(queries) / 2)
+        np.testing.assert_allclose(field[known], queries[known] @ (1, 2, 3), atol=6e-12)
+        np.testing.assert_array_equal(np.diff(d.natural_neighbors(queries).neighbors.indptr) > 0, known)
+        np.testing.assert_array_equal(np.isinf(d.probe(queries).volumes), ~known)
+        everywhere, slopes = d.interpolate(values, queries, gradient=True, beyond="nearest")
+        np.testing.assert_array_equal(everywhere[known], field[known])
+        np.testing.assert_array_equal(everywhere[~known], values[d.locate(queries[~known])])
+        np.testing.assert_array_equal(slopes[~known], 0)
+        np.testing.assert_array_equal(slopes[known], slope[known])
+        with self.assertRaisesRegex(ValueError, "beyond"):
+            d.interpolate(values, queries, beyond="far")
+
     def test_periodic_and_power(self):
         values = uniform(600, seed=4)[:, 0]
         periodic = vt.Diagram(self.points, UNIT_BOX, periodic=True)

@@ -230,5 +230,42 @@ class Domains(unittest.TestCase):
                 vt.tessellate(points(10), **arguments)
 
 
+class NoBox(unittest.TestCase):
+    def test_cells_that_reach_infinity(self):
+        for dimensions in (2, 3):
+            with self.subTest(dimensions):
+                places = points(200)[:, :dimensions]
+                t = vt.tessellate(places, box="none", want="neighbors,volumes,centroids,faces", device="cpu")
+                is_open = np.array([row[0] == -1 for row in t.neighbors])
+                np.testing.assert_array_equal(np.isinf(t.volumes), is_open)
+                np.testing.assert_array_equal(np.isnan(t.centroids).all(axis=1), is_open)
+                self.assertTrue(0 < is_open.sum() < 200)
+                self.assertTrue(np.isinf(t.box[:, :2]).all())
+                self.assertIn("without end", repr(t))
+                self.assertTrue(t.verify())
+                far = np.full((2, dimensions), 1e6)
+                far[0] *= -1
+                inside = vt.tessellate(places, box=far, device="cpu", want="volumes").volumes
+                np.testing.assert_allclose(t.volumes[~is_open], inside[~is_open], rtol=1e-9)
+
+    def test_delaunay_fills_the_hull(self):
+        corner = np.vstack((points(100), np.zeros((1, 3)), 3 * np.eye(3)))
+        dual = vt.tessellate(corner, box="none", want="faces", device="cpu").delaunay()
+        a, b, c, d = (corner[dual.tetrahedra[:, k]] for k in range(4))
+        volumes = np.einsum("tk,tk->t", b - a, np.cross(c - a, d - a)) / 6
+        self.assertEqual(len(dual.polytopes), 0)
+        self.assertTrue((volumes > 0).all())
+        self.assertAlmostEqual(volumes.sum(), 4.5, places=12)
+
+    def test_what_needs_an_end(self):
+        t = vt.tessellate(points(20), box="none", want="faces,volumes,areas", device="cpu")
+        for call in (t.derivatives, t.voronoi_indices, lambda: t.save("x.ply")):
+            with self.subTest(call), self.assertRaisesRegex(ValueError, "box with ends"):
+                call()
+        for arguments in ({"box": "all"}, {"box": "none", "periodic": True}, {"box": "none", "walls": [(1, 0, 0, 1)]}):
+            with self.subTest(arguments), self.assertRaises(ValueError):
+                vt.tessellate(points(20), **arguments)
+
+
 if __name__ == "__main__":
     unittest.main()
