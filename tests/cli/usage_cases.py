@@ -87,7 +87,7 @@ class Usage(CliTest):
         self.put("a.txt", CUBE)
         message = self.refuse("a.txt", "-o", "out.npz", "--box", "-0.5,-0.5,-0.5,1.5,0.75,1.5", says="1")
         self.assertRegex(message, r"\b2\b")  # the first point outside
-        for box in ["0,0,0,0,1,1", "0,0,0,1,-1,1", "0,0,nan,1,1,1", "0,0,0,1,1,inf", "0,0,0,1e999,1,1"]:
+        for box in ["0,0,0,0,1,1", "0,0,0,1,-1,1", "0,0,nan,1,1,1", "0,0,0,1,1,-inf", "0,0,0,1e999,nan,1"]:
             self.refuse("a.txt", "-o", "out.npz", "--box", box, says="box")
             self.refuse("--random", "0", "-o", "out.npz", f"--box={box}", says="box")
         cell = ["--cell", "2,0,0,0.5,2,0,0,0,2"]

@@ -102,6 +102,7 @@ TEST_SUITE("interface") {
         const test::PointSet set = test::uniform(600, 81), queries = test::uniform(700, 82);
         votess::Options options;
         options.threads = 3;
+        options.box = set.box;
         const votess::Diagram diagram(set.points, options), other(set.points, options);
         const auto expected = calls_of(other, set, queries);
         const auto calls = calls_of(diagram, set, queries);
