@@ -100,7 +100,7 @@ class BadInput(unittest.TestCase):
         self.refused("(?i)box", points, box=(0, 0, 0, 1, 0, 1))
         self.refused("(?i)box", points, box=(0, 0, 0, 1, -1, 1))
         self.refused("(?i)box.*nan", points, box=(0, 0, 0, 1, np.nan, 1))
-        self.refused("(?i)box.*inf", points, box=(0, 0, 0, 1, np.inf, 1))
+        self.refused("(?i)box.*inf", points, box=(0, 0, 0, 1, -np.inf, 1))
         self.refused(r"box has shape \(2, 2\)", points, box=np.zeros((2, 2)))
         self.refused(r"box has shape \(5,\)", points, box=np.zeros(5))
         self.refused("box has dtype", points, box="unit")
