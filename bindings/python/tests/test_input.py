@@ -103,7 +103,7 @@ class BadInput(unittest.TestCase):
         self.refused("(?i)box.*inf", points, box=(0, 0, 0, 1, -np.inf, 1))
         self.refused(r"box has shape \(2, 2\)", points, box=np.zeros((2, 2)))
         self.refused(r"box has shape \(5,\)", points, box=np.zeros(5))
-        self.refused("box has dtype", points, box="unit")
+        self.refused("box is .unit.", points, box="unit")
 
     def test_shapes(self):
         for shape in ((3,), (4, 1), (4, 4), (2, 2, 3), (0,), ()):
