@@ -17,7 +17,7 @@ using detail::Result;
 
 constexpr std::size_t min_near = 30;  // fewer seeds are as fast in the far box alone
 
-std::size_t at(std::int64_t i) {
+std::size_t to_index(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
@@ -69,7 +69,7 @@ private:
         double largest = 0;
         for (std::size_t k = 0; k < 4; ++k)
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                x[k][axis] = points_[3 * at(seeds[k]) + axis];
+                x[k][axis] = points_[3 * to_index(seeds[k]) + axis];
                 largest = std::max(largest, std::abs(x[k][axis]));
             }
         const int exponent = std::ilogb(largest);
@@ -97,13 +97,13 @@ private:
         bool some_empty = false;
         for (std::size_t i = 0; i < points_.count(); ++i) {
             if (near.status[i] == CellStatus::empty) some_empty = true;
-            const auto begin = at(near.indptr[i]), end = at(near.indptr[i + 1]);
+            const auto begin = to_index(near.indptr[i]), end = to_index(near.indptr[i + 1]);
             for (std::size_t e = begin; e < end; ++e)
                 if (sides.has(near.indices[e])) taken[i] = true;
             if (!taken[i]) continue;
             needed[i] = true;
             for (std::size_t e = begin; e < end; ++e)
-                if (near.indices[e] >= 0) needed[at(near.indices[e])] = true;
+                if (near.indices[e] >= 0) needed[to_index(near.indices[e])] = true;
         }
         // An empty cell may be one far away, and the row does not tell which seeds bound it.
         if (some_empty) return in_far_box();
