@@ -13,7 +13,7 @@
 namespace votess {
 namespace {
 
-constexpr double near_margin = 2;
+constexpr double near_margin = 6;
 constexpr std::size_t points_per_check = 4096;
 
 [[noreturn]] void refuse_endless(const std::string& message) {

@@ -30,8 +30,8 @@ private:
 // Refuses what a domain without end does not allow.
 void check_endless(const Options& options);
 
-// Returns `box` with ends on all sides: farther than the points by twice the longest side of their bounds. Nearly all
-// cells of many points end within it.
+// Returns `box` with ends on all sides: farther than the points by six times the longest side of their bounds. Nearly
+// all cells of many points end within it.
 [[nodiscard]] Box near_box(const Points& points, const Box& box);
 
 // Returns `box` with ends on all sides, beyond all vertices of the diagram of these points, of any subset of at least
