@@ -110,8 +110,6 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     integral of this motion over its faces. The change of an area is the integral of the motion of its edges along their
     outward normals m in the face: (motion of the other face - n.n' motion of this face) / m.n'.
     """
-    from scipy.sparse import coo_matrix
-
     if of not in ("volumes", "areas"):
         raise ValueError(f"derivatives of {of!r} are not known: give 'volumes' or 'areas'")
     if by not in ("points", "weights"):
@@ -120,6 +118,8 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     t._require_end("derivatives()")
     if t.least_face > 0:
         raise ValueError("derivatives need whole cells: leave out min_face and min_area")
+    from scipy.sparse import coo_matrix
+
     rows, places = t.neighbors, t.wrapped_points
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices

@@ -42,9 +42,8 @@ class Plane(unittest.TestCase):
                     self.assertEqual(len(polygon), t.face_counts[i])
                 self.assertTrue(t.verify())
 
+    @have("scipy")
     def test_neighbors_are_those_of_qhull(self):
-        if not have("scipy"):
-            self.skipTest("needs SciPy")
         from scipy.spatial import Voronoi
 
         # Far walls cut no ridge between two cells, except those that leave the box.
@@ -134,9 +133,8 @@ class Plane(unittest.TestCase):
             path.write_text("".join(f"{x!r} {y!r}\n" for x, y in POINTS.tolist()))
             np.testing.assert_array_equal(next(vt.read_frames(path)).points, POINTS)
 
+    @have("matplotlib")
     def test_a_plot_fills_the_box(self):
-        if not have("matplotlib"):
-            self.skipTest("needs matplotlib")
         import matplotlib
 
         matplotlib.use("Agg")
@@ -145,6 +143,8 @@ class Plane(unittest.TestCase):
         inside = [np.clip(polygon, 0, 1) for polygon in polygons]
         self.assertGreater(len(polygons), 400)
         self.assertGreaterEqual(sum(abs(area_and_centroid(p)[0]) for p in inside if np.ptp(p, axis=0).min() > 0), 1 - 1e-9)
+        with self.assertRaisesRegex(ValueError, "vertices"):
+            vt.tessellate(POINTS, box=BOX).plot()
 
     def test_refusals(self):
         for text, arguments in (
@@ -161,8 +161,6 @@ class Plane(unittest.TestCase):
                 call()
         with self.assertRaises(AttributeError):
             vt.tessellate(np.zeros((1, 3))).polygons  # noqa: B018
-        with self.assertRaisesRegex(ValueError, "vertices"):
-            vt.tessellate(POINTS, box=BOX).plot()
         with self.assertRaises(ValueError):
             vt.Diagram(POINTS)
 
