@@ -55,9 +55,9 @@ struct DiagramState {
     ResultBuilder result;
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
 
-    // In a domain without end this state has near_box(), and others are made when needed: of the same seeds with
-    // far_box(), of the seeds whose cells reach infinity with that box, and of all with the default box for grids. Each
-    // has its own call at work.
+    // In a domain without end this state has near_box(), and three others are made when needed. `far` has far_box().
+    // `hull` has that box too, but only the seeds whose cells reach infinity. `around` has the default box, for grids.
+    // Each has its own call at work.
     std::optional<Box> endless;
     std::mutex making;
     std::unique_ptr<DiagramState> far, hull, around;

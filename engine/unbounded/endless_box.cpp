@@ -34,7 +34,7 @@ struct Spread {
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     double longest = 0, largest = 0;  // side, absolute coordinate
     int unit = 1024;                  // all coordinates are multiples of 2^unit
-    double smallest = 0;              // a coordinate that is no multiple of a larger unit
+    double smallest = 0;              // a coordinate whose lowest bit is the unit
 
     // Points that are not finite are skipped: the run refuses them.
     explicit Spread(const Points& points) {
@@ -91,7 +91,7 @@ Box near_box(const Points& points, const Box& box) {
 }
 
 Box far_box(const Points& points, std::span<const double> weights, const Box& box) {
-    // Of the box over the extent of the points: weights of larger boxes leave the range of double.
+    // How many times the box may be as large as the extent of the points.
     const int max_exponent = weights.empty() ? 700 : max_weighted_box - 4;
     const Spread spread(points);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;

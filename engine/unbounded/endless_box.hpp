@@ -27,15 +27,15 @@ private:
     unsigned sides_ = 0;
 };
 
-// Refuses what a domain without end does not allow.
+// Refuses options that need a domain with ends.
 void check_endless(const Options& options);
 
 // Returns `box` with ends on all sides: farther than the points by six times the longest side of their bounds. Nearly
 // all cells of many points end within it.
 [[nodiscard]] Box near_box(const Points& points, const Box& box);
 
-// Returns `box` with ends on all sides, beyond all vertices of the diagram of these points, of any subset of at least
-// two of them, and of its parts between the walls of the sides that have ends.
+// Returns `box` with ends on all sides, beyond all vertices of the diagram of these points and of any subset. Vertices
+// on walls of sides that have ends are among them.
 //
 // A vertex x is the solution of A x = b with the differences of seeds as rows of A: x = adj(A) b / det A. Let all
 // coordinates be multiples of u, S the largest difference, and w the largest difference of weights. Then |det A| >=

@@ -12,8 +12,8 @@ namespace votess {
 using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
 
 // Returns the cells of the points in options.box, some of whose bounds are infinite. Most cells of many points end
-// in near_box(), on any device. The CPU makes the others again in far_box(), among their neighbors: a face of such a
-// cell either meets the near box, and its neighbor is in the row there, or its neighbor too reaches beyond.
+// in near_box(), on any device. The CPU makes the others again in far_box(), among themselves and their near neighbors.
+// That is enough: a face of such a cell meets the near box, or the neighbor behind it also reaches beyond that box.
 [[nodiscard]] detail::Result run_endless(const Points& points, const Options& options, const RunInBox& run);
 
 }  // namespace votess
