@@ -308,7 +308,7 @@ TEST_SUITE("cases") {
             options.weights = weights;
             const votess::Diagram d(set.points, options);
             Coordinates queries;
-            for (std::size_t q = 0; q < test::by_size(3000, 500); ++q) queries.push_back(random.uniform(-0.1, 1.1));
+            for (std::size_t q = 0; q < test::by_size(3000, 600); ++q) queries.push_back(random.uniform(-0.1, 1.1));
             const auto field = d.interpolate(values, 1, queries).values;
             const auto rows = d.natural_neighbors(queries);
             votess::ProbeOptions probing;
