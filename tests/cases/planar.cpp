@@ -255,7 +255,7 @@ PlanarSet random_set(std::uint64_t number) {
 
 TEST_SUITE("cases") {
     TEST_CASE("planar: random sets in all domains equal rational half-planes") {
-        for (std::uint64_t number = 0; number < test::by_size(60, 20); ++number) {
+        for (std::uint64_t number = 0; number < test::by_size(30, 12); ++number) {
             CAPTURE(number);
             CHECK(compare_cells(random_set(number)) == "");
         }
