@@ -110,7 +110,8 @@ private:
         std::ranges::sort(passages_, {}, [](const Passage& p) { return std::tuple(p.vertex, p.entry); });
         for (std::size_t p = 0; p + 2 < passages_.size(); p += 3) {
             const Passage &a = passages_[p], &b = passages_[p + 1], &c = passages_[p + 2];
-            // Two edges may go to infinity; a finite one tells the turn. A cell without any leaves it to a later one.
+            // Two edges may go to infinity. The finite one decides the turn; a cell without it leaves that to a later
+            // cell.
             const auto meets = [](const Passage& x, const Passage& y) { return x.after >= 0 && x.after == y.before; };
             const bool open = std::min({a.before, b.before, c.before}) < 0;
             if (open ? meets(b, a) || meets(a, c) || meets(c, b) : meets(b, a))

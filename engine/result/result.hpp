@@ -23,7 +23,7 @@ struct Result {
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;
     Buffer<std::int32_t> dropped_vertices;
-    // Seeds of positive turn, if the diagram of all of space has one vertex alone: polygons do not tell theirs.
+    // Seeds of positive turn, if the diagram of all of space has only one vertex: its polygons leave the turn open.
     std::optional<std::array<std::int32_t, 4>> lone_tetrahedron;
     // Large arrays that are written at once: faults of small pages would take as long as copying rows into them.
     Buffer<std::int64_t> indptr{Buffer<std::int64_t>::Pages::huge};

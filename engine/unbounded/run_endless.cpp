@@ -8,6 +8,7 @@
 #include "core/progress.hpp"
 #include "exact/insphere.hpp"
 #include "input/implied_wants.hpp"
+#include "input/options.hpp"
 #include "unbounded/open_cells.hpp"
 
 namespace votess {
@@ -26,6 +27,9 @@ public:
     EndlessRun(const Points& points, const Options& options, const RunInBox& run)
         : options_(options), run_(run), points_(points), progress_(options.progress) {
         check_endless(options);
+        Options with_default_box = options;
+        with_default_box.box.reset();
+        check_options(with_default_box);  // the device too, which the far box does not use
         wanted_ = with_implied(options);
         weights_ = options.weights.empty() ? options.radii : options.weights;
         squares_ = !options.radii.empty();
@@ -81,7 +85,7 @@ private:
 
     Result in_far_box() {
         Options options = part(far(points_, weights_), {0, 1});
-        if (options.device != "auto" && points_.count() > 0) options.device = "cpu";  // no device clips so large a box
+        options.device = "cpu";  // no device clips so large a box
         options.want.faces |= needs_polygons();
         Result result = run_(points_, options);
         open_cells(result, *options_.box);
@@ -105,7 +109,7 @@ private:
             for (std::size_t e = begin; e < end; ++e)
                 if (near.indices[e] >= 0) needed[to_index(near.indices[e])] = true;
         }
-        // An empty cell may be one far away, and the row does not tell which seeds bound it.
+        // A cell that is empty here may lie far away, and its empty row names no seeds around it.
         if (some_empty) return in_far_box();
 
         std::vector<std::int32_t> seeds, taken_seeds;
