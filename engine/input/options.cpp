@@ -472,15 +472,6 @@ void make_domain(Job& job) {
     job.domain = std::move(domain);
 }
 
-void check_extent(const Job& job, const Box& bounds) {
-    double longest = 0;
-    for (std::size_t k = 0; k < 3; ++k) longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
-    if (!job.domain->has_weights() || !(longest > 0) || job.options.cell) return;
-    if (longest * std::ldexp(1.0, max_weighted_box) < largest_coordinate(job.box))
-        throw Error(ErrorCode::unsupported, "the box is too large beside the extent of the points, " + number(longest) +
-                                                ", for weights: give one of at most 1e75 times the extent");
-}
-
 }  // namespace
 
 Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
@@ -587,7 +578,6 @@ Job validate(const Points& points, const Options& options) {
     }
     check_scaled(job);
     make_domain(job);
-    check_extent(job, bounds);
     take_subset(job);
     return job;
 }

@@ -5,10 +5,6 @@
 
 namespace votess {
 
-// Cells have weights only in boxes of at most 2^this times the extent of the points: products of four lengths must not
-// leave the range of double.
-inline constexpr int max_weighted_box = 250;
-
 // Checks the options alone. The choice of an engine checks whether the device is there.
 void check_options(const Options& options);
 void check_box(const Box& box);

@@ -84,13 +84,16 @@ VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
     out = v < 0 ? -v : v;
 }
 
+// Squares of areas below it may have underflowed. Seeds that near count as near.
+constexpr double smallest_fourth_power = 1e-280;
+
 // The test of near_heavier() for four seeds or boxes. gaps2: D^2.
 VOTESS_INLINE void within_length(const Double4& gaps2, const Double4& excess, double length, double square,
                                  Long4& out) {
     const Double4 sure = gaps2 * (1 - 1e-12), lighter = sure - (excess <= 0 ? Double4{} : excess) - square;
     // An excess that is NaN proves nothing. Missing boxes and padding are infinitely far away.
     out = (gaps2 < std::numeric_limits<double>::infinity()) &
-          (~(lighter > 0) | (lighter * lighter < 4 * length * length * gaps2));
+          (~(lighter > 0) | (lighter * lighter < 4 * length * length * gaps2 + smallest_fourth_power));
 }
 
 // Writes -1 for boxes that pass the test of near_heavier(), 0 for others.

@@ -8,7 +8,6 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
-#include "input/options.hpp"
 
 namespace votess {
 namespace {
@@ -92,7 +91,7 @@ Box near_box(const Points& points, const Box& box) {
 
 Box far_box(const Points& points, std::span<const double> weights, const Box& box) {
     // How many times the box may be as large as the extent of the points.
-    const int max_exponent = weights.empty() ? 700 : max_weighted_box - 4;
+    constexpr int max_exponent = 700;
     const Spread spread(points);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
     for (std::size_t k = 0; k < 3; ++k)

@@ -88,6 +88,34 @@ TEST_SUITE("cases") {
             }
     }
 
+    TEST_CASE("weights: the neighbors of a cluster do not depend on how small it is beside the box") {
+        test::Random random(4);
+        Coordinates points(1200);
+        std::vector<double> weights(400);
+        for (double& x : points) x = random.uniform(-1, 1);
+        for (double& w : weights) w = 0.1 * random.uniform();
+        const auto lists = [&](int exponent) {
+            Coordinates small = points;
+            std::vector<double> smaller = weights;
+            for (double& x : small) x = std::ldexp(x, exponent);
+            for (double& w : smaller) w = std::ldexp(w, 2 * exponent);
+            Options options = test::all_options(votess::Box{{-1, -1, -1}, {1, 1, 1}});
+            options.weights = smaller;
+            const auto t = votess::tessellate(small, options);
+            std::vector<std::vector<std::int32_t>> sorted;
+            for (std::size_t i = 0; i < t.size(); ++i) {
+                sorted.emplace_back(t.neighbors(i).begin(), t.neighbors(i).end());
+                std::ranges::sort(sorted.back());
+            }
+            return sorted;
+        };
+        const auto expected = lists(-60);
+        for (const int exponent : {-240, -266, -270, -340, -450}) {
+            CAPTURE(exponent);
+            CHECK(lists(exponent) == expected);
+        }
+    }
+
     TEST_CASE("weights: one seed buries 20,000 others") {
         const std::size_t count = test::by_size(20'000, 2000);
         test::Random random(3);
