@@ -25,8 +25,7 @@ TEST_SUITE("cases") {
         const test::SharedGpu shared;
         test::GpuRunner small(shared.gpu, {.max_seeds = 300});
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
-            for (const PointSet& set :
-                 test::families(kernel == Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
+            for (const PointSet& set : test::families(350, 91)) {
                 if (test::reduced() && kernel != Kernel::invocation) continue;
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
@@ -173,7 +172,7 @@ TEST_SUITE("cases") {
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
-            for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
+            for (const PointSet& set : test::families(test::by_size(150, 100), 106)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
                 const test::UseKernel chosen(kernel);

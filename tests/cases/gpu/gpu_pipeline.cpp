@@ -45,7 +45,7 @@ TEST_SUITE("cases") {
             std::size_t n;
         };
         for (const auto& [kernel, n] : {Variant{votess::gpu::Kernel::invocation, test::by_size(200, 60)},
-                                        {votess::gpu::Kernel::invocation, test::by_size(1200, 100)},
+                                        {votess::gpu::Kernel::invocation, test::by_size(600, 100)},
                                         {test::by_subgroup(), test::by_size(200, 60)}})
             for (const PointSet& set : test::families(n, n + 1)) {
                 CAPTURE(static_cast<int>(kernel));
@@ -58,7 +58,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: many uniform seeds, hardly any of them left to the CPU") {
         votess::Tessellator& tessellator = test::shared_tessellator();
-        const PointSet set = test::uniform(test::by_size(20000, 1500), 71);
+        const PointSet set = test::uniform(test::by_size(10000, 1500), 71);
         Options options = test::all_options(set.box);
         options.threads = 0;
         options.device = "cpu";
