@@ -103,7 +103,7 @@ std::vector<Wall> hull_walls(std::span<const double> given, const Options& optio
     std::vector<Point> points = scaled_points(copy, scale, dimensions);
     const std::size_t count = points.size();
     const auto apex = static_cast<std::int32_t>(options.planar ? count : -1);
-    if (options.planar && count > 0) points.push_back({points[0][0], points[0][1], 1});
+    if (options.planar && count > 0) points.push_back({lower[0] * scale, lower[1] * scale, 1});
     const Hull hull(points);
     if (hull.is_flat())
         refuse_hull(count <= dimensions
