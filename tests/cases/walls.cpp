@@ -209,6 +209,8 @@ TEST_SUITE("cases") {
             for (const votess::CellStatus status : t.status()) CHECK(status == votess::CellStatus::certified);
             CHECK(touches_no_box(t));
             CHECK(test::check_right(points, options) == "");
+            options.box = t.box();
+            CHECK(test::check_against_half_spaces(t, points, options) == "");
         };
         const auto cloud = [&](double center, double size) {
             Coordinates points;
