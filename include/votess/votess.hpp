@@ -156,7 +156,7 @@ struct Options {
     // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
     // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
     // all functions except tessellate(), verify(), delaunay() and Diagram. Throws `unsupported` where vertices may
-    // leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^80 with weights.
+    // leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with weights.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
