@@ -61,13 +61,15 @@ void WallTree::build(std::span<Unit> walls, std::size_t node) {
 
 bool WallTree::may_exclude(std::size_t node, const exact::Point& x, double tolerance) const {
     const Node& n = nodes_[node];
-    double most = -n.offset, size = std::abs(n.offset);
+    double most = 0, square = 0, size = std::abs(n.offset);
     for (std::size_t k = 0; k < 3; ++k) {
         const double from = x[k] - middle_[k];
         most += std::max(n.lower[k] * from, n.upper[k] * from);
+        square += from * from;
         size += std::abs(x[k]) + std::abs(middle_[k]);
     }
-    return !(most < -(2 * tolerance + error_ + 16 * unit_roundoff * size));  // also if a number is not finite
+    const double nearest = n.offset - (2 * tolerance + error_ + 16 * unit_roundoff * size);
+    return !(most < nearest || (nearest > 0 && square < nearest * nearest));  // also if a number is not finite
 }
 
 }  // namespace votess

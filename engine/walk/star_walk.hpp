@@ -131,11 +131,10 @@ private:
     bool collect_faces();
     [[gnu::always_inline]] inline void aim(const OpenEdge& edge, Ray& ray);
     [[gnu::always_inline]] inline bool draw_line(const OpenEdge& edge, Line& line) const;
-    // Returns the candidate that the ray hits first, a guess; adds the walls if there is none. Returns -1 if there
-    // still is none.
+    // Returns the candidate that the ray hits first, a guess, or -1.
     [[nodiscard, gnu::noinline]] int first_hit(const Ray& ray);
-    // Returns how many candidates may come near a vertex of that squared security radius. Walls and seeds that were
-    // added later lie farther away than all seeds of the window.
+    // Returns how many candidates may come near a vertex of that squared security radius. Seeds that were added
+    // later lie farther away than all seeds of the window.
     [[nodiscard]] int in_reach(double reach2) const {
         return reach2 < near_covered_ ? candidates_.near : candidates_.count;
     }
@@ -250,8 +249,8 @@ private:
     void find_tilt(std::size_t home, const Box& box);
     [[nodiscard]] double residual(double weight, const exact::Point& x) const;
     [[nodiscard]] double least_residual(double weight, const exact::Point& x) const;
-    [[nodiscard]] double along_tilt(const std::array<double, 3>& n) const {
-        return 0.5 * (n[0] * tilt_.slope[0] + n[1] * tilt_.slope[1] + n[2] * tilt_.slope[2]);
+    [[nodiscard]] double along_tilt(const Four& n) const {
+        return 0.5 * (n.x[0] * tilt_.slope[0] + n.x[1] * tilt_.slope[1] + n.x[2] * tilt_.slope[2]);
     }
     [[nodiscard]] Ball ball_around(const Four& x, double length2) const;
     [[nodiscard, gnu::always_inline]] inline unsigned near_boxes(std::int32_t level, std::uint32_t index,
@@ -271,24 +270,35 @@ private:
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
+    template <class Visit>
+    bool step_along(const Wide& nearest, const Wide& along, Visit visit) const;
     [[nodiscard, gnu::noinline]] bool add_along(const Line& line, const OpenEdge& edge);
 
     // ---- Walls: the walk handles a wall as the bisector of the seed and its mirror image ----
     struct Wall {
         std::int32_t id;
         exact::Plane plane;
-        std::array<double, 3> normal;  // of length 1, outward
-        double offset;                 // normal.x = offset on it, rounded
-        double error;                  // of the distance of a seed
+        Four normal;    // of length 1, outward
+        double offset;  // normal.x = offset on it, rounded
+        double error;   // of the distance of a seed
         // As seen by the seed mirror_of: the bisector with its mirror image. h = 0 if the distance is not reliable.
         std::size_t mirror_of;
         Four n;
         double h;
     };
+    struct NearWall {
+        std::size_t wall;
+        double distance;  // of the seed, rounded down
+    };
     void collect_near_walls(const Box& home, double reach);
     bool add_near_walls();
-    [[gnu::noinline]] bool add_walls();
-    [[nodiscard]] bool two_walls_coincide() const;
+    // These return false if the clipper must decide.
+    bool add_wall(const Wall& wall);
+    [[gnu::noinline]] bool add_nearest_wall();
+    template <class Visit>
+    void for_walls_at(const Four& x, double length2, bool near, Visit visit);
+    [[gnu::noinline]] bool add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added);
+    [[gnu::noinline]] bool add_wall_along(const Wide& nearest, const Wide& along);
     [[nodiscard]] double distance_to(const Wall& wall) const;
     void wall_plane(std::int32_t id, Four& n, double& h);
     [[nodiscard]] Wall& wall_of(std::int32_t id) {
@@ -306,7 +316,8 @@ private:
     const Domain* domain_ = nullptr;
     std::vector<Wall> walls_;
     std::vector<std::int32_t> wall_places_;  // by -1 - id: in walls_, or -1
-    std::vector<std::size_t> near_walls_;    // of the seeds of the window's home
+    std::vector<NearWall> near_walls_;       // of the seeds of the window's home
+    std::vector<std::uint32_t> wall_nodes_;  // scratch
     bool any_rough_ = false;                 // images, see SeedImages
     bool moved_ = false;                     // the seed has been shifted from its input place
     bool weighted_ = false;
@@ -344,11 +355,12 @@ private:
     double sure_images_ = 0;   // no missing image cuts off a vertex of the home that is nearer to its moved seed
     float own_weight_ = 0;     // in the window
     bool empty_ = false;       // the cell
-    bool have_candidates_ = false, have_walls_ = false;
+    bool have_candidates_ = false;
     bool start_failed_ = false;  // the starting edge has no end
     std::int32_t own_x_ = 0;     // in the window
     CandidatePlanes candidates_;
     int near_walls_end_ = 0;      // candidates up to here are walls
+    double walls_within2_ = 0;    // squared security radius of vertices that no other wall of many cuts off
     double covered_ = 0;          // squared security radius of vertices that only candidates cut off
     double near_covered_ = 0;     // and of those that only the near ones cut off
     double longest_ = 0;          // bound on the length of candidate normals

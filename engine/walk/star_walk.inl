@@ -238,9 +238,8 @@ bool StarWalk<Isa>::is_candidate(std::int32_t id) const {
 template <class Isa>
 bool StarWalk<Isa>::begin_anywhere() {
     if (!have_candidates_ && !gather_candidates()) return false;
-    if (candidates_.count == 0 && !add_walls()) return false;
+    if (candidates_.count == 0 && !add_nearest_wall()) return false;
     const CandidatePlanes& c = candidates_;
-    if (c.count == 0) return false;  // a periodic domain has no walls
     if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
     for (int i = 0; i < c.count; ++i)
         distance_[i] = c.h[i] / std::sqrt(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
@@ -270,7 +269,6 @@ bool StarWalk<Isa>::begin_outside() {
             return empty_ = true;
         }
     }
-    if (!have_walls_ && !add_walls()) return false;
     for (int slot = 0; slot < probe_.slots(); ++slot) {
         if (!probe_.alive(slot)) continue;
         const auto planes = probe_.corner_planes(slot);
@@ -302,7 +300,12 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
     }
     ray.s = 1;
     ray.limit = parallel * size * static_cast<float>(longest_);
-    const int hit = first_hit(ray);
+    int hit = first_hit(ray);
+    if (hit < 0) {
+        const Wide from{ray.o[0], ray.o[1], ray.o[2], 0}, along{ray.d[0], ray.d[1], ray.d[2], 0};
+        if (!add_wall_along(from, along)) return false;
+        hit = first_hit(ray);
+    }
     if (hit < 0) return false;
     stack(a, new_slot(c.id[hit]));
     return true;
@@ -528,25 +531,39 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
     return room;
 }
 
-// Adds seeds from beyond the candidates that cut off an edge far from the seed. Returns false if there are none.
+// Visits places along a ray that are farther and farther from the seed, beyond the candidates. nearest: the place of
+// its line that is nearest to the seed. visit(x, |x|^2): returns true to stop. Returns whether it has.
 template <class Isa>
-bool StarWalk<Isa>::add_along(const Line& line, const OpenEdge& edge) {
+template <class Visit>
+bool StarWalk<Isa>::step_along(const Wide& nearest, const Wide& along, Visit visit) const {
     constexpr int max_steps = 12;
-    const double square = dot(wide(line.ab), wide(line.ab));
-    Wide nearest;
-    cross(wide(line.e), wide(line.ab), nearest);
-    nearest *= 1 / square;
-    const double start2 = dot(nearest, nearest);
-    const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id_[edge.a]};
+    const double square = dot(along, along), start2 = dot(nearest, nearest);
     double length2 = std::max({covered_, 0.25 * longest_ * longest_, 2 * start2});
     for (int step = 0; step < max_steps; ++step, length2 *= 4) {
         Four x;
-        wide(x) = nearest - std::sqrt((length2 - start2) / square) * wide(line.ab);
-        int added = 0;
-        if (!add_inside(line, error_length2(line, {}, length2), x, three, added)) return false;
-        if (added > 0) return true;
+        wide(x) = nearest + std::sqrt((length2 - start2) / square) * along;
+        if (visit(x, length2)) return true;
     }
     return false;
+}
+
+// Adds seeds or a wall from beyond the candidates that cut off an edge far from the seed. Returns false if there are
+// none.
+template <class Isa>
+bool StarWalk<Isa>::add_along(const Line& line, const OpenEdge& edge) {
+    Wide nearest;
+    cross(wide(line.e), wide(line.ab), nearest);
+    nearest *= 1 / dot(wide(line.ab), wide(line.ab));
+    const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id_[edge.a]};
+    int added = 0;
+    bool room = true;
+    step_along(nearest, -wide(line.ab), [&](const Four& x, double x2) {
+        const double length2 = error_length2(line, {}, x2);
+        room = add_wall_before(x, length2, false, -wide(line.ab), added) &&
+               (added > 0 || add_inside(line, length2, x, three, added));
+        return !room || added > 0;
+    });
+    return room && added > 0;
 }
 
 // ---- From vertex to vertex along the edges ----
@@ -638,7 +655,7 @@ bool StarWalk<Isa>::build_cell() {
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     move_ = {};
-    have_candidates_ = have_walls_ = used_exact_ = false;
+    have_candidates_ = used_exact_ = false;
     power_found_ = min_power;
     ties_.clear();
     tie_slots_.clear();
@@ -829,7 +846,6 @@ int StarWalk<Isa>::first_hit(const Ray& ray) {
     const Ray rays[2] = {ray, ray};
     int hits[2];
     Isa::first_hits(candidates_, candidates_.count, rays, hits);
-    if (hits[0] < 0 && !have_walls_ && add_walls()) Isa::first_hits(candidates_, candidates_.count, rays, hits);
     return hits[0];
 }
 
@@ -856,7 +872,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     for (int pick = 0; pick < max_picks; ++pick) {
         if (lane < 0) lane = first_hit(ray);
         if (lane < 0) {
-            if (!have_walls_ || !add_along(line, edge)) return false;
+            if (!add_along(line, edge)) return false;
             continue;
         }
         const std::int32_t id = candidates_.id[lane];
@@ -871,7 +887,8 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const double x2 = dot(wide(x), wide(x));
         third.length2 = error_length2(line, third, x2);
         if (!(x2 < longest_normal * longest_normal)) {
-            if (have_walls_ || !add_walls()) return false;
+            int added = 0;
+            if (!add_wall_before(x, third.length2, false, -wide(line.ab), added) || added == 0) return false;
             lane = -1;
             continue;
         }
@@ -889,15 +906,13 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 continue;
             }
         }
-        if (reach2 > covered_ && !searched) {
-            if (!have_walls_) {
-                if (!add_walls()) return false;
-                lane = -1;
-                continue;
-            }
+        if ((reach2 > covered_ && !searched) || !(reach2 < walls_within2_)) {
             int added = 0;
-            if (!add_inside(line, third.length2, x, three, added)) return false;
-            searched = vertices_ > 0 && added < max_new_seeds;
+            if (!add_wall_before(x, third.length2, reach2 <= covered_, -wide(line.ab), added)) return false;
+            if (added == 0 && reach2 > covered_ && !searched) {
+                if (!add_inside(line, third.length2, x, three, added)) return false;
+                searched = vertices_ > 0 && added < max_new_seeds;
+            }
             if (added > 0) {
                 lane = -1;
                 continue;
@@ -1539,12 +1554,12 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
         if (wall.plane.is_oblique()) {
             const CellPlane at_origin = make_plane({}, wall.id, wall.plane);
             const double inverse = 1 / at_origin.norm;
-            for (std::size_t k = 0; k < 3; ++k) wall.normal[k] = at_origin.n[k] * inverse;
+            for (std::size_t k = 0; k < 3; ++k) wall.normal.x[k] = at_origin.n[k] * inverse;
             wall.offset = at_origin.h * inverse;
             wall.error = 64 * unit * (4 * size + std::abs(wall.offset));
         } else {
             const int axis = of_box / 2;
-            wall.normal[static_cast<std::size_t>(axis)] = of_box % 2 == 0 ? -1 : 1;
+            wall.normal.x[axis] = of_box % 2 == 0 ? -1 : 1;
             wall.offset = of_box % 2 == 0 ? -domain.box.lower[axis] : domain.box.upper[axis];
         }
         walls_.push_back(wall);
@@ -1554,9 +1569,9 @@ void StarWalk<Isa>::begin_job(const Domain& domain) {
 // Returns a lower bound of the distance of the moved seed inside the wall.
 template <class Isa>
 double StarWalk<Isa>::distance_to(const Wall& wall) const {
-    const auto& n = wall.normal;
+    const auto& n = wall.normal.x;
     double inside = wall.offset - (n[0] * p_[0] + n[1] * p_[1] + n[2] * p_[2]) - wall.error;
-    if (weighted_) inside += along_tilt(n) - 8 * unit * tilt_length_;
+    if (weighted_) inside += along_tilt(wall.normal) - 8 * unit * tilt_length_;
     return inside;
 }
 
@@ -1565,54 +1580,133 @@ template <class Isa>
 void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     near_walls_.clear();
     for (std::size_t w = 0; w < walls_.size(); ++w) {
-        const auto& n = walls_[w].normal;
+        const auto& n = walls_[w].normal.x;
         double farthest = 0;
         for (int k = 0; k < 3; ++k) farthest += n[k] * (n[k] > 0 ? home.upper[k] : home.lower[k]);
-        if (walls_[w].offset - farthest + along_tilt(n) - 2 * walls_[w].error < reach) near_walls_.push_back(w);
+        if (walls_[w].offset - farthest + along_tilt(walls_[w].normal) - 2 * walls_[w].error < reach)
+            near_walls_.push_back({w, 0});
     }
 }
 
+// Of many walls only the nearest, as most of the others bound other cells. close() then adds those that cut a vertex.
 template <class Isa>
 bool StarWalk<Isa>::add_near_walls() {
     const double reach = longest_;  // before the walls lengthen it
-    bool oblique = false;
-    for (const std::size_t w : near_walls_) {
-        const Wall& wall = walls_[w];
-        if (2 * distance_to(wall) * scale_ * (1 - margin) >= reach) continue;
-        if (!add_candidate(wall.id)) return false;
-        oblique = oblique || wall.plane.is_oblique();
-    }
-    near_walls_end_ = candidates_.count;
-    return !oblique || !two_walls_coincide();
-}
-
-template <class Isa>
-bool StarWalk<Isa>::add_walls() {
-    bool oblique = false;
-    const std::int32_t *near = candidates_.id, *near_end = near + near_walls_end_;
-    for (const Wall& wall : walls_) {
-        if (std::find(near, near_end, wall.id) != near_end) continue;
-        if (!add_candidate(wall.id)) return false;
-        oblique = oblique || wall.plane.is_oblique();
-    }
-    have_walls_ = !oblique || !two_walls_coincide();
-    return have_walls_;
-}
-
-// Whether two walls may be one plane. The first then has the face, which the clipper decides by taking walls in order.
-template <class Isa>
-bool StarWalk<Isa>::two_walls_coincide() const {
-    constexpr float nearly = 1e-5f;
-    const CandidatePlanes& c = candidates_;
-    for (int i = 0; i < c.count; ++i) {
-        if (c.id[i] >= 0) continue;
-        for (int j = 0; j < i; ++j) {
-            if (c.id[j] >= 0) continue;
-            const float apart = std::abs(c.nx[i] - c.nx[j]) + std::abs(c.ny[i] - c.ny[j]) + std::abs(c.nz[i] - c.nz[j]);
-            if (apart <= nearly * (std::abs(c.nx[i]) + std::abs(c.ny[i]) + std::abs(c.nz[i]))) return true;
+    candidates_.near = 0;
+    const std::size_t few = walls_.size() - domain_->wall_tree.size();
+    double nearest = std::numeric_limits<double>::infinity(), next = nearest;  // of many walls
+    const Wall* at = nullptr;
+    for (NearWall& near : near_walls_) {
+        const Wall& wall = walls_[near.wall];
+        near.distance = distance_to(wall);
+        const bool in_reach = 2 * near.distance * scale_ * (1 - margin) < reach;
+        if (near.wall < few) {
+            if (in_reach && !add_wall(wall)) return false;
+        } else if (!in_reach) {
+            next = std::min(next, near.distance);
+        } else if (near.distance < nearest) {
+            next = std::exchange(nearest, near.distance);
+            at = &wall;
+        } else {
+            next = std::min(next, near.distance);
         }
     }
-    return false;
+    if (at != nullptr && !add_wall(*at)) return false;
+    const double within = std::max(0.0, 2 * next * scale_ * (1 - margin));
+    walls_within2_ = within * within;
+    near_walls_end_ = candidates_.count;
+    return true;
+}
+
+// Returns false also if the wall may be one plane with another. The first then has the face, which the clipper decides
+// by taking walls in order.
+template <class Isa>
+bool StarWalk<Isa>::add_wall(const Wall& wall) {
+    constexpr float nearly = 1e-5f;
+    constexpr std::int32_t last_of_box = -6;
+    if (!add_candidate(wall.id)) return false;
+    CandidatePlanes& c = candidates_;
+    const int i = c.near++, last = c.count - 1;  // one of many walls may be as near as seeds of the window
+    for (float* axis : {c.nx, c.ny, c.nz, c.h}) std::swap(axis[i], axis[last]);
+    std::swap(c.id[i], c.id[last]);
+    for (int j = 0; j < c.count; ++j) {
+        if (j == i || c.id[j] >= 0 || (c.id[j] >= last_of_box && wall.id >= last_of_box)) continue;
+        const float apart = std::abs(c.nx[i] - c.nx[j]) + std::abs(c.ny[i] - c.ny[j]) + std::abs(c.nz[i] - c.nz[j]);
+        if (apart <= nearly * (std::abs(c.nx[i]) + std::abs(c.ny[i]) + std::abs(c.nz[i]))) return false;
+    }
+    return true;
+}
+
+template <class Isa>
+bool StarWalk<Isa>::add_nearest_wall() {
+    const auto nearest = std::ranges::min_element(walls_, {}, [&](const Wall& wall) { return distance_to(wall); });
+    return nearest != walls_.end() && add_wall(*nearest);  // a periodic domain has no walls
+}
+
+// Calls visit(wall, distance) for all walls that may cut off or touch a vertex x, and others. near: the vertex is
+// within the reach of the window.
+template <class Isa>
+template <class Visit>
+void StarWalk<Isa>::for_walls_at(const Four& x, double length2, bool near, Visit visit) {
+    if (near) {
+        for (const NearWall& wall : near_walls_) visit(walls_[wall.wall], wall.distance);
+        return;
+    }
+    const WallTree& tree = domain_->wall_tree;
+    const std::size_t first = walls_.size() - tree.size();
+    for (std::size_t w = 0; w < first; ++w) visit(walls_[w], distance_to(walls_[w]));
+    if (tree.size() == 0) return;
+    exact::Point place;
+    double size = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double offset = (x.x[k] - move_.x[k]) * unscale_;
+        place[static_cast<std::size_t>(k)] = p_[k] + offset;
+        size += std::abs(p_[k]) + std::abs(offset);
+    }
+    const double tolerance = in_places(2 * margin * std::sqrt(length2), size);
+    wall_nodes_.assign(1, 0);
+    while (!wall_nodes_.empty()) {
+        const std::size_t node = wall_nodes_.back();
+        wall_nodes_.pop_back();
+        if (!tree.may_exclude(node, place, tolerance)) continue;
+        const Wall& wall = walls_[first + tree.wall(node)];
+        visit(wall, distance_to(wall));
+        for (std::size_t child = 2 * node + 1; child <= 2 * node + 2 && child < tree.size(); ++child)
+            wall_nodes_.push_back(static_cast<std::uint32_t>(child));
+    }
+}
+
+// Adds the wall that cuts an edge first, of those that may cut off or touch its vertex x and are no candidates, if
+// there is one. along: from the seed's side of these walls to x.
+template <class Isa>
+bool StarWalk<Isa>::add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added) {
+    const double slack = 2 * margin * std::sqrt(length2);
+    const Wall* first = nullptr;
+    double farthest = 0;
+    for_walls_at(x, length2, near, [&](const Wall& wall, double distance) {
+        const Wide& n = wide(wall.normal);
+        const double beyond = dot(n, wide(x)) - distance * scale_ + slack;
+        if (!(beyond >= 0) || is_candidate(wall.id)) return;
+        const double from_wall = beyond / std::max(dot(n, along), std::numeric_limits<double>::min());
+        if (first != nullptr && from_wall <= farthest) return;
+        first = &wall;
+        farthest = from_wall;
+    });
+    if (first == nullptr) return true;
+    ++added;
+    return add_wall(*first);
+}
+
+// Adds the wall that a ray meets first, if it is not among the candidates.
+template <class Isa>
+bool StarWalk<Isa>::add_wall_along(const Wide& nearest, const Wide& along) {
+    int added = 0;
+    bool room = true;
+    step_along(nearest, along, [&](const Four& x, double x2) {
+        room = add_wall_before(x, x2, false, along, added);
+        return !room || added > 0;
+    });
+    return room && added > 0;
 }
 
 template <class Isa>
