@@ -4,8 +4,8 @@ It needs freud (``pip install freud-analysis``) for boxes, systems and lists of 
 
 Differences from freud 3.4:
 
-- Faces and vertices that Voro++'s tolerance drops are there, and vertices that are equal in exact arithmetic are one.
-- In space vertices have the order of votess. In the plane they are counterclockwise, as in freud.
+- Faces and vertices that Voro++'s tolerance drops are there. Vertices that are equal in exact arithmetic are one.
+- Vertices in space have the order of votess. Those in the plane are counterclockwise, as in freud.
 - Equal points are an error.
 """
 
@@ -41,6 +41,8 @@ class Voronoi:
         self._freud = imported("freud", "pyvotess.compat.freud", "freud-analysis")
         self._options = options
         self._t: Optional[Tessellation] = None
+        self._box: Any = None
+        self._points: Float64Array = np.empty((0, 3))
 
     def compute(self, system: Any) -> Voronoi:
         """Computes the diagram of a system that freud reads, such as ``(box, points)``, and returns the object.
@@ -51,7 +53,7 @@ class Voronoi:
         size = 2 if query.box.is2D else 3
         edges = np.asarray(query.box.to_matrix(), dtype=np.float64)[:size, :size].T
         points = np.asarray(query.points, dtype=np.float64)
-        t = tessellate(
+        self._t = tessellate(
             np.ascontiguousarray(points[:, :size]),
             cell=edges,
             origin=-edges.sum(axis=0) / 2,
@@ -59,7 +61,7 @@ class Voronoi:
             duplicates="error",
             **self._options,
         )
-        vars(self).update(_t=t, _box=query.box, _points=points)
+        self._box, self._points = query.box, points
         for name in ("polytopes", "nlist"):
             vars(self).pop(name, None)
         return self
