@@ -216,7 +216,7 @@ class Delaunay(OfPoints):
         used.
         """
         del bruteforce
-        if np.ndim(xi) == 0:
+        if np.asarray(xi).ndim == 0:  # np.ndim() would ask a Delaunay for its own
             raise IndexError(f"xi has shape (): it must be (..., {self.ndim})")
         array = np.asarray(xi, dtype=np.float64)
         if array.shape[-1] != self.ndim:

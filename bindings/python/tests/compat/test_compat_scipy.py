@@ -519,6 +519,12 @@ class PlaneTest(unittest.TestCase):
         self.assertEqual(len(cut.vertices), np.count_nonzero(inside))
         self.assertTrue(sets(cut.ridge_points) <= sets(whole.ridge_points))
 
+    def test_find_simplex_of_no_points(self):
+        mesh = Delaunay(IN_PLANE["uniform"])
+        for no_points in (1, mesh):
+            with self.assertRaisesRegex(IndexError, r"shape \(\)"):
+                mesh.find_simplex(no_points)
+
     def test_gaps_at_a_box(self):
         # A cell with a vertex at its left and right leaves a low box above and below.
         points = np.array([(0, 0), (-1, 0.5), (-1, -0.5), (1, 0.5), (1, -0.5)])
