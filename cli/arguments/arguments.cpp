@@ -291,8 +291,8 @@ void refuse_options_of_cells(const Arguments& arguments, const std::string& quer
     if (query == "--probe") allowed = {"--format", "--want", "--list-walls"};
     if (query == "--to-grid") allowed = {"--image", "--colormap"};
     if (const Option* option = arguments.find_needing({Needs::cells, Needs::all_cells}, allowed))
-        throw bad_input(long_name(*option) + " is for cells of the points, but " + query +
-                        " computes none: leave it out");
+        throw bad_input(long_name(*option) + " is for cells of the points, but " + query + " computes none: " +
+                        (long_name(*option) == "--frames" ? "give --frame N instead" : "leave it out"));
 }
 
 void read_query(const Typed& typed, const std::string& option, Arguments& arguments) {

@@ -19,15 +19,19 @@ using Words = std::vector<std::string_view>;
 
 inline constexpr std::string_view blanks = " \t\r\v\f";
 
+[[nodiscard]] constexpr bool is_blank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
 inline void split_words(std::string_view line, Words& words) {
     words.clear();
+    const char *at = line.data(), *const end = at + line.size();
     for (;;) {
-        const auto begin = line.find_first_not_of(blanks);
-        if (begin == std::string_view::npos) return;
-        line.remove_prefix(begin);
-        const auto length = std::min(line.find_first_of(blanks), line.size());
-        words.push_back(line.substr(0, length));
-        line.remove_prefix(length);
+        while (at != end && is_blank(*at)) ++at;
+        if (at == end) return;
+        const char* const begin = at;
+        while (at != end && !is_blank(*at)) ++at;
+        words.emplace_back(begin, static_cast<std::size_t>(at - begin));
     }
 }
 

@@ -17,7 +17,7 @@ struct TableColumn {
     std::string name;
     char type;  // as in extended XYZ: I, R or S
     std::size_t width;
-    std::function<void(OutputBuffer& row, std::size_t i, std::size_t part)> put;
+    std::function<void(OutputBuffer& row, std::size_t i, char between)> put;
 };
 using Table = std::vector<TableColumn>;
 
@@ -25,24 +25,31 @@ using Table = std::vector<TableColumn>;
 constexpr std::size_t index_parts = 5;
 
 TableColumn of_numbers(std::string name, std::span<const double> values, std::size_t width = 1) {
-    return {std::move(name), 'R', width,
-            [=](OutputBuffer& row, std::size_t i, std::size_t part) { row.put_number(values[width * i + part]); }};
+    return {std::move(name), 'R', width, [=](OutputBuffer& row, std::size_t i, char between) {
+                row.put_vector(values.subspan(width * i, width), between);
+            }};
 }
 
 std::size_t neighbors_of(const votess::Tessellation& cells, std::size_t i) {
     return static_cast<std::size_t>(std::ranges::count_if(cells.neighbors(i), [](auto j) { return j >= 0; }));
 }
 
-// Returns how many faces between cells have 3 + part edges, or at least as many for the last part.
-std::size_t faces_with(const votess::Tessellation& cells, std::size_t i, std::size_t part) {
-    const auto offsets = cells.face_offsets();
-    std::size_t count = 0;
-    for (auto entry = cells.indptr()[i]; entry < cells.indptr()[i + 1]; ++entry) {
-        const auto at = static_cast<std::size_t>(entry);
-        const auto edges = static_cast<std::size_t>(offsets[at + 1] - offsets[at]);
-        if (cells.indices()[at] >= 0 && std::clamp<std::size_t>(edges, 3, 2 + index_parts) == 3 + part) ++count;
-    }
-    return count;
+// Writes how many faces between cells have 3, 4, 5, 6, and 7 or more edges.
+TableColumn voronoi_index_of(const votess::Tessellation& cells) {
+    return {"voronoi_index", 'I', index_parts,
+            [indptr = cells.indptr(), indices = cells.indices(), offsets = cells.face_offsets()](
+                OutputBuffer& row, std::size_t i, char between) {
+                std::array<std::size_t, index_parts> counts{};
+                for (auto at = static_cast<std::size_t>(indptr[i]); at < static_cast<std::size_t>(indptr[i + 1]);
+                     ++at) {
+                    const auto edges = static_cast<std::size_t>(offsets[at + 1] - offsets[at]);
+                    if (indices[at] >= 0) ++counts[std::clamp<std::size_t>(edges, 3, 2 + index_parts) - 3];
+                }
+                for (std::size_t part = 0; part < index_parts; ++part) {
+                    if (part > 0) row.put(between);
+                    row.put_number(counts[part]);
+                }
+            }};
 }
 
 // Returns 0 for z in the plane.
@@ -54,20 +61,20 @@ double coordinate(const OutputData& data, std::size_t i, std::size_t axis) {
 // Adds the columns x, y and z, or fewer.
 void add_coordinates(const OutputData& data, std::size_t count, Table& table) {
     for (std::size_t k = 0; k < count; ++k)
-        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, std::size_t) {
+        table.push_back({std::string(1, "xyz"[k]), 'R', 1, [&data, k](OutputBuffer& row, std::size_t i, char) {
                              row.put_number(coordinate(data, i, k));
                          }});
 }
 
 TableColumn ids_of(const OutputData& data, std::int64_t first) {
     const std::vector<std::int64_t>& ids = data.input.ids;
-    return {"id", 'I', 1, [&ids, first](OutputBuffer& row, std::size_t i, std::size_t) {
+    return {"id", 'I', 1, [&ids, first](OutputBuffer& row, std::size_t i, char) {
                 row.put_number(ids.empty() ? static_cast<std::int64_t>(i) + first : ids[i]);
             }};
 }
 
 TableColumn words(std::string name, const std::vector<std::string>& values) {
-    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, std::size_t) { row.put(values[i]); }};
+    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, char) { row.put(values[i]); }};
 }
 
 // Returns the columns of the cells, then those of the input.
@@ -78,14 +85,9 @@ Table results_of(const OutputData& data) {
     const bool planar = cells.planar();
     if (wanted.volumes) table.push_back(of_numbers(planar ? "area" : "volume", cells.volumes()));
     if (wanted.neighbors)
-        table.push_back({"neighbors", 'I', 1, [&cells](OutputBuffer& row, std::size_t i, std::size_t) {
-                             row.put_number(neighbors_of(cells, i));
-                         }});
-    if (wanted.faces && !planar)
-        table.push_back(
-            {"voronoi_index", 'I', index_parts, [&cells](OutputBuffer& row, std::size_t i, std::size_t part) {
-                 row.put_number(faces_with(cells, i, part));
-             }});
+        table.push_back({"neighbors", 'I', 1,
+                         [&cells](OutputBuffer& row, std::size_t i, char) { row.put_number(neighbors_of(cells, i)); }});
+    if (wanted.faces && !planar) table.push_back(voronoi_index_of(cells));
     if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), size_of_vectors(cells)));
     if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
@@ -123,11 +125,9 @@ void write_rows(OutputFile& file, const OutputData& data, const Table& table, st
                      rows.put(before);
                      bool first = true;
                      for (const TableColumn& column : table) {
-                         for (std::size_t part = 0; part < column.width; ++part) {
-                             if (!first) rows.put(between);
-                             column.put(rows, i, part);
-                             first = false;
-                         }
+                         if (!first) rows.put(between);
+                         column.put(rows, i, between);
+                         first = false;
                      }
                      rows.put('\n');
                  }
@@ -212,7 +212,7 @@ void write_dump(OutputFile& file, const OutputData& data) {
     const std::vector<std::string>& species = data.input.species;
     Table table{ids_of(data, 1)};
     if (std::ranges::all_of(species, is_whole)) {
-        table.push_back({"type", 'I', 1, [&species](OutputBuffer& row, std::size_t i, std::size_t) {
+        table.push_back({"type", 'I', 1, [&species](OutputBuffer& row, std::size_t i, char) {
                              row.put(species.empty() ? std::string_view("1") : species[i]);
                          }});
     } else {
@@ -267,12 +267,14 @@ void write_xyz(OutputFile& file, const OutputData& data) {
         table.push_back(words("type", species));
         table.back().type = 'I';
     } else {
-        table.push_back({"species", 'S', 1, [&species](OutputBuffer& row, std::size_t i, std::size_t) {
+        table.push_back({"species", 'S', 1, [&species](OutputBuffer& row, std::size_t i, char) {
                              row.put(species.empty() ? std::string_view("X") : species[i]);
                          }});
     }
-    table.push_back({"pos", 'R', 3, [&data](OutputBuffer& row, std::size_t i, std::size_t part) {
-                         row.put_number(coordinate(data, i, part));
+    table.push_back({"pos", 'R', 3, [&data](OutputBuffer& row, std::size_t i, char between) {
+                         row.put_vector(
+                             std::array{coordinate(data, i, 0), coordinate(data, i, 1), coordinate(data, i, 2)},
+                             between);
                      }});
     if (!data.input.ids.empty()) table.push_back(ids_of(data, 0));
     for (TableColumn& column : results_of(data)) table.push_back(std::move(column));

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "files/output_file.hpp"
@@ -18,12 +19,16 @@ using Polygon = std::span<const std::int32_t>;
 
 class TextWriter {
 public:
-    TextWriter(const OutputData& data, const NearestImages& seeds)
+    TextWriter(const OutputData& data, const NearestImages& seeds, bool ids_ascend)
         : data_(data),
           cells_(data.tessellation),
           size_(size_of_vectors(cells_)),
           seeds_(seeds),
-          areas_(cells_.face_areas()) {
+          indices_(cells_.indices()),
+          areas_(cells_.face_areas()),
+          probed_(cells_.probed()),
+          subset_(cells_.is_subset()),
+          ids_ascend_(ids_ascend) {
         if (data_.format.like_voropp()) buffer_.set_digits(6);
     }
 
@@ -163,21 +168,24 @@ private:
     // Returns the id of a neighbor, or the number of a wall, for an entry of indices. Probes list seeds by index. A
     // subset has neighbors among all points.
     [[nodiscard]] std::int64_t name_of(std::size_t entry) const {
-        const std::int32_t j = cells_.indices()[entry];
-        if (j < 0 || cells_.probed()) return j;
-        if (cells_.is_subset()) return data_.all_ids.empty() ? j : data_.all_ids[static_cast<std::size_t>(j)];
+        const std::int32_t j = indices_[entry];
+        if (j < 0 || probed_) return j;
+        if (subset_) return data_.all_ids.empty() ? j : data_.all_ids[static_cast<std::size_t>(j)];
         return id_of(static_cast<std::size_t>(j));
     }
 
-    // Fills order_ with the entries of row i: walls first, then by id. Without ids, indices are already in that order.
+    // Fills order_ with the entries of row i: walls first, then by id. Where ids ascend, indices are already in that
+    // order.
     void order_row(std::size_t i) {
         if (ordered_) return;
         ordered_ = true;
         order_.resize(cells_.neighbors(i).size());
         std::iota(order_.begin(), order_.end(), static_cast<std::size_t>(cells_.indptr()[i]));
-        if (data_.input.ids.empty()) return;
-        std::ranges::stable_sort(
-            order_, {}, [&](std::size_t entry) { return std::pair(cells_.indices()[entry] >= 0, name_of(entry)); });
+        if (ids_ascend_) return;
+        keys_.clear();
+        for (const std::size_t entry : order_) keys_.emplace_back(indices_[entry] >= 0, name_of(entry), entry);
+        std::ranges::sort(keys_);
+        for (std::size_t k = 0; k < order_.size(); ++k) order_[k] = std::get<2>(keys_[k]);
     }
 
     [[nodiscard]] Polygon polygon(std::size_t entry) const {
@@ -267,9 +275,12 @@ private:
     std::size_t size_;  // of vectors
     OutputBuffer buffer_;
     const NearestImages& seeds_;
+    std::span<const std::int32_t> indices_;
     std::span<const double> areas_;
+    bool probed_, subset_, ids_ascend_;
     std::vector<std::size_t> order_, counts_;
-    bool ordered_ = false;  // whether order_ belongs to the current row
+    std::vector<std::tuple<bool, std::int64_t, std::size_t>> keys_;  // scratch of order_row(): is a seed, name, entry
+    bool ordered_ = false;                                           // whether order_ belongs to the current row
 };
 
 }  // namespace
@@ -277,6 +288,8 @@ private:
 void write_text(OutputFile& file, const OutputData& data) {
     constexpr std::size_t block = 4096;
     const NearestImages seeds(data.input.points, data.tessellation);
+    const bool subset = data.tessellation.is_subset();
+    const bool ids_ascend = std::ranges::is_sorted(subset ? data.all_ids : std::span(data.input.ids));
     const std::size_t count = data.tessellation.size();
     if (data.place != FramePlace::alone) {
         const std::string step = data.input.timestep.empty() ? "" : ", timestep " + data.input.timestep;
@@ -284,7 +297,9 @@ void write_text(OutputFile& file, const OutputData& data) {
                    " points\n");
     }
     in_order((count + block - 1) / block, data.threads,
-             [&](std::size_t k) { return TextWriter(data, seeds).rows(k * block, std::min(count, (k + 1) * block)); },
+             [&](std::size_t k) {
+                 return TextWriter(data, seeds, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));
+             },
              [&](const OutputBuffer& rows) {
                  file.write(rows.bytes());
                  return true;

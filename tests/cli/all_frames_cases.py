@@ -112,6 +112,40 @@ class AllFrames(CliTest):
                                                rtol=tolerance, atol=tolerance)
                     self.assertAlmostEqual(self.json(file)["volume_sum"], self.json("p.npy", *options)["volume_sum"], 11)
 
+    def test_hull(self):
+        self.xyz(self.frames(3))
+        self.run_cli("a.xyz", "--frames", "all", "--periodic", "none", "--box", "hull", "-o", "all.csv", "-o", "all.xyz")
+        table = np.genfromtxt(self.folder / "all.csv", delimiter=",", names=True)
+        for k in range(3):
+            hull = ["--frame", k, "--box", "hull", "--periodic", "none"]
+            self.run_cli("a.xyz", *hull, "-o", "one.csv")
+            one = np.genfromtxt(self.folder / "one.csv", delimiter=",", names=True)
+            chosen = table[table["frame"] == k]
+            for name in one.dtype.names:
+                np.testing.assert_array_equal(chosen[name], one[name])
+            # A seed is its own nearest, and the middle of the seeds is inside their hull.
+            self.put("q.npy", np.column_stack([one[c] for c in "xyz"]))
+            self.put("middle.npy", np.load(self.folder / "q.npy").mean(axis=0)[None] + [[0], [99]])
+            self.assertEqual(self.rows("a.xyz", *hull, "--locate", "q.npy"), [str(i) for i in range(len(one))])
+            self.assertEqual([int(i) >= 0 for i in self.rows("a.xyz", *hull, "--locate", "middle.npy")], [True, False])
+            volumes = [float(v) for v in self.rows("a.xyz", *hull, "--probe", "middle.npy", "--format", "%v")]
+            self.assertGreater(volumes[0], 0)
+            self.assertEqual(volumes[1], 0)
+
+    def test_ids_in_any_order(self):
+        """Lists of neighbors have walls first, then ids that ascend."""
+        points = random_points(50)
+        ids = np.random.default_rng(4).permutation(50) + 1
+        text = "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n50\nITEM: BOX BOUNDS pp ff pp\n0 1\n0 1\n0 1\nITEM: ATOMS id x y z\n"
+        self.put("any.dump", text + "".join(f"{i} {row}\n" for i, row in zip(ids, text_of(points).splitlines())))
+        self.run_cli("any.dump", "-o", "any.npz", "--list-walls")
+        with np.load(self.folder / "any.npz") as cells:
+            named = [ids[j] if j >= 0 else j for j in cells["indices"]]
+            lists = [sorted(named[a:b], key=lambda j: (j >= 0, j)) for a, b in zip(cells["indptr"], cells["indptr"][1:])]
+        rows = [[int(j) for j in row.split()] for row in self.rows("any.dump", "--list-walls", "--format", "%n")]
+        self.assertEqual(rows, lists)
+        self.assertLess(min(map(min, rows)), 0)
+
     def test_numbers_as_species(self):
         self.dump(self.frames(2))
         self.run_cli("a.dump", "-o", "t.xyz", "-o", "t.dump", "--want", "volumes")
@@ -134,7 +168,7 @@ class AllFrames(CliTest):
         self.refuse("a.xyz", "--frames", "all", "--image", "out.png", says="--image")
         self.refuse("a.xyz", "--frames", "all", "--volumes", "m", says="--volumes")
         self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.txt", says="--frames")
-        self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "-", says="--frames")
+        self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "-", says="--frame N")
         self.refuse("--random", 5, "--frames", "all", says="--frames")
         self.refuse("a.xyz", "--points", says="--frames")
         # A failure in a later frame leaves no file. Frames before it can be read.

@@ -183,7 +183,7 @@ class Tessellation(SeedCells):
     def to_freud(self) -> Any:
         """Returns a freud.locality.NeighborList in float32, with an entry for each of :meth:`pairs`. Needs "areas" in want.
 
-        The weights are the areas of the faces.
+        The weights are the areas of the faces, in the plane the lengths of the edges.
         """
         self._check_whole()
         from .export.packages import to_freud

@@ -216,8 +216,10 @@ class Delaunay(OfPoints):
         used.
         """
         del bruteforce
+        if np.asarray(xi).ndim == 0:  # np.ndim() would ask a Delaunay for its own
+            raise IndexError(f"xi has shape (): it must be (..., {self.ndim})")
         array = np.asarray(xi, dtype=np.float64)
-        if array.ndim == 0 or array.shape[-1] != self.ndim:
+        if array.shape[-1] != self.ndim:
             raise ValueError(f"xi has shape {array.shape}: it must be (..., {self.ndim})")
         queries = array.reshape(-1, self.ndim)
         allowed = 100 * float(np.finfo(np.float64).eps) if tol is None else tol

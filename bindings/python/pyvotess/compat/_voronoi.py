@@ -28,6 +28,20 @@ def _rows(indptr: Int64Array, values: Int64Array, kept: BoolArray) -> List[List[
         return [flat[a:b] for a, b in zip(ends[:-1], ends[1:])]
 
 
+def _one_of_each_gap(indptr: Int64Array, corners: Int64Array) -> BoolArray:
+    """Returns which corners to keep: the first of consecutive corners on the box, also if a row has no others."""
+    is_inner = corners >= 0
+    begin, end = indptr[:-1], indptr[1:]
+    begin, end = begin[begin < end], end[begin < end]
+    before = np.empty_like(is_inner)
+    before[1:] = is_inner[:-1]
+    before[begin] = is_inner[end - 1]
+    kept: BoolArray = is_inner | before
+    if len(begin):
+        kept[begin] |= ~np.logical_or.reduceat(is_inner, begin)
+    return kept
+
+
 class Voronoi(OfPoints):
     """The Voronoi diagram of points in space or in the plane, with the attributes of scipy.spatial.Voronoi.
 
@@ -85,23 +99,21 @@ class Voronoi(OfPoints):
             with garbage_collector_paused():
                 pairs: List[List[int]] = np.sort(corners.reshape(-1, 2), axis=1).tolist()
             return pairs
-        is_inner = corners >= 0
-        # Of consecutive corners on the box the first is kept, also if all corners are on the box.
-        before = np.empty_like(is_inner)
-        before[1:] = is_inner[:-1]
-        before[indptr[:-1]] = is_inner[indptr[1:] - 1]
-        kept = is_inner | before
-        if len(indptr) > 1:
-            kept[indptr[:-1]] |= ~np.logical_or.reduceat(is_inner, indptr[:-1])
-        return _rows(indptr, corners, kept)
+        return _rows(indptr, corners, _one_of_each_gap(indptr, corners))
 
     @cached_property
     def regions(self) -> List[List[int]]:
-        """The vertices of each cell, after a -1 where the cell is open. They ascend; in the plane they are in order."""
+        """The vertices of each cell, after a -1 where the cell is open. They ascend.
+
+        In the plane they are counterclockwise, with a -1 for each part of the cell on the box or at infinity.
+        """
         indptr, corners = self._diagram.cells
-        regions = _rows(indptr, corners, corners >= 0)
+        kept = _one_of_each_gap(indptr, corners) if self.ndim == 2 else corners >= 0
+        regions = _rows(indptr, corners, kept)
         for row in np.flatnonzero(self._diagram.is_open).tolist():
-            regions[row].insert(0, -1)
+            region = regions[row]
+            gap = region.index(-1) if -1 in region else len(region)
+            regions[row] = [-1, *region[gap + 1 :], *region[:gap]]
         return regions
 
     @cached_property

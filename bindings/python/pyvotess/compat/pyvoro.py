@@ -9,7 +9,7 @@ Differences from pyvoro 1.3:
 - Equal points and NaN raise ValueError.
 - A cell is a subclass of dict, which computes vertices, adjacency and faces at first use. Code in C that reads a dict
   without calling its methods may see it before.
-- compute_2d_voronoi is missing: votess has three dimensions only.
+- compute_2d_voronoi is missing: use :func:`pyvotess.tessellate` with points of shape (N, 2).
 """
 
 from __future__ import annotations
@@ -100,5 +100,5 @@ def compute_voronoi(
 
 
 def compute_2d_voronoi(*arguments: Any, **keywords: Any) -> List[Dict[str, Any]]:
-    """Raises NotImplementedError: votess has three dimensions only."""
-    raise NotImplementedError("votess has three dimensions only: use scipy.spatial.Voronoi in a plane")
+    """Raises NotImplementedError."""
+    raise NotImplementedError("compute_2d_voronoi: use pyvotess.tessellate with points of shape (N, 2)")

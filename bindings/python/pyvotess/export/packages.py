@@ -74,15 +74,16 @@ def _records(columns: Any, count: int) -> Any:
 
 def to_freud(t: SeedCells) -> Any:
     """See :meth:`Tessellation.to_freud`."""
-    t._require_space("to_freud()")
     areas = t.face_areas  # raises with the word for want
     freud = imported("freud", "to_freud()", "freud-analysis")
     pairs = make_pairs(t)
+    vectors = np.zeros((len(pairs), 3), dtype=np.float32)
+    vectors[:, : pairs.vector.shape[1]] = pairs.vector
     return freud.locality.NeighborList.from_arrays(
         len(t),
         len(t),
         pairs.i.astype(np.uint32),
         pairs.j.astype(np.uint32),
-        pairs.vector.astype(np.float32),
+        vectors,
         areas[t.neighbors.indices >= 0].astype(np.float32),
     )

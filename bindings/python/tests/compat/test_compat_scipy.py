@@ -519,6 +519,29 @@ class PlaneTest(unittest.TestCase):
         self.assertEqual(len(cut.vertices), np.count_nonzero(inside))
         self.assertTrue(sets(cut.ridge_points) <= sets(whole.ridge_points))
 
+    def test_find_simplex_of_no_points(self):
+        mesh = Delaunay(IN_PLANE["uniform"])
+        for no_points in (1, mesh):
+            with self.assertRaisesRegex(IndexError, r"shape \(\)"):
+                mesh.find_simplex(no_points)
+
+    def test_gaps_at_a_box(self):
+        # A cell with a vertex at its left and right leaves a low box above and below.
+        points = np.array([(0, 0), (-1, 0.5), (-1, -0.5), (1, 0.5), (1, -0.5)])
+        vor = Voronoi(points, box=(-2, -1, 2, 1))
+        region, = (row for row in vor.regions if row.count(-1) == 2)
+        self.assertEqual((region, vor.regions[0]), ([-1, region[1], -1, region[3]], region))
+        self.assertEqual(sorted(vor.vertices[region[1::2], 0]), [-0.625, 0.625])
+        # Consecutive vertices of a region are the ends of a ridge.
+        points = IN_PLANE["uniform"]
+        vor = Voronoi(points, box=(0.2, 0.3, 0.9, 0.8), outside="keep")
+        ends = {tuple(row) for row in vor.ridge_vertices}
+        for region in vor.regions:
+            for pair in zip(region, region[1:] + region[:1]):
+                if min(pair) >= 0:
+                    self.assertIn(tuple(sorted(pair)), ends)
+        self.assertGreater(sum(-1 in row and len(row) > 2 for row in vor.regions), 20)
+
     def test_what_is_refused(self):
         points = uniform(50)[:, :2]
         for make in (Voronoi, Delaunay):
