@@ -42,7 +42,7 @@ ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
 }
 # Empty where they do not apply.
-_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0))
+_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0), ("mesh_areas", np.float64, 0))
 
 _Vector = ctypes.c_double * 3
 
@@ -235,6 +235,11 @@ class Cells:
     def surface_areas(self) -> Float64Array:
         """(N,) float64 surface areas of the cells, walls included, length unit squared."""
         return self._array("surface_areas")
+
+    @property
+    def mesh_areas(self) -> Optional[Float64Array]:
+        """(N,) float64 areas of the mesh's surface in each cell, with the word "surfaces"; None without ``mesh``."""
+        return self._data.arrays.get("mesh_areas")
 
     @property
     def security_radii(self) -> Float64Array:
