@@ -116,8 +116,8 @@ void ClosedMesh::check_closed(const std::vector<std::array<std::int32_t, 3>>& tr
                    std::to_string(first.reversed ? first.low : first.high) +
                    ": reverse one of them, or those around it");
         refuse(between(first) + " belongs to " + std::to_string(end - begin) + " triangles, " +
-               std::to_string(std::abs(turns)) + " more in one direction than in the other: remove some, or add those " +
-               "that are missing");
+               std::to_string(std::abs(turns)) +
+               " more in one direction than in the other: remove some, or add those " + "that are missing");
     }
 }
 

@@ -143,8 +143,8 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     for (const std::int32_t slot : faces_.corners) {
         const Vector3 x = cell_.position(slot);
         const double height = dot(triangle.normal, x) - offset;
-        const double error = 2 * cell_.tolerance(slot) +
-                             beside_margin * (size + std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]));
+        const double error =
+            2 * cell_.tolerance(slot) + beside_margin * (size + std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]));
         lower = std::min(lower, height - error);
         upper = std::max(upper, height + error);
     }
@@ -303,8 +303,7 @@ int CutCell::winding_at(std::int32_t slot) {
         k[i] = i;
         at.add(planes[i]->source);
     }
-    const int turn =
-        exact::orientation(cell_.seed(), planes[0]->source, planes[1]->source, planes[2]->source);
+    const int turn = exact::orientation(cell_.seed(), planes[0]->source, planes[1]->source, planes[2]->source);
     Box column;
     for (std::size_t i = 0; i < 3; ++i) {
         const double x = cell_.position(slot)[i] + cell_.seed()[i];
@@ -338,7 +337,8 @@ void CutCell::add_faces() {
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();
-        for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next) on_edge_.push_back(crossings_[index(c)]);
+        for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next)
+            on_edge_.push_back(crossings_[index(c)]);
         std::ranges::sort(on_edge_, {}, &Crossing::at);
         on_edge_.push_back({1, 0, -1});
         int winding = winding_[index(edge.from)];

@@ -49,9 +49,9 @@ public:
 
 private:
     struct Edge {
-        std::int32_t from, to;    // slots of vertices
+        std::int32_t from, to;     // slots of vertices
         std::int32_t left, right;  // faces: counterclockwise around the left one
-        std::int32_t first = -1;  // crossing
+        std::int32_t first = -1;   // crossing
     };
     struct Crossing {
         double at;  // from 0 to 1 along the edge
@@ -90,12 +90,12 @@ private:
     cpu::CellFaces faces_;
     MeshSigns signs_;
     CutMeasures out_;
-    Vector3 apex_{};                     // of cones, relative to the seed
-    std::vector<std::int32_t> plane_;    // by face: of signs_, -1 for walls
-    std::vector<Vector3> base_, unit_;   // by face: a point on it, its outward unit normal
-    std::vector<Vector3> at_;            // by slot, relative to the apex
-    std::vector<int> winding_;           // by slot
-    std::vector<bool> known_;            // by slot
+    Vector3 apex_{};                    // of cones, relative to the seed
+    std::vector<std::int32_t> plane_;   // by face: of signs_, -1 for walls
+    std::vector<Vector3> base_, unit_;  // by face: a point on it, its outward unit normal
+    std::vector<Vector3> at_;           // by slot, relative to the apex
+    std::vector<int> winding_;          // by slot
+    std::vector<bool> known_;           // by slot
     std::vector<Edge> edges_;
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;

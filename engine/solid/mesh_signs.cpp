@@ -83,8 +83,8 @@ int MeshSigns::edge_side(std::size_t f, std::size_t a, const Place& at_a, const 
     const double left = fa.s * ab.s, right = fb.s * aa.s, det = left - right;
     const double f_size = std::max(std::abs(fa.s), std::abs(fb.s)), a_size = std::max(std::abs(aa.s), std::abs(ab.s));
     const double f_error = std::max(fa.error, fb.error), a_error = std::max(aa.error, ab.error);
-    const double bound = 2.1 * (f_error * (a_size + a_error) + f_size * a_error) +
-                         4 * unit * (std::abs(left) + std::abs(right)) + tiny;
+    const double bound =
+        2.1 * (f_error * (a_size + a_error) + f_size * a_error) + 4 * unit * (std::abs(left) + std::abs(right)) + tiny;
     const int sign = det > bound ? 1 : det < -bound ? -1 : exact_sign(2, {f, a, 0}, {&at_a.x, &at_b.x, nullptr}, false);
     return ab.sign * sign;
 }

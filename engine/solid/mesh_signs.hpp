@@ -11,9 +11,9 @@
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
 // Ties. The mesh counts as moved by (e, e^2, e^3), where e is positive and smaller than anything else (Edelsbrunner and
-// Mücke, ACM TOG 9(1), 1990). Then s_k(u) grows by 2 e N_x + 2 e^2 N_y + ..., the same in a row, so that the determinant
-// is linear in it. The mesh moves as a whole. So it stays closed, and neighbors decide alike. No sign is 0 for planes
-// that have faces.
+// Mücke, ACM TOG 9(1), 1990). Then s_k(u) grows by 2 e N_x + 2 e^2 N_y + ..., the same in a row, so that the
+// determinant is linear in it. The mesh moves as a whole. So it stays closed, and neighbors decide alike. No sign is 0
+// for planes that have faces.
 //
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.

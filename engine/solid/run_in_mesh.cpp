@@ -53,10 +53,10 @@ void check_in_box(const ClosedMesh& mesh, const Box& box) {
     for (std::size_t k = 0; k < 3; ++k)
         for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]})
             if (!(x > box.lower[k] && x < box.upper[k]))
-                throw Error(ErrorCode::invalid_argument,
-                            std::string("mesh: it reaches ") + axis_name[k] + " = " + number(x) +
-                                ", and the box spans " + number(box.lower[k]) + " to " + number(box.upper[k]) +
-                                ": give a box with the mesh strictly inside, or none");
+                throw Error(ErrorCode::invalid_argument, std::string("mesh: it reaches ") + axis_name[k] + " = " +
+                                                             number(x) + ", and the box spans " + number(box.lower[k]) +
+                                                             " to " + number(box.upper[k]) +
+                                                             ": give a box with the mesh strictly inside, or none");
 }
 
 Options without_mesh(const Options& options) {
@@ -129,9 +129,7 @@ private:
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
         return result_.is_subset ? result_.ids[row] : static_cast<std::int32_t>(row);
     }
-    [[nodiscard]] std::int64_t row_of(std::int32_t seed) const {
-        return job_.only ? job_.only->row_of(seed) : seed;
-    }
+    [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
     [[nodiscard]] exact::Point place(std::int32_t seed) const {
         exact::Point x;
         for (std::size_t k = 0; k < 3; ++k) x[k] = points_[3 * to_index(seed) + k] * job_.scale;
@@ -148,8 +146,7 @@ private:
     [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor) const {
         const auto ids = row(r);
         const auto at = std::ranges::lower_bound(ids, neighbor);
-        return at != ids.end() && *at == neighbor ? to_index(result_.indptr[r]) + to_index(at - ids.begin())
-                                                  : no_entry;
+        return at != ids.end() && *at == neighbor ? to_index(result_.indptr[r]) + to_index(at - ids.begin()) : no_entry;
     }
     static constexpr std::size_t no_entry = std::numeric_limits<std::size_t>::max();
 
@@ -290,8 +287,7 @@ private:
                 surface += areas_[e];
                 result_.indices[out] = result_.indices[e];
                 result_.face_areas[out] = areas_[e];
-                if (wanted_.normals)
-                    std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
+                if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
             if (wanted_.surfaces) result_.surface_areas[r] = empty ? 0 : surface;
@@ -309,8 +305,8 @@ private:
         result_.security_radii = {};
         Stats& stats = result_.stats;
         stats.faces = result_.indices.size();
-        stats.empty_cells = static_cast<std::uint64_t>(std::ranges::count_if(
-            result_.status, [](CellStatus status) { return status != CellStatus::certified; }));
+        stats.empty_cells = static_cast<std::uint64_t>(
+            std::ranges::count_if(result_.status, [](CellStatus status) { return status != CellStatus::certified; }));
         const std::uint64_t cells = stats.points - stats.empty_cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
         stats.box_volume = mesh_.volume();
@@ -330,9 +326,9 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
-    std::size_t whole_ = 0;  // faces of whole cells
-    std::vector<std::uint8_t> plain_;              // by row
-    std::vector<int> winding_;                     // by row, of plain cells
+    std::size_t whole_ = 0;                         // faces of whole cells
+    std::vector<std::uint8_t> plain_;               // by row
+    std::vector<int> winding_;                      // by row, of plain cells
     std::vector<double> areas_, over_, facing_in_;  // by entry
 };
 

@@ -207,7 +207,8 @@ VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result
 VOTESS_API const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_surface_areas(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_mesh_areas(const votess_result* result, size_t* length);  // with options.has_mesh
+VOTESS_API const double* votess_result_mesh_areas(const votess_result* result,
+                                                  size_t* length);  // with options.has_mesh
 VOTESS_API int votess_result_in_mesh(const votess_result* result);  // 1 with options.has_mesh, else 0
 VOTESS_API const double* votess_result_security_radii(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_vertices(const votess_result* result, size_t* length);
