@@ -64,8 +64,12 @@ const char* word_of(DomainSource source) {
 }
 
 DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
-                         votess::Options& options) {
+                         votess::Options& options, bool hull) {
     const auto any = [](const std::array<bool, 3>& axes) { return std::ranges::count(axes, true) > 0; };
+    if (hull) {
+        if (periodic) options.periodic = *periodic;  // set_hull() refuses it
+        return {DomainSource::option, periodic ? DomainSource::option : DomainSource::by_default};
+    }
     const bool given = options.box || options.cell;
     if (!given) {
         options.box = stated.box;
@@ -91,6 +95,10 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
                                                                  : given && !axes_alone ? DomainSource::by_default
                                                                                         : stated.periodic_from};
+}
+
+void set_hull(std::span<const double> points, votess::Options& options) {
+    options.walls = votess::hull_walls(points, options);
 }
 
 void set_ends_of_z(votess::Options& options) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <votess/votess.hpp>
 
@@ -21,10 +22,13 @@ struct DomainFrom {
 // Returns "option", "stated", "assumed" or "default".
 [[nodiscard]] const char* word_of(DomainSource source);
 
-// Completes the domain of the options, which hold --box or --cell if given. periodic: value of --periodic. Throws
-// Failure when a periodic axis has no length.
+// Completes the domain of the options, which hold --box or --cell if given. periodic: value of --periodic. hull: --box
+// hull is given, whose walls set_hull() makes. Throws Failure when a periodic axis has no length.
 [[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
-                                       votess::Options& options);
+                                       votess::Options& options, bool hull = false);
+
+// Sets the walls of --box hull. Throws votess::Error for other options of a domain.
+void set_hull(std::span<const double> points, votess::Options& options);
 
 // In two dimensions leaves z 0 in the box of --box none.
 void set_ends_of_z(votess::Options& options);

@@ -121,7 +121,16 @@ int run(const Arguments& arguments) {
     summary.input_note = input.note;
     choose_dimensions(input, options);
     summary.set_dimensions(options.planar, arguments.read.dimensions);
-    const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options);
+    const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options, arguments.hull);
+    if (arguments.hull) {
+        Progress progress(!arguments.quiet, run_began);
+        run_stoppable(progress, [&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            set_hull(input.points, options);
+            options.progress = {};
+            return 0;
+        });
+    }
     std::vector<std::int64_t> only;
     if (!arguments.only.empty()) options.only = only = read_only(arguments.only, input.size());
     // Faces for a picture add walls to the rows. An output without --list-walls then needs a second run.

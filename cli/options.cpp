@@ -62,10 +62,11 @@ for each vector: --box x0,y0,x1,y1, --cell ax,ay,bx,by, --origin x,y and
 --wall nx,ny,d. volumes are areas, surface_areas perimeters, face_areas and
 --min-area lengths of edges; vectors have two components. Points of two
 coordinates, as in rows of two columns, imply it, and the summary says so)"},
-        {"--box x0,y0,z0,x1,y1,z1|none",
+        {"--box x0,y0,z0,x1,y1,z1|none|hull",
          R"(the domain. Default: the bounds of the points, each side moved out by half
 of (longest side / cbrt(N)). A point outside a given box is an error. none:
-all of space; cells that reach infinity have the volume inf and wall -1)",
+all of space; cells that reach infinity have the volume inf and wall -1.
+hull: the convex hull of the points, whose facets become walls)",
          {.brief = "the domain; default: around the points, or as the file states"}},
         {"--periodic [xyz|none]",
          R"(axes along which the box repeats; without a value: all three. Points beyond

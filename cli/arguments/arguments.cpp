@@ -145,6 +145,9 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         if (*text == "none") {
             constexpr double inf = std::numeric_limits<double>::infinity();
             options.box = votess::Box{.lower = {-inf, -inf, -inf}, .upper = {inf, inf, inf}};
+        } else if (*text == "hull") {
+            options.box.reset();
+            arguments.hull = true;
         } else {
             const auto n = read_vectors<6>("--box", *text, arguments);
             options.box = votess::Box{.lower = {n[0], n[1], n[2]}, .upper = {n[3], n[4], n[5]}};

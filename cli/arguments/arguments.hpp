@@ -24,6 +24,7 @@ struct Arguments {
     std::string flat;   // the option that says that there are two dimensions, for messages; empty without one
     ReadRequest read;
     std::optional<FrameRange> frames;  // by --frames
+    bool hull = false;                 // --box hull
     bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field

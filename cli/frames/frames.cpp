@@ -256,7 +256,8 @@ private:
             check_columns(frame.carried);
             choose_dimensions(frame.input, options);
             summary_.set_dimensions(options.planar, arguments_.read.dimensions);
-            frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options);
+            frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options, arguments_.hull);
+            if (arguments_.hull) set_hull(frame.input.points, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
         } catch (const Failure& failure) {
             throw Failure(failure.code(), "frame " + std::to_string(number) + ": " + failure.what());

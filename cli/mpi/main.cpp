@@ -103,6 +103,7 @@ votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result
 int run(const Ranks& ranks, const Arguments& arguments) {
     const auto run_began = Clock::now();
     Summary summary;
+    if (arguments.hull) throw bad_input("--box hull needs all points at once, which no rank has: give numbers");
     InputShare share = read_share(ranks, arguments);
     Input& input = share.input;
     summary.seconds_read = seconds_since(run_began);

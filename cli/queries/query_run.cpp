@@ -42,10 +42,11 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
         const InputColumn& column = input.seeds.columns.empty() ? none : input.seeds.columns.front();
         (arguments.has_radii ? options.radii : options.weights) = one_each(column);
     }
-    input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options);
+    input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
     times.end("read");
     input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;
+        if (arguments.hull) set_hull(input.seeds.points, options);
         return votess::Diagram(input.seeds.points, options);
     });
     return input;

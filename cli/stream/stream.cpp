@@ -342,6 +342,7 @@ void check_streamed(const Arguments& arguments) {
     const auto refuse = [](const std::string& what, const std::string& why) {
         throw bad_input("--memory does not work with " + what + ": " + why);
     };
+    if (arguments.hull) refuse("--box hull", "the hull needs all points at once; give numbers");
     const votess::Options& options = arguments.options;
     const bool cpu = options.device == "auto" || options.device == "cpu";
     if (!cpu) refuse("--device " + options.device, "it runs on the CPU; leave the device out");

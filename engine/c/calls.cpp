@@ -205,6 +205,29 @@ votess_status votess_cone_walls(const double apex[3], const double axis[3], doub
         [&] { write_walls(votess::cone_walls(vector(apex, "apex"), vector(axis, "axis"), angle, faces), walls); });
 }
 
+votess_status votess_hull_new(const double* points, size_t count, const votess_options* options, votess_hull** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        const votess::Options converted = convert_options(options, count);
+        const auto walls =
+            votess::hull_walls(coordinates(points, count, "points", "count", converted.planar ? 2 : 3), converted);
+        std::vector<double> rows(4 * walls.size());
+        if (!rows.empty()) write_walls(walls, rows.data());
+        *out = new votess_hull{std::move(rows)};
+    });
+}
+
+void votess_hull_free(votess_hull* hull) {
+    delete hull;
+}
+
+const double* votess_hull_walls(const votess_hull* hull, size_t* length) {
+    if (hull == nullptr) set_last_error("hull is NULL");
+    return expose_span<double>(hull == nullptr ? std::span<const double>() : std::span<const double>(hull->walls),
+                               length);
+}
+
 size_t votess_device_count(void) {
     std::size_t count = 0;
     guarded([&] { count = votess::devices().size(); });

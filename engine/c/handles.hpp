@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/votess.hpp>
@@ -25,6 +26,10 @@ struct votess_result {
 
 struct votess_delaunay {
     votess::Delaunay delaunay;
+};
+
+struct votess_hull {
+    std::vector<double> walls;
 };
 
 struct votess_diagram {

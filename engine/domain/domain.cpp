@@ -183,6 +183,13 @@ double largest_coordinate(const Box& box) {
     return largest;
 }
 
+double scale_for(double largest) {
+    const int exponent = largest == 0 ? 0 : std::ilogb(largest);
+    if (std::abs(exponent) < 64) return 1;
+    // 2^1023 is the largest power. A subnormal box of 2^-1074 becomes 2^-51, which is near enough.
+    return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
+}
+
 void sort_walls(Domain& domain) {
     constexpr std::size_t few_walls = 32;
     if (domain.walls.size() <= few_walls) return;

@@ -99,6 +99,8 @@ Extent longest_extent(const Domain& domain, const ShiftRange& range);
 exact::Shift only_shift(const Domain& domain, const ShiftRange& range);
 
 double largest_coordinate(const Box& box);
+// Returns the power of two that brings the largest number of the domain to order one; 1 if it is ordinary already.
+double scale_for(double largest);
 
 // Makes wall_tree, if it is worth it, when walls and box are complete.
 void sort_walls(Domain& domain);

@@ -1,5 +1,6 @@
-// The two predicates of a Delaunay triangulation, exact for all float64 coordinates: a filter in double, then integers
-// as wide as the operands need. The coordinates are integers times a common power of two.
+// The two predicates of a Delaunay triangulation, and the normal of a triangle, exact for all float64 coordinates: a
+// filter in double, then integers as wide as the operands need. The coordinates are integers times a common power of
+// two.
 //
 // The filter decides almost nothing for seeds on a sphere, so the first integer tier has to be fast. The differences to
 // one of the points are exact as sums of two doubles. They fit 61 bits unless a coordinate is far smaller than the
@@ -20,5 +21,14 @@ int orient(const Point& a, const Point& b, const Point& c, const Point& d);
 // Returns +1 when p lies strictly inside the sphere through a, b, c, d, where orient(a, b, c, d) > 0; -1 outside, 0 on
 // it.
 int insphere(const Point& a, const Point& b, const Point& c, const Point& d, const Point& p);
+
+// A vector, and bounds of the rounding errors of its components, 0 where they are exact. The largest component is from
+// 1 to 2, and all are multiples of 2^-108: a wall may have this normal.
+struct RoundedNormal {
+    Point n{}, error{};
+};
+// Returns (b - a) x (c - a) divided by a positive number; 0 for collinear points. Small whole numbers stay exact: they
+// are divided by their greatest common divisor.
+RoundedNormal triangle_normal(const Point& a, const Point& b, const Point& c);
 
 }  // namespace votess::exact

@@ -72,14 +72,6 @@ void check_instructions(const std::string& name) {
     throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
 }
 
-// Returns the power of two that brings the largest number of the domain to order one; 1 if it is ordinary already.
-double scale_for(double largest) {
-    const int exponent = largest == 0 ? 0 : std::ilogb(largest);
-    if (std::abs(exponent) < 64) return 1;
-    // 2^1023 is the largest power. A subnormal box of 2^-1074 becomes 2^-51, which is near enough.
-    return std::ldexp(1.0, std::clamp(-exponent, -1021, 1023));
-}
-
 Box scaled(const Box& box, double scale) {
     Box result;
     for (int k = 0; k < 3; ++k) result.lower[k] = box.lower[k] * scale, result.upper[k] = box.upper[k] * scale;

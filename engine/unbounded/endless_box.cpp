@@ -90,8 +90,9 @@ Box near_box(const Points& points, const Box& box) {
 }
 
 Box far_box(const Points& points, std::span<const double> weights, const Box& box) {
-    // How many times the box may be as large as the extent of the points.
-    constexpr int max_exponent = 700;
+    // How many times the box may be as large as the extent of the points. Weights are scaled by its square, and their
+    // lowest bits must not underflow.
+    const int max_exponent = weights.empty() ? 700 : 484;
     const Spread spread(points);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
     for (std::size_t k = 0; k < 3; ++k)

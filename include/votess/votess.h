@@ -153,6 +153,7 @@ typedef struct votess_stats {
 typedef struct votess_tessellator votess_tessellator;
 typedef struct votess_result votess_result;
 typedef struct votess_delaunay votess_delaunay;
+typedef struct votess_hull votess_hull;
 typedef struct votess_diagram votess_diagram;
 typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
@@ -405,6 +406,13 @@ VOTESS_API votess_status votess_cylinder_walls(const double point[3], const doub
                                                double* walls);
 VOTESS_API votess_status votess_cone_walls(const double apex[3], const double axis[3], double angle, size_t faces,
                                            double* walls);
+
+// Walls around the convex hull of points, see hull_walls() in votess.hpp: 4 numbers each, for votess_options.walls.
+// points: 3 * count coordinates, 2 * count if options->planar. The points and options may be freed afterwards.
+VOTESS_API votess_status votess_hull_new(const double* points, size_t count, const votess_options* options,
+                                         votess_hull** out);
+VOTESS_API void votess_hull_free(votess_hull* hull);
+VOTESS_API const double* votess_hull_walls(const votess_hull* hull, size_t* length);
 
 // Devices: index from 0 to votess_device_count() - 1. The strings are copied, zero-terminated, cut if too long; each
 // may be NULL with size 0. Pass id as votess_options.device.

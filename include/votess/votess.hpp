@@ -164,7 +164,7 @@ struct Options {
     // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
     // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
     // all functions except tessellate(), verify(), delaunay() and Diagram. Throws `unsupported` where vertices may
-    // leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^80 with weights.
+    // leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with weights.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
@@ -243,6 +243,12 @@ struct Options {
     ProgressCallback progress;
     LogCallback log;
 };
+// Returns walls around the convex hull of the points, for Options::walls, one for each facet. No point is outside, not
+// even by rounding: a wall is farther out than its facet by some units in the last place of the largest coordinate. The
+// walls do not depend on the order of the points, nor on weights. Uses these options: planar (points are 2N
+// coordinates, and the walls are half-planes) and progress. Throws invalid_argument when all points lie in one plane,
+// in two dimensions on one line, and for options that give another domain: box, cell, periodic, walls, outside.
+[[nodiscard]] VOTESS_API std::vector<Wall> hull_walls(std::span<const double> points, const Options& options = {});
 // Returns the arrays that a result holds: options.want, and those that it, min_face and min_area need. Throws
 // invalid_argument or unsupported for options that are wrong for any seeds.
 [[nodiscard]] VOTESS_API Want implied_want(const Options& options);

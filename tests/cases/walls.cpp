@@ -198,6 +198,77 @@ TEST_SUITE("cases") {
         refused([&] { return votess::cone_walls(zero, up, 0, 9); }, "angle 0");
     }
 
+    TEST_CASE("walls: around the convex hull, with every seed inside") {
+        test::Random random(41);
+        const auto check = [](const Coordinates& points, std::size_t walls) {
+            Options options = test::all_options();
+            options.list_walls = true;
+            options.walls = votess::hull_walls(points);
+            CHECK((walls == 0 || options.walls.size() == walls));
+            const auto t = votess::tessellate(points, options);
+            for (const votess::CellStatus status : t.status()) CHECK(status == votess::CellStatus::certified);
+            CHECK(touches_no_box(t));
+            CHECK(test::check_right(points, options) == "");
+            options.box = t.box();
+            CHECK(test::check_against_half_spaces(t, points, options) == "");
+        };
+        const auto cloud = [&](double center, double size) {
+            Coordinates points;
+            for (int i = 0; i < 3 * 25; ++i) points.push_back(center + random.uniform(-size, size));
+            return points;
+        };
+        for (const double size : {1.0, 1e-90, 1e90}) check(cloud(0, size), 0);
+        check(cloud(1e6, 0.5), 0);
+        check(cloud(-3, 1e-9), 0);
+        for (const double step : {1.0, 0.1}) {
+            CAPTURE(step);
+            Coordinates lattice;
+            for (int i = 0; i < 27; ++i)
+                for (const int k : {i % 3, i / 3 % 3, i / 9}) lattice.push_back(step * k);
+            check(lattice, 6);
+        }
+        check({1, 0, 0, 0, 1, 0, 0, 0, 1, -1, 0, 0, 0, -1, 0, 0, 0, -1, 0.5, 0.5, 0}, 8);
+        // Small whole numbers stay exact.
+        const auto corner = votess::hull_walls(Coordinates{0, 0, 0, 3, 0, 0, 0, 3, 0, 0, 0, 3});
+        CHECK(std::ranges::count_if(corner, [](const votess::Wall& wall) {
+                  return wall.normal == Vector{1, 1, 1} && wall.offset == 3;
+              }) == 1);
+
+        Coordinates points = cloud(0, 1);
+        const auto walls = votess::hull_walls(points);
+        std::ranges::reverse(points);
+        for (std::size_t i = 0; i < points.size(); i += 3) std::swap(points[i], points[i + 2]);
+        const auto again = votess::hull_walls(points);
+        REQUIRE(walls.size() == again.size());
+        for (std::size_t w = 0; w < walls.size(); ++w) {
+            CHECK(walls[w].normal == again[w].normal);
+            CHECK(walls[w].offset == again[w].offset);
+        }
+    }
+
+    TEST_CASE("walls: convex hulls that are refused") {
+        const auto refused = [](const Coordinates& points, const Options& options, const char* what) {
+            std::string message;
+            CHECK(test::error_of([&] { (void)votess::hull_walls(points, options); }, &message) ==
+                  votess::ErrorCode::invalid_argument);
+            CAPTURE(message);
+            CHECK(test::has(message, what));
+        };
+        refused({0, 0, 0}, {}, "give at least 4");
+        refused({0, 0, 0, 1, 0, 0, 0, 1, 0, 3, 5, 0, 3, 5, 0}, {}, "in one plane");
+        refused({0, 0, 0, 1, 2, 3, 2, 4, 6, 3, 6, 9}, {}, "in one plane");
+        refused({0, std::numeric_limits<double>::quiet_NaN(), 0}, {}, "point 0: y = nan");
+        Options planar;
+        planar.planar = true;
+        refused({0, 0, 1, 2, 2, 4}, planar, "on one line");
+        Options other;
+        other.outside = votess::Outside::keep;
+        refused({}, other, "outside");
+        other = {};
+        other.box = test::cube(0, 1);
+        refused({}, other, "box are both given");
+    }
+
     TEST_CASE("walls: very many around one seed, each with a face") {
         const std::size_t faces = test::by_size(20'000, 2000);
         Options options;

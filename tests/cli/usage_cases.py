@@ -27,6 +27,8 @@ class Usage(CliTest):
                                 (["a.txt", "--box", "none", "-o", "a.ply"], "--box none"),
                                 (["a.txt", "--box", "none", "--image", "a.png"], "--box none"),
                                 (["a.txt", "--box", "none", "--periodic"], "without end"),
+                                (["a.txt", "--box", "hull", "--wall", "1,0,0,9"], "hull"),
+                                (["a.txt", "--box", "hull", "--periodic"], "hull"),
                                 (["a.txt", "--box"], "--box"), (["a.txt", "--box", "0,0,0,1,,1"], "''"),
                                 (["a.txt", "-x", "toaster"], ["'toaster'", "auto, cpu, gpu, lavapipe", "index"]),
                                 (["a.txt", "-x", "GPU"], "'GPU'"), (["a.txt", "-x", ""], "''"),

@@ -229,7 +229,8 @@ TEST_SUITE("stages") {
 
     TEST_CASE("knn: every box holds its seeds and is held by its parent") {
         ThreadPool pool(2);
-        for (std::size_t n : {1, 8, 9, 63, 64, 65, 513, 4097, 70001}) {
+        for (const std::size_t n :
+             std::initializer_list<std::size_t>{1, 8, 9, 63, 64, 65, 513, 4097, test::by_size(70001, 9001)}) {
             const auto set = test::uniform(n, n);
             const auto sorted = sorted_seeds(set, pool);
             Hierarchy hierarchy;
@@ -250,7 +251,8 @@ TEST_SUITE("stages") {
     TEST_CASE("knn: no weight exceeds its bound, and linear weights have sharp bounds") {
         ThreadPool pool(2);
         test::Random random(6);
-        for (std::size_t n : {1, 7, 8, 9, 16, 17, 25, 64, 65, 129, 513, 4097, 20001}) {
+        for (const std::size_t n : std::initializer_list<std::size_t>{1, 7, 8, 9, 16, 17, 25, 64, 65, 129, 513, 4097,
+                                                                      test::by_size(20001, 6001)}) {
             for (const std::string kind : {"random", "linear", "smooth", "equal"}) {
                 auto sorted = sorted_seeds(test::uniform(n, n), pool);
                 sorted.weights.resize(sorted.places(), 0);

@@ -362,6 +362,9 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
+    "votess_hull_new": (c_int, (c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
+    "votess_hull_free": (None, (_HANDLE,)),
+    "votess_hull_walls": _ARRAY,  # float64
     "votess_device_count": (c_size_t, ()),
     "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),
 }

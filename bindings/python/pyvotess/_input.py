@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 import numpy as np
 
 from . import _c_api
-from ._call import raise_on_failure
+from ._call import Handle, array_of, raise_on_failure, run
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.ND
 def as_box(box: Any, planar: bool = False) -> Float64Array:
     if isinstance(box, str):
         if box != "none":
-            raise ValueError(f"box is {box!r}: give numbers, or 'none' for all of space")
+            raise ValueError(f"box is {box!r}: give numbers, 'none' for all of space, or 'hull'")
         ends = np.full((2, 3), np.inf)
         ends[0] = -np.inf
         if planar:
@@ -205,6 +205,13 @@ def _as_periodic(periodic: Any, planar: bool) -> Tuple[bool, bool, bool]:
     return (flags[0], flags[1], flags[2])
 
 
+def _hull_walls(points: Float64Array, options: _c_api.Options) -> Float64Array:
+    """Returns walls around the convex hull, (M, 4), in the library's memory."""
+    hull = Handle(lib.votess_hull_free)
+    run(lib.votess_hull_new, (points.ctypes.data, len(points)), options, ctypes.byref(hull.pointer), None)
+    return array_of(hull, "walls", np.float64, 4, prefix="votess_hull_")
+
+
 @dataclass(frozen=True)
 class Domain:
     """The arguments of :func:`tessellate` that define the domain."""
@@ -223,13 +230,17 @@ class Domain:
         """Whether there is a box or a cell; else the box is the default one around the points."""
         return self.box is not None or self.cell is not None
 
-    def fill(self, options: _c_api.Options, count: int) -> List[Any]:
+    def fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> List[Any]:
         """Sets the domain in the options. Returns arrays that must live as long as the options are used.
 
-        ``count``: number of points. ``options.planar`` is set.
+        ``points``: all of them, None if they come in parts. ``options.planar`` is set.
         """
         planar = bool(options.planar)
-        if self.box is not None:
+        count = 0 if points is None else len(points)
+        is_hull = isinstance(self.box, str) and self.box == "hull"
+        if is_hull and points is None:
+            raise ValueError("box is 'hull', which needs all points at once: give numbers")
+        if self.box is not None and not is_hull:
             lower, upper = as_box(self.box, planar)
             options.has_box = 1
             options.box_lower[:] = lower.tolist()
@@ -268,6 +279,10 @@ class Domain:
             options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
             options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
             kept += [vertices, triangles]
+        if is_hull and points is not None:
+            walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)
+            options.walls, options.wall_count = walls.ctypes.data, len(walls)
+            kept.append(walls)
         for name in ("weights", "radii"):
             values = getattr(self, name)
             if values is None:

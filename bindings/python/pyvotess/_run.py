@@ -61,7 +61,7 @@ def tessellate_points(
     given["planar"] = array.shape[1] == 2
     only = as_only(given.pop("only", None), len(array))
     set_options(options, given)
-    kept = domain.fill(options, len(array))
+    kept = domain.fill(options, array)
     if only is not None:
         options.has_only, options.only_count, options.only = 1, len(only), only.ctypes.data
     wanted = implied_words(options)

@@ -85,7 +85,7 @@ class Diagram:
             device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
             duplicates=duplicates, outside=outside,
         )  # fmt: skip
-        kept = Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, len(array))
+        kept = Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, array)
         self._handle = Handle(lib.votess_diagram_free)
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))

@@ -109,7 +109,7 @@ def fit_volumes(
     targets = as_one_each(volumes, "volumes", count, "points")
     domain = Domain(box, periodic, weights, None, cell, origin, walls)
     options = new_options(want=want, list_walls=list_walls, device=device, threads=threads, precision=precision)
-    kept = domain.fill(options, count)
+    kept = domain.fill(options, array)
     wanted = implied_words(options)
     fit_options = _c_api.FitOptions()
     raise_on_failure(lib.votess_fit_options_init(ctypes.byref(fit_options), ctypes.sizeof(fit_options)))

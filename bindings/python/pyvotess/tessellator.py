@@ -59,6 +59,7 @@ def tessellate(
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside is an error. A bound may be infinite, and "none" stands for all of space. Cells that reach
         infinity then have volume inf and centroid nan; rows with walls list infinity as -1, and polygons have -1 there.
+        "hull" stands for the convex hull of the points, as ``walls``; no point is outside, not even by rounding.
     periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
         ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
         Default: a box is not periodic, a cell is along all edges.

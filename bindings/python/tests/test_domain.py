@@ -13,6 +13,11 @@ def points(n, seed=1):
     return np.random.default_rng(seed).random((n, 3))
 
 
+def lattice_of(count, dimensions):
+    axes = [np.arange(float(count))] * dimensions
+    return np.stack(np.meshgrid(*axes), -1).reshape(-1, dimensions)
+
+
 class Domains(unittest.TestCase):
     def test_one_seed_in_a_periodic_cube(self):
         t = vt.tessellate([[0.1, 0.7, 0.3]], box=UNIT, periodic=True, device="cpu")
@@ -256,6 +261,32 @@ class NoBox(unittest.TestCase):
         self.assertEqual(len(dual.polytopes), 0)
         self.assertTrue((volumes > 0).all())
         self.assertAlmostEqual(volumes.sum(), 4.5, places=12)
+
+    def test_convex_hull(self):
+        for places, walls, size in (
+            (lattice_of(3, 3), 6, 8.0), (lattice_of(4, 2), 4, 9.0), (1e-9 * lattice_of(3, 3) + 5, 6, 8e-27),
+            (points(60), None, None), (points(60)[:, :2], None, None), (points(60).astype(np.float32), None, None),
+        ):  # fmt: skip
+            with self.subTest(len(places)):
+                t = vt.tessellate(places, box="hull", device="cpu")
+                self.assertTrue((t.status == 0).all())
+                self.assertTrue(t.verify().passed)
+                again = vt.tessellate(places[::-1], box="hull", device="cpu")
+                np.testing.assert_array_equal(t.walls, again.walls)
+                if walls is not None:
+                    self.assertEqual(len(t.walls), walls)
+                    self.assertAlmostEqual(t.volumes.sum() / size, 1, places=5 if size < 1 else 13)
+        self.assertEqual(vt.Diagram(points(60), box="hull").locate([[9, 9, 9]]).tolist(), [-1])
+        start = points(60)
+        relaxed = vt.lloyd(start, 2, box="hull", device="cpu").tessellation  # the first hull stays
+        np.testing.assert_array_equal(relaxed.walls, vt.tessellate(start, box="hull", device="cpu").walls)
+        for arguments in ({"periodic": True}, {"walls": [(1, 0, 0, 9)]}, {"cell": np.eye(3)}, {"outside": "keep"}):
+            with self.subTest(arguments), self.assertRaisesRegex(ValueError, "hull"):
+                vt.tessellate(points(20), box="hull", **arguments)
+        with self.assertRaisesRegex(ValueError, "in one plane"):
+            vt.tessellate(points(20) * [1, 1, 0], box="hull")
+        with self.assertRaisesRegex(ValueError, "all points at once"):
+            vt.tessellate_stream([points(20)], print, 10**6, box="hull")
 
     def test_what_needs_an_end(self):
         t = vt.tessellate(points(20), box="none", want="faces,volumes,areas", device="cpu")

@@ -27,7 +27,7 @@ Counts compare(votess::Tessellator& on_device, const Coordinates& points, const 
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu domains: periodic boxes are clipped on the device") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1500, 300);
         for (std::size_t mask = 1; mask < 8; mask += test::by_size(1, 3)) {
             Options options = domain_options();
@@ -46,7 +46,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu domains: triclinic boxes, lengths that are no doubles, lattices") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(2000, 300);
         Options options = domain_options();
         options.box.reset();
@@ -65,7 +65,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu domains: triclinic boxes that are periodic along some edges") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         Options options = domain_options();
         options.box.reset();
         options.cell = votess::TriclinicBox{{-1, -1, -1}, {3, 0.1, 0}, {0.4, 3, 0.2}, {-0.3, 0.2, 3}};
@@ -83,14 +83,14 @@ TEST_SUITE("cases") {
         const Coordinates points = random_points(test::by_size(2000, 300), 4);
         const auto cpu = votess::tessellate(std::span<const double>(points), options);
         options.device = test::device_name();
-        const auto gpu = votess::tessellate(std::span<const double>(points), options);
+        const auto gpu = test::shared_tessellator().tessellate(std::span<const double>(points), options);
         CHECK(std::ranges::equal(cpu.face_vertices(), gpu.face_vertices()));
         CHECK(std::ranges::equal(cpu.cell_vertex_indices(), gpu.cell_vertex_indices()));
         CHECK(votess::verify(gpu, points).failure == "");
     }
 
     TEST_CASE("gpu domains: dropped seeds are not neighbors") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
         options.outside = votess::Outside::drop;
@@ -108,7 +108,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu domains: walls and weights") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 200);
         Options options = domain_options();
         options.walls.push_back({{1, 1, 1}, 1.5});

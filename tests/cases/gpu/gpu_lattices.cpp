@@ -41,7 +41,7 @@ struct Case {
 
 // Compares lists, counts and geometry with the CPU's, for both kernels and these lengths of lists.
 void check_on_device(const std::vector<Case>& cases, const std::vector<unsigned>& k_inits = {0}) {
-    votess::Tessellator tessellator;
+    votess::Tessellator& tessellator = test::shared_tessellator();
     std::vector<votess::Options> options;
     std::vector<votess::Tessellation> on_cpu;
     for (const Case& c : cases) {

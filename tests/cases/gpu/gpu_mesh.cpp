@@ -35,7 +35,7 @@ std::string check_same_mesh(const votess::Tessellation& a, const votess::Tessell
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu: the mesh equals the CPU's") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         const std::size_t n = test::by_size(1500, 200);
         for (const auto& set :
              {test::uniform(n, 161), test::clustered(n, 162), test::near_duplicates(n, 163), test::on_walls(n, 164),
@@ -55,7 +55,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: lists still come from the device when polytopes are requested") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         const auto set = test::uniform(test::by_size(8000, 1500), 171);
         votess::Options options;
         options.box = set.box;
@@ -72,11 +72,11 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: a mesh in parts") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         const auto set = test::uniform(test::by_size(6000, 1500), 181);
         votess::gpu::EngineLimits limits;
         limits.max_seeds = static_cast<std::uint32_t>(set.size() / 2);
-        test::GpuRunner runner(gpu, limits);
+        test::GpuRunner runner(shared.gpu, limits);
         const votess::Options options = mesh_options(set.box);
         CHECK(check_same_mesh(runner.run(set, options), votess::tessellate(set.points, options)) == "");
     }

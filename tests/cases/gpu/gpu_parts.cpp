@@ -22,25 +22,24 @@ std::string compare(test::GpuRunner& runner, const PointSet& set, Options option
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu: seeds in parts, every family") {
-        test::Gpu gpu;
-        test::GpuRunner small(gpu, {.max_seeds = 300});
+        const test::SharedGpu shared;
+        test::GpuRunner small(shared.gpu, {.max_seeds = 300});
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
-            for (const PointSet& set :
-                 test::families(kernel == Kernel::invocation ? test::by_size(800, 350) : 350, 91)) {
+            for (const PointSet& set : test::families(350, 91)) {
                 if (test::reduced() && kernel != Kernel::invocation) continue;
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
                 const test::UseKernel chosen(kernel);
                 CHECK(compare(small, set) == "");
             }
-        test::GpuRunner large(gpu, {.max_seeds = 1000});
+        test::GpuRunner large(shared.gpu, {.max_seeds = 1000});
         const std::size_t n = test::by_size(2500, 1100);
         for (const PointSet& set : {test::clustered(n, 88), test::with_duplicates(n, n / 5, 89), test::on_walls(n, 90)})
             CHECK(compare(large, set) == "");
     }
 
     TEST_CASE("gpu: chunks follow the device's speed, and digits stay the same") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         // Half of the cells are hopeless for the device.
         const std::size_t side = test::by_size(16, 13);
         PointSet half = test::jittered(side, 1e-15, 94);
@@ -56,7 +55,7 @@ TEST_SUITE("cases") {
             std::optional<votess::Tessellation> first;
             for (const double seconds : {1e-4, 0.02, 1e3}) {
                 CAPTURE(seconds);
-                test::GpuRunner runner(gpu, {.chunk_seconds = seconds});
+                test::GpuRunner runner(shared.gpu, {.chunk_seconds = seconds});
                 const auto t = runner.run(set, options);
                 if (first) {
                     CHECK(std::ranges::equal(t.volumes(), first->volumes()));
@@ -70,25 +69,25 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: rows of a few chunks at a time on the device") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         Options options = test::all_options();
         options.chunk_size = 50;
         for (const std::uint32_t most : {1u, 4000u}) {
             CAPTURE(most);
-            test::GpuRunner runner(gpu, {.max_entries = most});
+            test::GpuRunner runner(shared.gpu, {.max_entries = most});
             for (const PointSet& set : {test::uniform(600, 81), test::with_duplicates(500, 90, 82)})
                 CHECK(compare(runner, set, options) == "");
             Options periodic = options;
             periodic.periodic = {true, true, true};
             CHECK(compare(runner, test::uniform(400, 83), periodic) == "");
-            test::GpuRunner parts(gpu, {.max_seeds = 300, .max_entries = most});
+            test::GpuRunner parts(shared.gpu, {.max_seeds = 300, .max_entries = most});
             CHECK(compare(parts, test::uniform(500, 84), options) == "");
         }
     }
 
     TEST_CASE("gpu: parts leave few cells to the CPU") {
-        test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.max_seeds = test::reduced() ? 2000u : 5000u});
+        const test::SharedGpu shared;
+        test::GpuRunner runner(shared.gpu, {.max_seeds = test::reduced() ? 2000u : 5000u});
         const PointSet set = test::uniform(test::by_size(12000, 4000), 92);
         Options options = test::all_options();
         options.threads = 0;
@@ -111,9 +110,9 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: parts and options") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         for (const std::uint32_t most : {2u, 40u}) {
-            test::GpuRunner runner(gpu, {.max_seeds = most});
+            test::GpuRunner runner(shared.gpu, {.max_seeds = most});
             for (const PointSet& set : {test::uniform(90, 93), test::with_duplicates(90, 20, 94),
                                         test::on_walls(90, 95), test::on_axis_plane(60, 96), test::cubic(4)}) {
                 Options options = test::all_options();
@@ -127,7 +126,7 @@ TEST_SUITE("cases") {
                 CHECK(compare(runner, set, options) == "");
             }
         }
-        test::GpuRunner runner(gpu, {.max_seeds = 400});
+        test::GpuRunner runner(shared.gpu, {.max_seeds = 400});
         for (const std::size_t n : {900, 300, 0, 401, 400}) {
             CAPTURE(n);
             CHECK(compare(runner, test::clustered(n, n + 1)) == "");
@@ -143,8 +142,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: duplicates in different parts are refused with the CPU's message") {
-        test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.max_seeds = 100});
+        const test::SharedGpu shared;
+        test::GpuRunner runner(shared.gpu, {.max_seeds = 100});
         Options options = test::all_options();
         options.duplicates = votess::Duplicates::error;
         const PointSet set = test::with_duplicates(600, 60, 99);
@@ -156,8 +155,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: work-groups of another size") {
-        test::Gpu gpu;
-        test::GpuRunner runner(gpu, {.local_size = 128});
+        const test::SharedGpu shared;
+        test::GpuRunner runner(shared.gpu, {.local_size = 128});
         for (const PointSet& set :
              {test::uniform(test::by_size(1000, 300), 101), test::with_duplicates(513, 40, 102),
               test::nested_clusters(257, 103), test::uniform(1, 104), test::bcc(5), test::on_walls(129, 105)}) {
@@ -173,7 +172,7 @@ TEST_SUITE("cases") {
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})
-            for (const PointSet& set : test::families(test::by_size(300, 100), 106)) {
+            for (const PointSet& set : test::families(test::by_size(150, 100), 106)) {
                 CAPTURE(static_cast<int>(kernel));
                 CAPTURE(set.name);
                 const test::UseKernel chosen(kernel);
@@ -192,8 +191,8 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: cells measured in sums of float32, and in float64 by the second tier") {
         const test::Environment sums("VOTESS_VULKAN_MEASURE", "float32");
-        test::Gpu gpu;
-        test::GpuRunner runner(gpu);
+        const test::SharedGpu shared;
+        test::GpuRunner runner(shared.gpu);
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()}) {
             CAPTURE(static_cast<int>(kernel));
             const test::UseKernel chosen(kernel);

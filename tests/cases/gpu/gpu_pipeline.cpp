@@ -39,13 +39,13 @@ std::vector<PointSet> samples(std::size_t n) {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu: every family equals the CPU") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         struct Variant {
             votess::gpu::Kernel kernel;
             std::size_t n;
         };
         for (const auto& [kernel, n] : {Variant{votess::gpu::Kernel::invocation, test::by_size(200, 60)},
-                                        {votess::gpu::Kernel::invocation, test::by_size(1200, 100)},
+                                        {votess::gpu::Kernel::invocation, test::by_size(600, 100)},
                                         {test::by_subgroup(), test::by_size(200, 60)}})
             for (const PointSet& set : test::families(n, n + 1)) {
                 CAPTURE(static_cast<int>(kernel));
@@ -57,8 +57,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: many uniform seeds, hardly any of them left to the CPU") {
-        votess::Tessellator tessellator;
-        const PointSet set = test::uniform(test::by_size(20000, 1500), 71);
+        votess::Tessellator& tessellator = test::shared_tessellator();
+        const PointSet set = test::uniform(test::by_size(10000, 1500), 71);
         Options options = test::all_options(set.box);
         options.threads = 0;
         options.device = "cpu";
@@ -78,7 +78,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("gpu: clusters of the size of the coarse coordinates' steps among spread seeds") {
         // Coordinates are about 2^62 units; searches for far neighbors use only the upper 32 bits.
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         for (const int exponent : {-26, -28, -30})
             for (const unsigned k : {12u, 64u}) {
                 test::Random random(static_cast<std::uint64_t>(k - exponent));
@@ -128,7 +128,7 @@ TEST_SUITE("cases") {
         vary_subgroup(", chunk_size 7", [](Options& o) { o.chunk_size = 7; });
         vary("3 threads", [](Options& o) { o.threads = 3, o.chunk_size = 64; });
         vary("no walls", [](Options& o) { o.list_walls = false; });
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         for (const auto& [name, options, kernel] : variants)
             for (const PointSet& set : samples(test::by_size(150, 40))) {
                 CAPTURE(name);
@@ -142,7 +142,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: what is wanted changes nothing in the rest") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         const PointSet set = test::with_duplicates(test::by_size(300, 100), 20, 73);
         for (unsigned bits = 0; bits < 64; ++bits) {
             CAPTURE(bits);
@@ -156,7 +156,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: float32 input") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         for (PointSet set : samples(test::by_size(500, 100))) {
             CAPTURE(set.name);
             std::vector<float> narrow(set.points.begin(), set.points.end());
@@ -170,7 +170,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: boxes larger than the points, flat, and touching them") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         const std::size_t n = test::by_size(150, 50);
         for (const double room : {1e-3, 1.0, 1e3, 1e9, 1e15}) {
             PointSet set = test::uniform(n, 74);
@@ -206,7 +206,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: no seeds, one, two, three") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         for (const std::size_t n : {0, 1, 2, 3, 4, 5, 8, 9})
             for (const bool with_box : {false, true}) {
                 CAPTURE(n);
@@ -225,7 +225,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: one Tessellator, sizes up and down, options changing") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         test::Random random(81);
         for (const std::size_t full : {500, 3, 1000, 0, 1, 64, 2000, 2, 700, 1500}) {
             const std::size_t n = test::by_size(full, full / 10);
@@ -245,7 +245,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu: duplicates are refused with the CPU's message") {
-        votess::Tessellator tessellator;
+        votess::Tessellator& tessellator = test::shared_tessellator();
         const auto refusal = [&](const PointSet& set, const char* device) {
             Options options = test::all_options(set.box);
             options.duplicates = votess::Duplicates::error;

@@ -62,7 +62,7 @@ double share_left(votess::Tessellator& on_device, const Coordinates& points, con
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu smooth weights: waves in a periodic box and between walls") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t n = test::by_size(2000, 500);
         const Coordinates points = test::random_points(n, 1);
         for (const bool periodic : {true, false})
@@ -79,7 +79,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu smooth weights: linear ones give the Voronoi diagram of a shifted box") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t n = test::by_size(1500, 500);
         const Coordinates points = test::random_points(n, 2, 0.35, 0.65);
         for (const double length : {0.01, 0.1, 0.35}) {
@@ -103,7 +103,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu smooth weights: with noise, a heavy seed, several at a place, in double precision") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t n = test::by_size(2000, 400);
         Coordinates points = test::random_points(n, 3);
         const double h = spacing(points);
@@ -127,7 +127,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu smooth weights: walls of any direction, triclinic boxes, slabs, few seeds") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t n = test::by_size(1000, 300);
         const Coordinates points = test::random_points(n, 6);
         const double h = spacing(points);

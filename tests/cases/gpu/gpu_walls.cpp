@@ -31,7 +31,7 @@ Options octahedron() {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu walls: only the cells of an octahedron's corners are left to the CPU") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const auto counts = compare_domain(on_device, random_points(test::by_size(3000, 1200), 1), octahedron());
         CHECK(counts.failure == "");
         CHECK(counts.fallback <= 8);
@@ -40,7 +40,7 @@ TEST_SUITE("cases") {
 
     // The CPU makes the cells of seeds outside; of those inside, only uncertain ones.
     TEST_CASE("gpu walls: seeds outside that are kept") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         test::Scattered s;
         for (const int kind : {0, 2, 3, 4}) {
             CAPTURE(kind);
@@ -54,7 +54,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu walls: one wall, a wedge, walls that cut nothing, both precisions") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(600, 300);
         Options options = domain_options();
         options.outside = votess::Outside::drop;
@@ -73,7 +73,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu walls: a sphere of three hundred, a long box, a single cell") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = votess::sphere_walls({0.5, 0.5, 0.5}, 0.4, 300);
@@ -93,7 +93,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu walls: seeds on walls, and on a lattice along them") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         Options options = domain_options();
         options.outside = votess::Outside::drop;
         options.walls = {{{1, 1, 0}, 1}, {{0.3, -0.2, 1}, 0.7}};
@@ -115,7 +115,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu walls: triclinic boxes with walls, periodic or not, dropped seeds and duplicates") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 300);
         Options options = domain_options();
         options.box.reset();

@@ -66,7 +66,7 @@ Outcome compare(votess::Tessellator& on_device, const Seeds& seeds, Options opti
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu weights: radii below the spacing and far above are clipped on the device") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1500, 400);
         for (const double largest : {0.05, 1.0})
             for (const bool periodic : {false, true}) {
@@ -83,7 +83,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: in both precisions, with an offset, negative, equal, in units far from one") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 200);
         const auto share = [&](const Seeds& seeds, const Options& options) {
             const Outcome outcome = compare(on_device, seeds, options, {Kernel::invocation});
@@ -111,7 +111,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: one heavy seed, clusters, half of the seeds buried") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 300);
         const Options options = power_options();
         Seeds seeds = balls(many, 0.02, 5);
@@ -140,7 +140,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: whole weights on a grid, and several seeds at a place") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         Options options = power_options();
         options.box = test::cube(-0.5, 5.5);
         Random random(8);
@@ -161,7 +161,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: walls of any direction, and triclinic boxes with walls") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         const std::size_t many = test::by_size(1000, 300);
         const auto share = [&](const Seeds& seeds, const Options& options) {
             const Outcome outcome = compare(on_device, seeds, options);
@@ -187,7 +187,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: a dropped seed is heavier than the others may be") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         Options options = power_options();
         options.outside = votess::Outside::drop;
         Seeds seeds = balls(100, 0.1, 14);
@@ -203,7 +203,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: exact half-spaces have the same faces") {
-        votess::Tessellator on_device;
+        votess::Tessellator& on_device = test::shared_tessellator();
         for (const bool periodic : {false, true})
             for (const double largest : {0.2, 0.5}) {
                 Options options = power_options();
@@ -219,7 +219,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: parts, and polytopes from the lists of the device") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         const Seeds seeds = balls(test::by_size(2000, 400), 0.1, 10);
         Options options = power_options();
         options.weights = seeds.weights;
@@ -228,7 +228,7 @@ TEST_SUITE("cases") {
         set.points = seeds.points;
         set.box = test::unit_box();
         for (const bool faces : {false, true}) {
-            test::GpuRunner runner(gpu, {.max_seeds = faces ? 0 : static_cast<std::uint32_t>(cpu.size() / 2)});
+            test::GpuRunner runner(shared.gpu, {.max_seeds = faces ? 0 : static_cast<std::uint32_t>(cpu.size() / 2)});
             options.want.faces = faces;
             const auto result = runner.run(set, options);
             CHECK(test::check_same(result, cpu, seeds.points, test::tolerance(options)) == "");
@@ -237,7 +237,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu weights: a heavy seed that is not among the seeds of most parts") {
-        test::Gpu gpu;
+        const test::SharedGpu shared;
         Seeds seeds = balls(test::by_size(2000, 400), 0.05, 15);
         std::fill_n(seeds.points.begin(), 3, 0.95);
         seeds.weights[0] = 0.5;
@@ -247,7 +247,7 @@ TEST_SUITE("cases") {
         test::PointSet set;
         set.points = seeds.points;
         set.box = test::unit_box();
-        test::GpuRunner runner(gpu, {.max_seeds = static_cast<std::uint32_t>(cpu.size() / 4)});
+        test::GpuRunner runner(shared.gpu, {.max_seeds = static_cast<std::uint32_t>(cpu.size() / 4)});
         CHECK(test::check_same(runner.run(set, options), cpu, seeds.points, test::tolerance(options)) == "");
     }
 }

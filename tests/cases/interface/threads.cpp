@@ -40,10 +40,10 @@ TEST_SUITE("threads") {
     }
 
     TEST_CASE("threads: measures do not depend on where stretches begin, to the last digit") {
-        const std::size_t n = test::by_size(20000, 5000);
+        const std::size_t n = test::by_size(20000, 2500);
         for (const test::PointSet& set :
              {test::uniform(n, 68), test::clustered(n, 69), test::fcc(8), test::bcc(9),
-              test::jittered(test::by_size(20, 14), 1e-5, 70), test::on_sphere(test::by_size(5000, 2000), 71)}) {
+              test::jittered(test::by_size(20, 12), 1e-5, 70), test::on_sphere(test::by_size(5000, 1000), 71)}) {
             CAPTURE(set.name);
             auto options = with_threads(1);
             options.box = set.box;

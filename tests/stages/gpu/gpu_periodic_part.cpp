@@ -136,7 +136,7 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu periodic part: triclinic boxes, seeds millions of periods away") {
         test::Random random(32);
         std::size_t images = 0;
-        for (int set = 0; set < static_cast<int>(test::by_size(40, 8)); ++set) {
+        for (int set = 0; set < static_cast<int>(test::by_size(16, 8)); ++set) {
             votess::Options options = test::all_options(test::unit_box());
             options.box.reset();
             const double skew = set % 4 == 0 ? 1.5 : 0.5;
@@ -159,7 +159,7 @@ TEST_SUITE("stages") {
     TEST_CASE("gpu periodic part: vectors that are no whole units, seeds of leaning cells in the reduced one") {
         test::Random random(33);
         std::size_t images = 0, lossy = 0, moved = 0;
-        for (int set = 0; set < static_cast<int>(test::by_size(20, 8)); ++set) {
+        for (int set = 0; set < static_cast<int>(test::by_size(12, 8)); ++set) {
             votess::Options options = test::all_options(test::unit_box());
             options.box.reset();
             const double tiny = std::ldexp(1.0, -8 * (set % 5)), lean = set % 2 == 0 ? 0.4 : 3;

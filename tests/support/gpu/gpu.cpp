@@ -136,6 +136,11 @@ votess::Precision double_precision() {
     return can ? votess::Precision::double_ : votess::Precision::single;
 }
 
+votess::Tessellator& shared_tessellator() {
+    static votess::Tessellator tessellator;
+    return tessellator;
+}
+
 votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options) {
     options.box = set.box;
     votess::StageClock clock;

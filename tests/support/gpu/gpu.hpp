@@ -37,6 +37,9 @@ struct UseKernel : Environment {
     explicit UseKernel(votess::gpu::Kernel kernel);
 };
 
+// Returns the Tessellator that the tests of a process share, for the reason that SharedGpu gives.
+votess::Tessellator& shared_tessellator();
+
 // An engine on the tests' device.
 struct GpuRunner {
     votess::cpu::CpuClipper clipper;

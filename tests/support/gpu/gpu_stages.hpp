@@ -29,7 +29,8 @@ inline votess::gpu::PassSettings pass_settings(std::uint32_t k = 112) {
 }
 
 struct GpuStages {
-    Gpu gpu;
+    SharedGpu shared;
+    Gpu& gpu = shared.gpu;
     vk::Memory memory{*gpu.device};
     std::unique_ptr<votess::gpu::Passes> passes;
     votess::gpu::SeedStore seeds{*gpu.device, memory};

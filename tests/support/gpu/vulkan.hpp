@@ -48,6 +48,10 @@ struct Gpu {
     ~Gpu() {
         device->table() = original;
         device.reset();
+        check_messages();
+    }
+
+    void check_messages() const {
         for (const std::string& message : instance->take_messages()) FAIL_CHECK(message);
     }
 
@@ -69,6 +73,22 @@ struct Gpu {
             std::find_if(adapters.begin(), adapters.end(), [](const auto& a) { return a.missing().empty(); });
         REQUIRE_MESSAGE(it != adapters.end(), "no usable Vulkan device; Mesa's lavapipe will do");
         return *it;
+    }
+};
+
+// The device that the tests of a process share: it keeps pipelines, which take seconds to make. Tests that replace
+// entries of its table take a Gpu of their own.
+struct SharedGpu {
+    Gpu& gpu = shared();
+    SharedGpu() = default;
+    ~SharedGpu() { gpu.check_messages(); }
+    SharedGpu(const SharedGpu&) = delete;
+    SharedGpu& operator=(const SharedGpu&) = delete;
+
+private:
+    static Gpu& shared() {
+        static Gpu gpu;
+        return gpu;
     }
 };
 

@@ -162,7 +162,7 @@ def lloyd(
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights
             if cell is None:
-                domain["box"] = t.box
+                domain["box"], domain["walls"] = t.box, t.walls
             places = t.wrapped_points
             way, energy = _measure(t, places, density)
             energies.append(energy)

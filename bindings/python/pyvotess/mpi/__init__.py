@@ -202,7 +202,9 @@ def tessellate(
                 device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates, outside=outside
             )
             which = as_word(cells, "cells", _CELLS)
-            kept += Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, len(array))
+            if isinstance(box, str) and box == "hull":
+                raise ValueError("box is 'hull', which needs all points at once: give numbers")
+            kept += Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, array)
             shown = stack.enter_context(showing(progress))
         except BaseException as error:  # reported to the other ranks below
             failure = error

@@ -193,7 +193,7 @@ def tessellate_stream(
     options = new_options(
         device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions
     )
-    kept = Domain(box, periodic, None, None, cell, origin, walls).fill(options, 0)
+    kept = Domain(box, periodic, None, None, cell, origin, walls).fill(options, None)
     source = _Source(pieces, rows, beside)
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
