@@ -83,7 +83,11 @@ std::size_t to_index(std::int64_t i) {
 class MeshRun {
 public:
     MeshRun(const Points& points, const Options& options, const RunInBox& run)
-        : options_(options), run_(run), points_(points), progress_(options.progress), mesh_(checked(options)) {}
+        : options_(options), run_(run), points_(points), progress_(options.progress), mesh_(checked(options)) {
+        copy(options_.weights, weights_);
+        copy(options_.radii, radii_);
+        if (options_.only) copy(*options_.only, only_);
+    }
 
     Result make() {
         Options in_box = without_mesh(options_);
@@ -124,6 +128,13 @@ private:
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
         check_others(options);
         return *options.mesh;
+    }
+    // Both parts of the run read the same copy, see input/snapshot.hpp.
+    template <class Number>
+    static void copy(std::span<const Number>& numbers, std::vector<Number>& to) {
+        if (numbers.empty()) return;
+        to.assign(numbers.begin(), numbers.end());
+        numbers = to;
     }
     [[nodiscard]] std::size_t rows() const { return result_.status.size(); }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
@@ -318,7 +329,9 @@ private:
         if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {};
     }
 
-    const Options& options_;
+    Options options_;
+    std::vector<double> weights_, radii_;
+    std::vector<std::int64_t> only_;
     const RunInBox& run_;
     Points points_;
     Progress progress_;

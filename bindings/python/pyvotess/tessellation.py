@@ -38,6 +38,8 @@ class Tessellation(SeedCells):
     def _handle(self) -> Handle:
         """Returns the library's object. For an unpickled result it tessellates the points again."""
         if self._result is None:
+            if self.in_mesh:
+                raise ValueError("a pickle holds no mesh: use the result that tessellate() returned")
             result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
