@@ -53,6 +53,7 @@ double length(const RationalVector& v) {
 
 Part exact_part(const std::vector<ExactPolygon>& faces, const std::vector<Corners>& triangles) {
     Part part;
+    if (faces.empty()) return part;
     std::vector<mpq_class> inner(faces.size()), outer(faces.size());  // areas seen from both sides, in units of n
     const RationalVector& apex = triangles[0][0];
     for (const Corners& triangle : triangles) {
@@ -176,12 +177,24 @@ TEST_SUITE("oracle") {
             CAPTURE(number);
             Solid solid;
             switch (number % 6) {
-                case 0: solid = random_tetrahedron(); break;
-                case 1: solid = random_box(); break;
-                case 2: solid = test::joined(random_tetrahedron(), random_tetrahedron()); break;
-                case 3: solid = test::joined(random_box(), random_box()); break;
-                case 4: solid = test::joined(unit, test::cuboid(0.25, 0.75).reversed()); break;
-                default: solid = test::joined(unit, random_tetrahedron()); break;
+                case 0:
+                    solid = random_tetrahedron();
+                    break;
+                case 1:
+                    solid = random_box();
+                    break;
+                case 2:
+                    solid = test::joined(random_tetrahedron(), random_tetrahedron());
+                    break;
+                case 3:
+                    solid = test::joined(random_box(), random_box());
+                    break;
+                case 4:
+                    solid = test::joined(unit, test::cuboid(0.25, 0.75).reversed());
+                    break;
+                default:
+                    solid = test::joined(unit, random_tetrahedron());
+                    break;
             }
             std::vector<double> points;
             std::vector<double> weights;

@@ -17,8 +17,8 @@ using RationalVector = std::array<mpq_class, 3>;
 
 struct ExactPolygon {
     ExactFace face;
-    RationalVector n;  // outward
-    mpq_class h;       // n.x = h, relative to the seed
+    RationalVector n;                     // outward
+    mpq_class h;                          // n.x = h, relative to the seed
     std::vector<RationalVector> corners;  // relative to the seed, counterclockwise seen from outside
 };
 

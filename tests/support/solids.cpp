@@ -78,8 +78,8 @@ Solid torus(int around, int across) {
             const double u = 2 * std::numbers::pi * a / around, v = 2 * std::numbers::pi * b / across;
             const double r = 1 + 0.4 * std::cos(v);
             s.vertices.insert(s.vertices.end(), {r * std::cos(u), r * std::sin(u), 0.4 * std::sin(v)});
-            for (const int i : {index(a, b), index(a + 1, b), index(a + 1, b + 1), index(a, b), index(a + 1, b + 1),
-                                index(a, b + 1)})
+            for (const int i :
+                 {index(a, b), index(a + 1, b), index(a + 1, b + 1), index(a, b), index(a + 1, b + 1), index(a, b + 1)})
                 s.triangles.push_back(i);
         }
     return s;
@@ -88,7 +88,8 @@ Solid torus(int around, int across) {
 Solid joined(const Solid& a, const Solid& b) {
     Solid s = a;
     s.vertices.insert(s.vertices.end(), b.vertices.begin(), b.vertices.end());
-    for (const std::int32_t v : b.triangles) s.triangles.push_back(v + static_cast<std::int32_t>(a.vertices.size() / 3));
+    for (const std::int32_t v : b.triangles)
+        s.triangles.push_back(v + static_cast<std::int32_t>(a.vertices.size() / 3));
     return s;
 }
 
