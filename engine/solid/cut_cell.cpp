@@ -8,7 +8,8 @@
 namespace votess::solid {
 namespace {
 
-constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
+constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
+constexpr double beside_margin = 1e-8;           // of the distances that a triangle's plane is compared with
 
 Vector3 plus(const Vector3& a, const Vector3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -45,7 +46,7 @@ void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight) 
 
 const CutMeasures& CutCell::measure() {
     out_ = {};
-    sum_volume_ = 0;
+    sum_volume_ = sum_area_ = 0;
     sum_moment_ = {};
     cell_.canonical_faces(faces_);
     read_faces();
@@ -62,6 +63,8 @@ const CutMeasures& CutCell::measure() {
     if (!out_.meets_surface) return out_;
     add_faces();
     out_.volume = sum_volume_;
+    out_.volume_error = sum_area_ * place_error_;
+    for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
     for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k] / sum_volume_;
     return out_;
 }
@@ -76,8 +79,12 @@ void CutCell::read_faces() {
         ++corners;
     }
     for (double& x : apex_) x /= static_cast<double>(corners);
+    place_error_ = 0;
     at_.resize(slots);
-    for (const std::int32_t slot : faces_.corners) at_[index(slot)] = minus(cell_.position(slot), apex_);
+    for (const std::int32_t slot : faces_.corners) {
+        at_[index(slot)] = minus(cell_.position(slot), apex_);
+        place_error_ = std::max(place_error_, cell_.tolerance(slot));
+    }
     plane_.assign(count, -1);
     base_.resize(count);
     unit_.resize(count);
@@ -246,12 +253,21 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
     }
     const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
     out_.surface += area;
+    sum_area_ += area;
+    double perimeter = 0;
+    for (const MeshSigns::Place& place : places_)
+        for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
+    for (std::size_t i = 0; i < size; ++i) {
+        const Vector3 side = minus(corners[i + 1 == size ? 0 : i + 1], corners[i]);
+        perimeter += length3(side[0], side[1], side[2]);
+    }
     for (std::size_t i = 0; i < size; ++i)
         if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         if (plane_[f] < 0 || !(values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)) continue;
         const bool in = dot(doubled, unit_[f]) < 0;
         out_.faces[f].over += in ? area : -area;
+        out_.faces[f].error += perimeter;
         if (in) out_.faces[f].facing_in += area;
     }
 }
@@ -333,7 +349,11 @@ void CutCell::add_faces() {
         const std::size_t f = index(face);
         const Vector3& base = base_[f];
         add_cone(base, from, to, weight);
-        out_.faces[f].area += 0.5 * weight * dot(unit_[f], cross(minus(from, base), minus(to, base)));
+        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), minus(to, base)));
+        const Vector3 side = minus(to, from);
+        out_.faces[f].area += area;
+        out_.faces[f].error += std::abs(weight) * length3(side[0], side[1], side[2]);
+        sum_area_ += std::abs(area);
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();

@@ -23,16 +23,17 @@ namespace votess::solid {
 
 // Of the part of a cell in the mesh. Scaled; weighted by the winding number.
 struct CutMeasures {
-    bool meets_surface = false;  // else only `winding` is set
-    int winding = 0;             // of a vertex
-    double volume = 0;
-    std::array<double, 3> centroid{};  // relative to the seed
-    double surface = 0;                // area of the mesh in the cell
+    bool meets_surface = false;           // else only `winding` is set
+    int winding = 0;                      // of a vertex
+    double volume = 0, volume_error = 0;  // a bound on its rounding
+    std::array<double, 3> centroid{};     // relative to the seed
+    double surface = 0;                   // area of the mesh in the cell
     // By face of the cell: its area in the mesh. over: the area of triangles that lie in it, whose normals point into
     // the cell, less those whose normals point out of it. Ties put these into this cell, but only the others bound it.
     struct Face {
         std::int32_t id;
         double area = 0, over = 0, facing_in = 0;
+        double error = 0;  // a bound on the rounding of area - over
     };
     std::vector<Face> faces;  // bisectors only
 };
@@ -103,7 +104,8 @@ private:
     std::vector<std::uint32_t> candidates_;
     std::vector<std::int32_t> pending_;
     std::vector<Crossing> on_edge_;
-    double sum_volume_ = 0;
+    double sum_volume_ = 0, sum_area_ = 0;
+    double place_error_ = 0;  // of any position
     Vector3 sum_moment_{};
 
     // The current triangle.

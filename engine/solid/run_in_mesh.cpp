@@ -21,9 +21,6 @@ namespace {
 
 using detail::Result;
 
-// Areas and volumes below this share of the whole face or cell are rounding, of faces and cells outside that touch the
-// mesh.
-constexpr double smallest_share = 1e-13;
 constexpr double radius_slack = 1e-4;  // covers the error of a radius from a GPU
 constexpr std::size_t rows_per_task = 256;
 
@@ -171,11 +168,11 @@ private:
     // Cuts the cells that triangles come near, on all threads. The others are plain.
     void cut_cells() {
         const std::size_t count = rows();
-        whole_ = result_.face_areas.size();
         plain_.assign(count, 0);
         winding_.assign(count, unknown);
-        over_.assign(whole_, 0);
-        facing_in_.assign(whole_, 0);
+        over_.assign(result_.indices.size(), 0);
+        facing_in_ = error_ = over_;
+        empty_.assign(count, 0);
         areas_.assign(result_.face_areas.begin(), result_.face_areas.end());
         result_.mesh_areas.resize_uninitialized(count);
         std::ranges::fill(result_.mesh_areas, 0.0);
@@ -196,8 +193,8 @@ private:
                 winding_[r] = m.winding;
                 plain_[r] = m.meets_surface ? 0 : 1;
                 if (!m.meets_surface) continue;
-                const bool some = std::abs(m.volume * square * unscale) > smallest_share * result_.volumes[r];
-                result_.volumes[r] = some ? m.volume * square * unscale : 0;
+                empty_[r] = std::abs(m.volume) <= m.volume_error ? 1 : 0;  // it only touches the mesh
+                result_.volumes[r] = empty_[r] != 0 ? 0 : m.volume * square * unscale;
                 result_.mesh_areas[r] = m.surface * square;
                 if (wanted_.centroids)
                     for (std::size_t k = 0; k < 3; ++k)
@@ -208,6 +205,7 @@ private:
                     areas_[e] = std::abs(face.area) * square;
                     over_[e] = std::max(0.0, face.over) * square;
                     facing_in_[e] = face.facing_in * square;
+                    error_[e] = face.error * square;
                 }
             }
         };
@@ -244,12 +242,8 @@ private:
         for (std::size_t r = 0; r < rows(); ++r) {
             if (plain_[r] == 0) continue;
             result_.volumes[r] *= winding_[r];
-            if (winding_[r] == 0 || winding_[r] == 1) {
-                if (winding_[r] == 0)
-                    for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
-                        areas_[e] = 0;
-                continue;
-            }
+            empty_[r] = winding_[r] == 0 ? 1 : 0;
+            if (winding_[r] == 1) continue;
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
                 areas_[e] *= std::abs(winding_[r]);
         }
@@ -264,15 +258,18 @@ private:
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
                 const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                double area = found[e], over = over_[e];
+                double area = found[e], over = over_[e], error = error_[e];
+                bool empty = empty_[r] != 0;
                 if (back != no_entry) {
                     if (neighbor < seed) area = found[back];
                     over += over_[back];
+                    error += error_[back];
+                    empty = empty || empty_[to_index(other)] != 0;
                     result_.mesh_areas[r] += facing_in_[back];
                 }
                 result_.mesh_areas[r] -= facing_in_[e];
                 area -= over;
-                areas_[e] = area > smallest_share * result_.face_areas[e] ? area : 0;
+                areas_[e] = !empty && area > error ? area : 0;
             }
     }
 
@@ -284,7 +281,7 @@ private:
         std::size_t out = 0;
         for (std::size_t r = 0; r < rows(); ++r) {
             const auto begin = to_index(result_.indptr[r]), end = to_index(result_.indptr[r + 1]);
-            const bool empty = result_.volumes[r] == 0;
+            const bool empty = empty_[r] != 0 || result_.status[r] != CellStatus::certified;
             if (empty && result_.status[r] == CellStatus::certified) {
                 result_.status[r] = CellStatus::empty;
                 if (wanted_.centroids)
@@ -339,10 +336,9 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
-    std::size_t whole_ = 0;                         // faces of whole cells
-    std::vector<std::uint8_t> plain_;               // by row
-    std::vector<int> winding_;                      // by row, of plain cells
-    std::vector<double> areas_, over_, facing_in_;  // by entry
+    std::vector<std::uint8_t> plain_, empty_;               // by row
+    std::vector<int> winding_;                              // by row, of plain cells
+    std::vector<double> areas_, over_, facing_in_, error_;  // by entry
 };
 
 }  // namespace

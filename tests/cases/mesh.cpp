@@ -101,8 +101,12 @@ TEST_SUITE("cases") {
         const Solid shells = test::joined(unit, test::cuboid(0.25, 0.75).reversed());
         const Solid nested = test::joined(shells, test::cuboid(0.375, 0.625));
         const Solid crossing = test::joined(unit, test::cuboid(0.5, 1.5));
-        for (const auto& [name, solid] : {std::pair{"cube", unit}, {"torus", ring}, {"glued", glued}, {"shells", shells},
-                                          {"nested", nested}, {"crossing", crossing}}) {
+        for (const auto& [name, solid] : {std::pair{"cube", unit},
+                                          {"torus", ring},
+                                          {"glued", glued},
+                                          {"shells", shells},
+                                          {"nested", nested},
+                                          {"crossing", crossing}}) {
             CAPTURE(std::string(name));
             for (const std::size_t n : {std::size_t{1}, std::size_t{7}, test::by_size(300, 60)}) {
                 Coordinates points = random_seeds(n, -0.5, 1.5, n);
@@ -135,7 +139,7 @@ TEST_SUITE("cases") {
         const std::vector<double> radii = random_seeds(100, 0, 0.1, 5);
         options.radii = in_box.radii = radii;
         CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
-        for (double& x : points) x += x < 0.5 ? 0 : 0.25;  // some outside, one bisector on many vertices
+        for (double& x : points) x += x < 0.5 ? 0 : 0.25;  // some outside
         in_box.outside = votess::Outside::keep;
         CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
     }
@@ -200,7 +204,8 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("mesh: far, tiny, thin and crowded") {
-        const Solid solid = test::joined(test::torus(9, 5), test::tetrahedron({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}}}));
+        const Solid solid =
+            test::joined(test::torus(9, 5), test::tetrahedron({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}}}));
         Coordinates points = random_seeds(60, -1, 1, 21);
         for (const double scale : {0x1p-600, 1e-3, 0x1p300}) {
             CAPTURE(scale);
@@ -240,9 +245,10 @@ TEST_SUITE("cases") {
         const auto message = [&](const Solid& solid) { return test::refusal(points, options_in(solid)); };
         Solid bad = unit;
         bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
-        CHECK(message(bad) ==
-              "mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge vertices at "
-              "equal places");
+        CHECK(
+            message(bad) ==
+            "mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge vertices at "
+            "equal places");
         bad = unit;
         std::swap(bad.triangles[9], bad.triangles[10]);
         CHECK(test::has(message(bad), ": reverse one of them, or those around it"));
