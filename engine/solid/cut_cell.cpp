@@ -63,6 +63,8 @@ const CutMeasures& CutCell::measure() {
     if (!out_.meets_surface) return out_;
     add_faces();
     out_.volume = sum_volume_;
+    // Without a tie no part is thinner than any number.
+    if (!signs_.met_tie()) place_error_ = 0;
     out_.volume_error = sum_area_ * place_error_;
     for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
     for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k] / sum_volume_;
@@ -273,7 +275,7 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
 }
 
 void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
-    const double volume = weight * dot(a, cross(b, c)) / 6;
+    const double volume = weight * dot(a, cross(minus(b, a), minus(c, b))) / 6;  // exact to the size of c - b
     sum_volume_ += volume;
     for (std::size_t k = 0; k < 3; ++k) sum_moment_[k] += volume * (a[k] + b[k] + c[k]) / 4;
 }
@@ -349,8 +351,8 @@ void CutCell::add_faces() {
         const std::size_t f = index(face);
         const Vector3& base = base_[f];
         add_cone(base, from, to, weight);
-        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), minus(to, base)));
         const Vector3 side = minus(to, from);
+        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), side));
         out_.faces[f].area += area;
         out_.faces[f].error += std::abs(weight) * length3(side[0], side[1], side[2]);
         sum_area_ += std::abs(area);

@@ -25,7 +25,7 @@ namespace votess::solid {
 struct CutMeasures {
     bool meets_surface = false;           // else only `winding` is set
     int winding = 0;                      // of a vertex
-    double volume = 0, volume_error = 0;  // a bound on its rounding
+    double volume = 0, volume_error = 0;  // after ties a bound on its rounding, else 0
     std::array<double, 3> centroid{};     // relative to the seed
     double surface = 0;                   // area of the mesh in the cell
     // By face of the cell: its area in the mesh. over: the area of triangles that lie in it, whose normals point into
@@ -33,7 +33,7 @@ struct CutMeasures {
     struct Face {
         std::int32_t id;
         double area = 0, over = 0, facing_in = 0;
-        double error = 0;  // a bound on the rounding of area - over
+        double error = 0;  // after ties a bound on the rounding of area - over, else 0
     };
     std::vector<Face> faces;  // bisectors only
 };

@@ -158,6 +158,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         if (upright) value[r][count - 1] = exact::resize<2 * W>(n[r][2]);
     }
     if (const int sign = determinant_of<2 * W>(count, value).sign(); sign != 0) return sign;
+    met_tie_ = true;
     if (count == 1) return 2;
     for (int axis = 0; axis < 3; ++axis) {
         WideInt<6 * W> sum{};

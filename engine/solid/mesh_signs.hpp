@@ -44,8 +44,11 @@ public:
     void begin(const exact::Point& seed) {
         seed_ = seed;
         bisectors_.clear();
+        met_tie_ = false;
     }
     void add(const exact::Plane& bisector);
+    // Returns whether a value or determinant was 0 since begin().
+    [[nodiscard]] bool met_tie() const { return met_tie_; }
     [[nodiscard]] const exact::Point& seed() const { return seed_; }
     [[nodiscard]] std::array<double, 3> normal(std::size_t k) const { return bisectors_[k].n; }
     [[nodiscard]] Place place(const exact::Point& x) const {
@@ -80,6 +83,7 @@ private:
                                    const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const;
 
     exact::Point seed_{};
+    mutable bool met_tie_ = false;
     std::vector<Bisector> bisectors_;
 };
 

@@ -202,10 +202,10 @@ private:
                 for (const CutMeasures::Face& face : m.faces) {
                     const std::size_t e = entry(r, face.id);
                     if (e == no_entry) continue;
-                    areas_[e] = std::abs(face.area) * square;
-                    over_[e] = std::max(0.0, face.over) * square;
+                    areas_[e] = std::abs(face.area);
+                    over_[e] = std::max(0.0, face.over);
                     facing_in_[e] = face.facing_in * square;
-                    error_[e] = face.error * square;
+                    error_[e] = face.error;
                 }
             }
         };
@@ -249,27 +249,32 @@ private:
         }
     }
 
-    // Gives both cells of a face the area that the lower one has found, and each triangle on a face to the cell that it
-    // bounds.
+    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower. Gives each
+    // triangle on a face to the cell that it bounds.
     void measure_rows() {
         const std::vector<double> found = areas_;
+        const double square = 1 / job_.scale / job_.scale;
+        kept_.assign(areas_.size(), 0);
         for (std::size_t r = 0; r < rows(); ++r)
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
                 const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                double area = found[e], over = over_[e], error = error_[e];
-                bool empty = empty_[r] != 0;
+                double over = over_[e], error = error_[e];
+                bool empty = empty_[r] != 0, is_whole = plain_[r] != 0, from_back = false;
                 if (back != no_entry) {
-                    if (neighbor < seed) area = found[back];
+                    const bool other_is_whole = plain_[to_index(other)] != 0;
+                    from_back = is_whole != other_is_whole ? is_whole : neighbor < seed;
+                    is_whole = is_whole && other_is_whole;
                     over += over_[back];
                     error += error_[back];
                     empty = empty || empty_[to_index(other)] != 0;
                     result_.mesh_areas[r] += facing_in_[back];
                 }
                 result_.mesh_areas[r] -= facing_in_[e];
-                area -= over;
-                areas_[e] = !empty && area > error ? area : 0;
+                const double area = found[from_back ? back : e] - over;
+                kept_[e] = !empty && (is_whole || area > error) ? 1 : 0;
+                areas_[e] = is_whole ? area : area * square;
             }
     }
 
@@ -291,7 +296,7 @@ private:
             if (empty) result_.mesh_areas[r] = 0;
             double surface = std::max(0.0, result_.mesh_areas[r]);
             for (std::size_t e = begin; e < end; ++e) {
-                if (empty || areas_[e] == 0) continue;
+                if (kept_[e] == 0) continue;
                 surface += areas_[e];
                 result_.indices[out] = result_.indices[e];
                 result_.face_areas[out] = areas_[e];
@@ -336,8 +341,10 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
-    std::vector<std::uint8_t> plain_, empty_;               // by row
-    std::vector<int> winding_;                              // by row, of plain cells
+    std::vector<std::uint8_t> kept_;           // by entry
+    std::vector<std::uint8_t> plain_, empty_;  // by row
+    std::vector<int> winding_;                 // by row, of plain cells
+    // By entry. Those of cut cells are scaled until measure_rows().
     std::vector<double> areas_, over_, facing_in_, error_;  // by entry
 };
 
