@@ -186,7 +186,7 @@ struct Options {
     //
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
     // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A
-    // face, or part of a cell, below 1e-13 of the whole one counts as rounding.
+    // part or face of a cell that touches the mesh so, and that rounding alone could explain, is dropped.
     std::optional<TriangleMesh> mesh;
     // Points outside the domain: an error; or dropped, which leaves an empty cell with the status `outside`; or kept,
     // which gives each the part of its cell inside the domain, or the status `empty`.

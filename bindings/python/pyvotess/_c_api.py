@@ -277,6 +277,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_vertex_counts": _ARRAY,  # uint32
     "votess_result_surface_areas": _ARRAY,  # float64
     "votess_result_mesh_areas": _ARRAY,  # float64
+    "votess_result_in_mesh": (c_int, (_HANDLE,)),
     "votess_result_security_radii": _ARRAY,  # float64
     "votess_result_vertices": _ARRAY,  # float64
     "votess_result_face_offsets": _ARRAY,  # int64
@@ -286,7 +287,6 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_status": _ARRAY,  # uint8
     "votess_result_duplicate_of": _ARRAY,  # int32
     "votess_result_planar": (c_int, (_HANDLE,)),
-    "votess_result_in_mesh": (c_int, (_HANDLE,)),
     "votess_result_ids": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),
