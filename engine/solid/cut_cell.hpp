@@ -21,7 +21,7 @@
 
 namespace votess::solid {
 
-// Of the part of a cell in the mesh. Scaled; weighted by the winding number.
+// Measures of a cell's part in the mesh. Scaled; weighted by the winding number.
 struct CutMeasures {
     bool meets_surface = false;           // else only `winding` is set
     int winding = 0;                      // of a vertex

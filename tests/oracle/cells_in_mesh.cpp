@@ -1,5 +1,5 @@
-// Few seeds in small meshes against rational arithmetic. The part of a cell in the mesh is a sum over triangles: of the
-// cell's part in the tetrahedron between the triangle and a fixed place, with the sign of the tetrahedron.
+// Few seeds in small meshes against rational arithmetic. Each triangle and a fixed place make a tetrahedron. The part
+// of a cell in the mesh is the sum of its parts in those, with their signs.
 #include <doctest/doctest.h>
 
 #include <cmath>
