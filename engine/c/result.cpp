@@ -94,6 +94,16 @@ const double* votess_result_surface_areas(const votess_result* result, size_t* l
     return expose(result, length, &votess::Tessellation::surface_areas);
 }
 
+const double* votess_result_mesh_areas(const votess_result* result, size_t* length) {
+    return expose(result, length, &votess::Tessellation::mesh_areas);
+}
+
+int votess_result_in_mesh(const votess_result* result) {
+    if (result != nullptr) return result->tessellation.in_mesh() ? 1 : 0;
+    set_last_error("result is NULL");
+    return 0;
+}
+
 const double* votess_result_security_radii(const votess_result* result, size_t* length) {
     return expose(result, length, &votess::Tessellation::security_radii);
 }

@@ -32,6 +32,9 @@ void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.is_subset())
         throw Error(ErrorCode::invalid_argument,
                     function + ": cells of some seeds do not form a diagram: leave out `only`");
+    if (t.in_mesh())
+        throw Error(ErrorCode::invalid_argument,
+                    function + ": cells in a mesh are not whole cells: tessellate without `mesh`");
     if (t.planar()) throw Error(ErrorCode::invalid_argument, function + ": works in three dimensions only");
 }
 

@@ -18,6 +18,7 @@ struct Result {
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     bool is_subset = false;
+    bool in_mesh = false;
     std::vector<std::int32_t> ids;  // of the rows, in a subset
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
@@ -30,7 +31,7 @@ struct Result {
     Buffer<std::int32_t> indices{Buffer<std::int32_t>::Pages::huge};
     Buffer<std::int8_t> shifts{Buffer<std::int8_t>::Pages::huge};
     Buffer<double> centroids{Buffer<double>::Pages::huge}, volumes{Buffer<double>::Pages::huge};
-    Buffer<double> face_areas, face_normals, surface_areas, security_radii, vertices;
+    Buffer<double> face_areas, face_normals, surface_areas, mesh_areas, security_radii, vertices;
     Buffer<std::int64_t> face_offsets, cell_vertex_indptr;
     Buffer<std::int32_t> face_vertices, cell_vertex_indices;
     // In periodic domains, of each vertex: the first one that it is an image of, and the box vectors from there.

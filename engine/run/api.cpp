@@ -8,6 +8,7 @@
 #include "plane/sheet.hpp"
 #include "result/result_pool.hpp"
 #include "run/engines.hpp"
+#include "solid/run_in_mesh.hpp"
 #include "unbounded/endless_box.hpp"
 #include "unbounded/run_endless.hpp"
 #include "votess/votess.hpp"
@@ -79,6 +80,9 @@ std::span<const std::int8_t> Tessellation::shifts() const noexcept {
 std::span<const double> Tessellation::surface_areas() const noexcept {
     return view(result_->surface_areas);
 }
+std::span<const double> Tessellation::mesh_areas() const noexcept {
+    return view(result_->mesh_areas);
+}
 std::span<const double> Tessellation::security_radii() const noexcept {
     return view(result_->security_radii);
 }
@@ -127,6 +131,9 @@ bool Tessellation::planar() const noexcept {
 bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }
+bool Tessellation::in_mesh() const noexcept {
+    return result_->in_mesh;
+}
 bool Tessellation::is_subset() const noexcept {
     return result_->is_subset;
 }
@@ -170,14 +177,15 @@ private:
 
 // In space. arrays: memory of an earlier result to use again.
 detail::Result run_in_space(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
-    if (!EndlessSides(options.box).any()) return run_on(engines, points, options, std::move(arrays));
-    // Both parts of the run read the same copy.
+    if (!options.mesh && !EndlessSides(options.box).any()) return run_on(engines, points, options, std::move(arrays));
+    // All parts of the run read the same copy.
     check_shape(points);
     std::vector<double> copy(points.coordinates());
     for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = points[i];
-    return run_endless({copy, {}}, options, [&](const Points& some, const Options& in_box) {
+    const auto run = [&](const Points& some, const Options& in_box) {
         return run_on(engines, some, in_box, std::exchange(arrays, {}));
-    });
+    };
+    return options.mesh ? solid::run_in_mesh({copy, {}}, options, run) : run_endless({copy, {}}, options, run);
 }
 
 // shared: outlives a Tessellator that a callback destroys, and is not destroyed in a child that fork() makes meanwhile.
@@ -187,7 +195,7 @@ Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points&
     const CallGuard turn(state);
     try {
         detail::Result made;
-        if (options.planar) {
+        if (options.planar && !options.mesh) {
             const Sheet sheet(points, options);
             made = run_in_space(state.engines, sheet.points(), sheet.options(), state.results->take());
             sheet.flatten(made);
@@ -225,6 +233,10 @@ Tessellation tessellate(std::span<const float> points, const Options& options) {
 }
 
 Want implied_want(const Options& options) {
+    if (options.mesh) {
+        solid::check_in_mesh(options);
+        return with_implied(options);
+    }
     Options in_space = options.planar ? sheet_options(options, 1) : options;
     if (EndlessSides(in_space.box).any()) {
         check_endless(in_space);

@@ -214,6 +214,10 @@ VerifyReport verify_endless(const Tessellation& t, std::span<const double> point
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+    if (t.in_mesh())
+        throw Error(ErrorCode::invalid_argument,
+                    "verify: cells in a mesh are not whole cells: compare the sum of the volumes with the mesh's, or "
+                    "verify a result without `mesh`");
     if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
     require_whole_diagram(t, "verify");
     require_points(t, points, "verify");

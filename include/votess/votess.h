@@ -54,7 +54,7 @@ typedef enum votess_cell_status {
 #define VOTESS_WANT_COUNTS 8u
 #define VOTESS_WANT_AREAS 16u      // adds neighbors
 #define VOTESS_WANT_NORMALS 32u    // adds neighbors
-#define VOTESS_WANT_SURFACES 64u   // surface_areas
+#define VOTESS_WANT_SURFACES 64u   // surface_areas; in a mesh also mesh_areas
 #define VOTESS_WANT_RADII 128u     // security_radii
 #define VOTESS_WANT_VERTICES 256u  // vertices, cell_vertex_*; adds neighbors
 #define VOTESS_WANT_FACES 512u     // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
@@ -127,6 +127,12 @@ typedef struct votess_options {
     int32_t has_only;
     uint64_t only_count;
     const int64_t* only;  // only_count indices
+    // A closed triangle mesh as the domain, see Options::mesh in votess.hpp. has_mesh 0: none.
+    int32_t has_mesh;
+    uint64_t mesh_vertex_count;
+    const double* mesh_vertices;  // 3 * mesh_vertex_count
+    uint64_t mesh_triangle_count;
+    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -202,6 +208,9 @@ VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result
 VOTESS_API const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length);
 VOTESS_API const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_surface_areas(const votess_result* result, size_t* length);
+VOTESS_API const double* votess_result_mesh_areas(const votess_result* result,
+                                                  size_t* length);  // with options.has_mesh
+VOTESS_API int votess_result_in_mesh(const votess_result* result);  // 1 with options.has_mesh, else 0
 VOTESS_API const double* votess_result_security_radii(const votess_result* result, size_t* length);
 VOTESS_API const double* votess_result_vertices(const votess_result* result, size_t* length);
 VOTESS_API const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length);

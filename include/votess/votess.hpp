@@ -89,6 +89,14 @@ struct Wall {
     double offset = 0;
 };
 
+// A closed surface of triangles: the domain is what it encloses. The surface may have several parts, holes through it,
+// and parts inside each other, and may intersect itself. Vertices of a triangle are counterclockwise seen from outside.
+// Triangles may have no area.
+struct TriangleMesh {
+    std::span<const double> vertices;         // 3V coordinates
+    std::span<const std::int32_t> triangles;  // 3T indices of vertices
+};
+
 // Return walls around round bodies: polyhedra of planes that touch the body, and so enclose it. Throw invalid_argument
 // for numbers that are not finite, for a zero direction or size, and for too few or more than a million faces.
 // Sphere: at least 4 faces. The volume is larger by a share of about 3 / faces (1e-2 for 300).
@@ -129,7 +137,7 @@ struct Want {
     bool counts = false;     // face_counts, edge_counts, vertex_counts
     bool areas = false;      // face_areas; adds neighbors
     bool normals = false;    // face_normals; adds neighbors
-    bool surfaces = false;   // surface_areas
+    bool surfaces = false;   // surface_areas; in a mesh also mesh_areas
     bool radii = false;      // security_radii
     bool vertices = false;   // vertices, cell_vertex_indptr, cell_vertex_indices; adds neighbors
     bool faces = false;      // face_offsets, face_vertices; adds vertices, neighbors, and walls in the rows
@@ -167,6 +175,19 @@ struct Options {
     // in a periodic domain. Without a box the walls bound the domain. On sides where they have no end within a million
     // times the size of the default box, the default box bounds it.
     std::vector<Wall> walls;
+    // A closed triangle mesh as the domain. Copied by the call. Each cell is its part inside, and cells without such a
+    // part are `empty`. Volumes, centroids and areas count each place as often as the surface winds around it: once
+    // inside, except where a surface intersects itself or encloses another one. Rows list neighbors that share a
+    // positive area inside. `surface_areas` are those of the parts, and mesh_areas() the surface's share of them. Seeds
+    // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Throws
+    // invalid_argument for a mesh that is not closed or oriented alike, and names the first edge or triangle. Only
+    // tessellate() clips by a mesh, in a domain that is not periodic, without walls, min_face, min_area and `outside`.
+    // It cannot make vertices, faces, counts and radii of the parts.
+    //
+    // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
+    // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A
+    // part or face of a cell that touches the mesh so, and that rounding alone could explain, is dropped.
+    std::optional<TriangleMesh> mesh;
     // Points outside the domain: an error; or dropped, which leaves an empty cell with the status `outside`; or kept,
     // which gives each the part of its cell inside the domain, or the status `empty`.
     Outside outside = Outside::error;
@@ -311,6 +332,8 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> edge_counts() const noexcept;    // N
     [[nodiscard]] std::span<const std::uint32_t> vertex_counts() const noexcept;  // N
     [[nodiscard]] std::span<const double> surface_areas() const noexcept;  // N, length unit squared, walls included
+    // N in a mesh, with Want::surfaces, else empty: area of the mesh's surface in each cell, length unit squared.
+    [[nodiscard]] std::span<const double> mesh_areas() const noexcept;
     // N: twice the distance from the seed to the farthest vertex of its cell; 0 when empty.
     [[nodiscard]] std::span<const double> security_radii() const noexcept;
     // The mesh: 3V absolute coordinates of its vertices. Vertices that are equal in exact arithmetic are stored once
@@ -337,6 +360,7 @@ public:
     [[nodiscard]] bool planar() const noexcept;       // whether the cells are polygons, see Options::planar
     [[nodiscard]] bool lists_walls() const noexcept;  // whether the rows hold wall ids
     [[nodiscard]] bool probed() const noexcept;       // whether Diagram::probe() made the cells
+    [[nodiscard]] bool in_mesh() const noexcept;      // whether Options::mesh was set
     [[nodiscard]] bool is_subset() const noexcept;    // whether Options::only was set
     // The seeds of the rows if Options::only was set, else empty: row k is the cell of seed ids()[k].
     [[nodiscard]] std::span<const std::int32_t> ids() const noexcept;

@@ -1,19 +1,18 @@
 #include "oracle/half_spaces.hpp"
 
-#include <gmpxx.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <tuple>
 
+#include "oracle/exact_polygons.hpp"
 #include "oracle/integer_domain.hpp"
 #include "support/text.hpp"
 
 namespace test {
 namespace {
 
-using Vec = std::array<mpq_class, 3>;
+using Vec = RationalVector;
 using Polygon = std::vector<Vec>;
 
 struct HalfSpace {  // n.x <= h
@@ -24,32 +23,6 @@ struct HalfSpace {  // n.x <= h
     std::array<double, 3> rounded_n;  // of length one
     double rounded_h = 0;
 };
-
-mpq_class dot(const Vec& a, const Vec& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vec cross(const Vec& a, const Vec& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-
-void clip(Polygon& polygon, const HalfSpace& by) {
-    std::vector<mpq_class> s;
-    for (const Vec& v : polygon) s.push_back(dot(by.n, v) - by.h);
-    if (std::ranges::none_of(s, [](const mpq_class& x) { return x > 0; })) return;
-    Polygon kept;
-    for (std::size_t a = 0; a < polygon.size(); ++a) {
-        const std::size_t b = (a + 1) % polygon.size();
-        if (s[a] <= 0) kept.push_back(polygon[a]);
-        if (sgn(s[a]) * sgn(s[b]) >= 0) continue;
-        const mpq_class t = s[a] / (s[a] - s[b]);
-        Vec v;
-        for (std::size_t k = 0; k < 3; ++k) v[k] = polygon[a][k] + t * (polygon[b][k] - polygon[a][k]);
-        kept.push_back(std::move(v));
-    }
-    if (kept.size() < 3) kept.clear();
-    polygon = std::move(kept);
-}
 
 // The plane inside a cube of that half width.
 Polygon begin_polygon(const HalfSpace& plane, const mpq_class& width) {
@@ -233,13 +206,53 @@ std::vector<HalfSpace> half_spaces(std::span<const double> points, const votess:
 
 }  // namespace
 
-ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i,
-                           std::optional<int> reach) {
+mpq_class dot(const Vec& a, const Vec& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vec cross(const Vec& a, const Vec& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+void clip(Polygon& polygon, const Vec& n, const mpq_class& h) {
+    std::vector<mpq_class> s;
+    for (const Vec& v : polygon) s.push_back(dot(n, v) - h);
+    if (std::ranges::none_of(s, [](const mpq_class& x) { return x > 0; })) return;
+    Polygon kept;
+    for (std::size_t a = 0; a < polygon.size(); ++a) {
+        const std::size_t b = (a + 1) % polygon.size();
+        if (s[a] <= 0) kept.push_back(polygon[a]);
+        if (sgn(s[a]) * sgn(s[b]) >= 0) continue;
+        const mpq_class t = s[a] / (s[a] - s[b]);
+        Vec v;
+        for (std::size_t k = 0; k < 3; ++k) v[k] = polygon[a][k] + t * (polygon[b][k] - polygon[a][k]);
+        kept.push_back(std::move(v));
+    }
+    if (kept.size() < 3) kept.clear();
+    polygon = std::move(kept);
+}
+
+Vec doubled_area(const Polygon& polygon) {
+    Vec area{0, 0, 0};
+    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
+        Vec a, b;
+        for (std::size_t x = 0; x < 3; ++x) {
+            a[x] = polygon[k][x] - polygon[0][x];
+            b[x] = polygon[k + 1][x] - polygon[0][x];
+        }
+        const Vec part = cross(a, b);
+        for (std::size_t x = 0; x < 3; ++x) area[x] += part[x];
+    }
+    return area;
+}
+
+std::vector<ExactPolygon> exact_polygons(std::span<const double> points, const votess::Options& options, std::size_t i,
+                                         std::optional<int> reach) {
     std::vector<HalfSpace> all = half_spaces(points, options, i, reach);
-    ExactDomainCell cell;
+    std::vector<ExactPolygon> polygons;
     // A seed at the same place leaves all or nothing.
     const auto place = [](const HalfSpace& s) { return s.n[0] == 0 && s.n[1] == 0 && s.n[2] == 0; };
-    if (std::ranges::any_of(all, [&](const HalfSpace& s) { return place(s) && s.h < 0; })) return cell;
+    if (std::ranges::any_of(all, [&](const HalfSpace& s) { return place(s) && s.h < 0; })) return {};
     std::erase_if(all, place);
     double width = 1;
     for (HalfSpace& s : all) {
@@ -249,7 +262,6 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
     }
     std::ranges::sort(all, {}, [](const HalfSpace& s) { return s.rounded_h; });
     const double cube = std::ldexp(1.0, std::ilogb(width) + 12);
-    mpq_class volume;
     for (std::size_t index = 0; index < all.size(); ++index) {
         if (surely_empty(all, index, width, cube)) continue;
         const HalfSpace& s = all[index];
@@ -266,26 +278,26 @@ ExactDomainCell exact_cell(std::span<const double> points, const votess::Options
         Polygon polygon = begin_polygon(s, mpq_class(cube));
         for (const HalfSpace& other : all) {
             if (polygon.empty()) break;
-            if (&other != &s) clip(polygon, other);
+            if (&other != &s) clip(polygon, other.n, other.h);
         }
         if (polygon.empty()) continue;
-        cell.faces.push_back(s.face);
-        Vec area{0, 0, 0};
-        for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-            Vec a, b;
-            for (std::size_t x = 0; x < 3; ++x) {
-                a[x] = polygon[k][x] - polygon[0][x];
-                b[x] = polygon[k + 1][x] - polygon[0][x];
-            }
-            const Vec part = cross(a, b);
-            for (std::size_t x = 0; x < 3; ++x) area[x] += part[x];
-        }
-        // The sign of the turn is that of the polygon's orientation: volumes need its size only.
-        const mpq_class along = dot(area, s.n);
-        volume += abs(along) * s.h / dot(s.n, s.n) / 6;  // exactly: pyramids of a seed outside of its cell cancel
+        if (dot(doubled_area(polygon), s.n) < 0) std::ranges::reverse(polygon);
+        polygons.push_back({s.face, s.n, s.h, std::move(polygon)});
     }
-    std::ranges::sort(cell.faces);
-    if (cell.faces.size() < 4) return {};
+    std::ranges::sort(polygons, {}, &ExactPolygon::face);
+    if (polygons.size() < 4) return {};
+    return polygons;
+}
+
+ExactDomainCell exact_cell(std::span<const double> points, const votess::Options& options, std::size_t i,
+                           std::optional<int> reach) {
+    ExactDomainCell cell;
+    mpq_class volume;
+    for (const ExactPolygon& p : exact_polygons(points, options, i, reach)) {
+        cell.faces.push_back(p.face);
+        // Exactly: pyramids of a seed outside of its cell cancel.
+        volume += dot(doubled_area(p.corners), p.n) * p.h / dot(p.n, p.n) / 6;
+    }
     cell.volume = volume.get_d();
     return cell;
 }

@@ -77,7 +77,8 @@ WantWord = Literal[
 #: Names that ``want`` accepts: words, and the arrays in their groups.
 WantName = Literal[
     WantWord,
-    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "security_radii", "face_counts",
+    "indptr", "indices", "shifts", "face_areas", "face_normals", "surface_areas", "mesh_areas", "security_radii",
+    "face_counts",
     "edge_counts", "vertex_counts", "cell_vertices", "cell_vertex_indptr", "cell_vertex_indices", "face_offsets",
     "face_vertices", "status", "duplicate_of", "ids",
 ]  # fmt: skip
@@ -135,6 +136,11 @@ class Options(ctypes.Structure):
         ("has_only", c_int32),
         ("only_count", c_uint64),
         ("only", c_void_p),
+        ("has_mesh", c_int32),
+        ("mesh_vertex_count", c_uint64),
+        ("mesh_vertices", c_void_p),
+        ("mesh_triangle_count", c_uint64),
+        ("mesh_triangles", c_void_p),
     ]
 
 
@@ -270,6 +276,8 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_result_edge_counts": _ARRAY,  # uint32
     "votess_result_vertex_counts": _ARRAY,  # uint32
     "votess_result_surface_areas": _ARRAY,  # float64
+    "votess_result_mesh_areas": _ARRAY,  # float64
+    "votess_result_in_mesh": (c_int, (_HANDLE,)),
     "votess_result_security_radii": _ARRAY,  # float64
     "votess_result_vertices": _ARRAY,  # float64
     "votess_result_face_offsets": _ARRAY,  # int64

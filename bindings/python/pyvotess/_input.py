@@ -148,6 +148,41 @@ def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
     return np.ascontiguousarray(array, dtype=np.int64)
 
 
+def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
+    """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista or Open3D."""
+    if hasattr(mesh, "regular_faces") and hasattr(mesh, "points"):  # PyVista
+        if not mesh.is_all_triangles:
+            raise ValueError("mesh has faces that are not triangles: give mesh.triangulate()")
+        pair = (mesh.points, mesh.regular_faces)
+    elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
+        pair = (mesh.vertices, mesh.faces)
+    elif hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):  # Open3D
+        pair = (mesh.vertices, mesh.triangles)
+    else:
+        try:
+            pair = tuple(mesh)
+        except TypeError:
+            pair = ()
+    if len(pair) != 2:
+        raise ValueError(f"mesh is a {type(mesh).__name__}: give (vertices, triangles), or a mesh with both")
+    vertices = np.ascontiguousarray(as_float64_or_float32(pair[0], "vertices of mesh"), np.float64)
+    triangles = np.asarray(pair[1])
+    if vertices.ndim != 2 or vertices.shape[1] != 3:
+        raise ValueError(f"vertices of mesh have shape {vertices.shape}: it must be (V, 3)")
+    if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":
+        raise ValueError(
+            f"triangles of mesh have shape {triangles.shape} and type {triangles.dtype}: give (T, 3) indices of vertices"
+        )
+    wrong = (triangles < 0) | (triangles >= len(vertices))  # before int32 could wrap them
+    if wrong.any():
+        row, column = np.argwhere(wrong)[0]
+        raise ValueError(
+            f"mesh: triangle {row} names vertex {triangles[row, column]}, but there are {len(vertices)}: "
+            "give indices from 0 on"
+        )
+    return vertices, np.ascontiguousarray(triangles, np.int32)
+
+
 def as_vector(values: Any, name: str) -> Float64Array:
     return np.ascontiguousarray(_as_numbers(values, name, (3,), "(x, y, z)"))
 
@@ -188,6 +223,7 @@ class Domain:
     cell: Any = None
     origin: Any = None
     walls: Any = ()
+    mesh: Any = None
 
     @property
     def is_given(self) -> bool:
@@ -237,6 +273,12 @@ class Domain:
             walls = np.ascontiguousarray(rows)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)
+        if self.mesh is not None:
+            vertices, triangles = as_mesh(self.mesh)
+            options.has_mesh = 1
+            options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
+            options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
+            kept += [vertices, triangles]
         if is_hull and points is not None:
             walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)

@@ -42,7 +42,8 @@ ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
 }
 # Empty where they do not apply.
-_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0))
+_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0),
+             ("mesh_areas", np.float64, 0))  # fmt: skip
 
 _Vector = ctypes.c_double * 3
 
@@ -59,6 +60,7 @@ class ResultData:
     walls: Float64Array
     planar: bool
     lists_walls: bool
+    in_mesh: bool
     least_face: float
     stats: Stats
 
@@ -102,6 +104,7 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
         walls=_constant(walls[:, [0, 1, 3]]) if planar else walls,
         planar=planar,
         lists_walls=bool(lib.votess_result_lists_walls(result.pointer)),
+        in_mesh=bool(lib.votess_result_in_mesh(result.pointer)),
         least_face=float(lib.votess_result_least_face(result.pointer)),
         stats=read_stats(result),
     )
@@ -176,6 +179,8 @@ class Cells:
         else:
             endless = np.isinf(self.box).all()
             where = "domain without end" if endless else f"box {text(self.box[0])} to {text(self.box[1])}"
+        if self.in_mesh:
+            where = f"mesh of volume {self.stats.box_volume:g} in a " + where
         if len(self.walls):
             where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
         axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
@@ -235,6 +240,11 @@ class Cells:
     def surface_areas(self) -> Float64Array:
         """(N,) float64 surface areas of the cells, walls included, length unit squared."""
         return self._array("surface_areas")
+
+    @property
+    def mesh_areas(self) -> Optional[Float64Array]:
+        """(N,) float64 areas of the mesh's surface in each cell, with the word "surfaces"; None without ``mesh``."""
+        return self._data.arrays.get("mesh_areas")
 
     @property
     def security_radii(self) -> Float64Array:
@@ -340,6 +350,11 @@ class Cells:
     def planar(self) -> bool:
         """Whether the points are (N, 2): all vectors then have two components, see the page "two dimensions"."""
         return self._data.planar
+
+    @property
+    def in_mesh(self) -> bool:
+        """Whether the cells are their parts in a ``mesh``."""
+        return self._data.in_mesh
 
     @property
     def polygons(self) -> List[Float64Array]:

@@ -38,6 +38,8 @@ class Tessellation(SeedCells):
     def _handle(self) -> Handle:
         """Returns the library's object. For an unpickled result it tessellates the points again."""
         if self._result is None:
+            if self.in_mesh:
+                raise ValueError("a pickle holds no mesh: use the result that tessellate() returned")
             result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
@@ -53,8 +55,8 @@ class Tessellation(SeedCells):
         outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
             points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
-            origin=self.origin, walls=self.walls, outside=outside, only=self.ids, want=self.wanted, list_walls=self.lists_walls,
-            min_area=self.least_face, progress=None,
+            origin=self.origin, walls=self.walls, mesh=None, outside=outside, only=self.ids, want=self.wanted,
+            list_walls=self.lists_walls, min_area=self.least_face, progress=None,
         )  # fmt: skip
         result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), given)
         return result, differing_array(self._data, read_result(result, wanted))

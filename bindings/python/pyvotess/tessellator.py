@@ -45,6 +45,7 @@ def tessellate(
     chunk_size: int = 0,
     instructions: str = "",
     only: Optional[npt.ArrayLike] = None,
+    mesh: Any = None,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -99,6 +100,9 @@ def tessellate(
     only : the points whose cells to make, as indices or as a mask of N flags. The rows of the result come in this
         order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
         refused. The CPU makes the cells, in the time that they and the sort of all points take.
+    mesh : a closed triangle mesh as the domain: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell
+        is its part inside, see the page "Domains". Points may lie outside. Refused with periodic, cell, walls, outside,
+        min_face and min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -176,6 +180,7 @@ class Tessellator:
         min_face: float = 0.0,
         min_area: float = 0.0,
         only: Optional[npt.ArrayLike] = None,
+        mesh: Any = None,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())

@@ -1,6 +1,8 @@
 """Domains: periodic and triclinic boxes, walls, weights."""
 
 import pickle
+import tempfile
+import types
 import unittest
 
 import numpy as np
@@ -206,6 +208,60 @@ class Domains(unittest.TestCase):
                               ([0.5], "give indices")):
             with self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(p, only=only)
+
+    def test_mesh(self):
+        vertices = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
+        triangles = np.array([
+            (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+            (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+        ])  # fmt: skip
+        p = points(200)
+        want = "neighbors,volumes,areas,surfaces"
+        t = vt.tessellate(p, mesh=(vertices, triangles), want=want, device="cpu")
+        box = vt.tessellate(p, box=UNIT, want=want, device="cpu")
+        np.testing.assert_array_equal(t.indices, box.indices)
+        np.testing.assert_allclose(t.volumes, box.volumes, rtol=1e-12)
+        np.testing.assert_allclose(t.surface_areas, box.surface_areas, rtol=1e-12)
+        self.assertAlmostEqual(t.mesh_areas.sum(), 6, places=12)
+        self.assertIsNone(box.mesh_areas)
+        self.assertTrue(t.in_mesh)
+        self.assertFalse(box.in_mesh)
+        self.assertIn("mesh of volume 1 in a box", repr(t))
+        for kind in (
+            types.SimpleNamespace(vertices=vertices, faces=triangles.astype(np.uint64)),  # trimesh
+            types.SimpleNamespace(vertices=vertices.tolist(), triangles=triangles.astype(np.int16)),  # Open3D
+            types.SimpleNamespace(points=vertices.astype(np.float32), regular_faces=triangles, is_all_triangles=True),
+        ):
+            np.testing.assert_array_equal(vt.tessellate(p, mesh=kind, device="cpu").volumes, t.volumes)
+        some = vt.tessellate(p, mesh=(vertices, triangles), want=want, device="cpu", only=[7, 3])
+        np.testing.assert_array_equal(some.volumes, t.volumes[[7, 3]])
+        again = pickle.loads(pickle.dumps(t))
+        np.testing.assert_array_equal(again.mesh_areas, t.mesh_areas)
+        with tempfile.TemporaryDirectory() as folder:
+            t.save(folder + "/cells.npz")
+            with np.load(folder + "/cells.npz") as file:
+                np.testing.assert_array_equal(file["mesh_areas"], t.mesh_areas)
+        for call in (t.verify, t.delaunay, again.verify):
+            with self.assertRaisesRegex((ValueError, vt.VotessError), "mesh"):
+                call()
+        for mesh, message in (
+            ((vertices, triangles[1:]), "the edge between vertices 0 and 1 belongs to triangle 4 alone"),
+            ((vertices, triangles + 1), "triangle 2 names vertex 8, but there are 8"),
+            ((vertices, triangles - 1), "triangle 0 names vertex -1"),
+            ((vertices, triangles.astype(np.int64) + 2**32), "names vertex 4294967296"),
+            ((vertices, triangles[:, ::-1]), "face inward"),
+            ((vertices[:, :2], triangles), "vertices of mesh have shape"),
+            ((vertices, triangles[:, :2]), "triangles of mesh have shape"),
+            ((vertices, triangles.astype(float)), "give .T, 3. indices"),
+            ((vertices * np.nan, triangles), "not finite"),
+            (vertices, "mesh is a ndarray"),
+            (7, "mesh is a int"),
+            (types.SimpleNamespace(points=vertices, regular_faces=0, is_all_triangles=False), "triangulate"),
+        ):
+            with self.subTest(message), self.assertRaisesRegex(ValueError, message):
+                vt.tessellate(p, mesh=mesh, device="cpu")
+        with self.assertRaisesRegex((ValueError, vt.VotessError), "periodic"):
+            vt.tessellate(p, mesh=(vertices, triangles), box=(-1, -1, -1, 2, 2, 2), periodic=True)
 
     def test_what_is_refused(self):
         for message, arguments in [

@@ -10,6 +10,7 @@
 #include "support/generators.hpp"
 #include "support/gpu/gpu.hpp"
 #include "support/random.hpp"
+#include "support/solids.hpp"
 
 namespace {
 
@@ -122,5 +123,19 @@ TEST_SUITE("cases") {
         CHECK(compare(on_device, random_points(many, 8), options).failure == "");
         options.periodic = {true, true, true};
         CHECK(compare(on_device, random_points(many, 9), options).failure == "");
+    }
+    TEST_CASE("gpu domains: the device makes whole cells in a mesh, and the CPU cuts them") {
+        const test::Solid ring = test::torus(12, 6);
+        const Coordinates points = random_points(test::by_size(1500, 300), 10, -1.3, 1.3);
+        Options options;
+        options.mesh = ring.mesh();
+        options.device = "cpu";
+        const auto expected = votess::tessellate(points, options);
+        options.device = test::device_name();
+        const auto t = test::shared_tessellator().tessellate(points, options);
+        CHECK(t.stats().device != "cpu");
+        CHECK(t.in_mesh());
+        CHECK(test::check_same(t, expected, points, test::single_tolerance) == "");
+        CHECK(std::abs(t.stats().volume_sum / ring.volume() - 1) < test::single_tolerance);
     }
 }

@@ -64,6 +64,11 @@ public:
         o.wall_count = any<std::uint64_t>(0, {1, 2, 1ull << 31, 1ull << 58, ~0ull, ~0ull / 32 + 1});
         o.weights = any<const double*>(nullptr, {numbers});
         o.radii = any<const double*>(nullptr, {numbers});
+        o.has_mesh = any(0, {1, -1});
+        o.mesh_vertices = pointer<const double>(numbers);
+        o.mesh_vertex_count = any<std::uint64_t>(4, {0, 3, 1ull << 31, 1ull << 61, ~0ull});
+        o.mesh_triangles = any<const std::int32_t*>(nullptr, {triangles});
+        o.mesh_triangle_count = any<std::uint64_t>(4, {0, 1, 1ull << 32, 1ull << 61, ~0ull / 3 + 1});
         o.min_face = real(0);
         o.min_area = real(0);
         o.outside = number(1);
@@ -79,6 +84,7 @@ public:
     }
 
 private:
+    static constexpr std::int32_t triangles[] = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
     test::Random random_;
 };
 

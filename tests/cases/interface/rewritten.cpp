@@ -13,6 +13,7 @@
 
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/solids.hpp"
 
 namespace {
 
@@ -112,6 +113,11 @@ std::vector<Domain> domains() {
     all.back().options.cell->c = {7.3, 5.2, 1};
     all.back().options.cell->periodic = {true, false, true};
     all.back().options.outside = votess::Outside::drop;
+    static const test::Solid octant = test::cuboid(0.5, 1.25);
+    all.push_back({"mesh", box});
+    all.back().options.want.counts = false;
+    all.back().options.box = test::cube(-1, 2);
+    all.back().options.mesh = octant.mesh();
     return all;
 }
 

@@ -129,6 +129,32 @@ static void check_tessellations(void) {
     votess_tessellator_free(NULL);
 }
 
+// The cube as a mesh, around one seed at each of its corners.
+static void check_mesh(void) {
+    static const int32_t triangles[36] = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
+                                          2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+    votess_options options;
+    CHECK(votess_options_init(&options, sizeof options) == VOTESS_OK);
+    options.want = VOTESS_WANT_VOLUMES | VOTESS_WANT_SURFACES | VOTESS_WANT_NEIGHBORS;
+    options.has_mesh = 1;
+    options.mesh_vertices = cube;
+    options.mesh_vertex_count = 8;
+    options.mesh_triangles = triangles;
+    options.mesh_triangle_count = 12;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+    CHECK(votess_result_in_mesh(result) == 1 && votess_result_in_mesh(NULL) == 0);
+    size_t length = 0;
+    const double* volumes = votess_result_volumes(result, &length);
+    CHECK(length == 8);
+    for (size_t i = 0; i < length; ++i) CHECK(fabs(volumes[i] - 0.125) < 1e-14);
+    const double* areas = votess_result_mesh_areas(result, &length);
+    CHECK(length == 8);
+    for (size_t i = 0; i < length; ++i) CHECK(fabs(areas[i] - 0.75) < 1e-14);
+    CHECK(votess_result_indices(result, &length) != NULL && length == 24);
+    votess_result_free(result);
+}
+
 // Numbers that only C can pass: enums beyond their values, which a conversion to a byte would hide, and counts without
 // their array.
 static void check_refusals(void) {
@@ -154,6 +180,11 @@ static void check_refusals(void) {
     options = good;
     options.wall_count = 2;
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "wall_count is 2");
+    options = good;
+    options.has_mesh = 1;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "mesh: it has no triangles");
+    options.mesh_triangle_count = 4;
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "options.mesh_triangles");
     options = good;
     options.device = "abacus\n";
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "abacus");
@@ -415,6 +446,7 @@ static void check_stream(void) {
 int main(void) {
     check_version();
     check_tessellations();
+    check_mesh();
     check_refusals();
     check_struct_sizes();
     check_callbacks();

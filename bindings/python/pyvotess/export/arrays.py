@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 #: Reserved names in both formats, which the caller's columns must not have. Files of clvotess may hold "ids".
 NAMES = frozenset(
-    "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas security_radii face_counts "
-    "edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
+    "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas mesh_areas security_radii "
+    "face_counts edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
     "duplicate_of box periodic cell origin walls version domain_from periodic_from".split()
 )
 
@@ -31,7 +31,7 @@ _AFTER_ROWS = ("areas", "normals", "volumes", "centroids", "surfaces", "radii", 
 def _result_arrays(t: SeedCells) -> Arrays:
     held = t._data.arrays
     names = [name for word in _AFTER_ROWS for name in names_of(word)]
-    names = [*names_of("neighbors"), "shifts", *names, "status", "duplicate_of"]
+    names = [*names_of("neighbors"), "shifts", *names, "mesh_areas", "status", "duplicate_of"]
     return {name: held[name] for name in names if name in held}
 
 

@@ -1,0 +1,247 @@
+#include "solid/closed_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+
+#include "core/arithmetic.hpp"
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "solid/mesh_signs.hpp"
+
+namespace votess::solid {
+namespace {
+
+constexpr Box nowhere{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+constexpr std::uint32_t leaf_triangles = 4;
+constexpr double thin = 1e-6;            // of the sine of a triangle's angle: its plane is then not used
+constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "mesh: " + message);
+}
+
+void include(Box& box, const exact::Point& x) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        box.lower[k] = std::min(box.lower[k], x[k]);
+        box.upper[k] = std::max(box.upper[k], x[k]);
+    }
+}
+
+// An edge of a triangle, from its lower vertex.
+struct Edge {
+    std::int32_t low, high;
+    std::int32_t triangle;
+    bool reversed;  // the triangle runs along it from high to low
+
+    friend auto operator<=>(const Edge&, const Edge&) = default;
+};
+
+std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> triangle) {
+    std::ranges::sort(triangle);
+    return triangle;
+}
+
+std::string between(const Edge& edge) {
+    return "the edge between vertices " + std::to_string(edge.low) + " and " + std::to_string(edge.high);
+}
+
+}  // namespace
+
+ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
+    const auto shape = [](const char* what, std::size_t size, const char* rows) {
+        if (size % 3 != 0)
+            refuse(std::string(what) + " hold " + std::to_string(size) +
+                   " numbers, not a multiple of 3: the shape must be " + rows);
+        if (size / 3 > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
+            refuse(std::to_string(size / 3) + " " + what + " are too many: give at most 2147483647");
+    };
+    shape("vertices", given.vertices.size(), "(V,3)");
+    shape("triangles", given.triangles.size(), "(T,3)");
+    if (given.triangles.empty()) refuse("it has no triangles: give a closed surface, of at least 4");
+    vertices_.resize(given.vertices.size() / 3);
+    for (std::size_t v = 0; v < vertices_.size(); ++v)
+        for (std::size_t k = 0; k < 3; ++k) {
+            vertices_[v][k] = given.vertices[3 * v + k];
+            if (!std::isfinite(vertices_[v][k]))
+                refuse("vertex " + std::to_string(v) + ": " + axis_name[k] + " = " + number(vertices_[v][k]) +
+                       " is not finite");
+        }
+    given_.resize(given.triangles.size() / 3);
+    for (std::size_t t = 0; t < given_.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t v = given_[t][k] = given.triangles[3 * t + k];
+            if (v < 0 || static_cast<std::size_t>(v) >= vertices_.size())
+                refuse("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + ", but there are " +
+                       std::to_string(vertices_.size()) + ": give indices from 0 on");
+            include(bounds_, vertex(v));
+        }
+    check_closed(given_);
+    find_volume(given_);
+}
+
+// Each edge must be run along as often in one direction as in the other.
+void ClosedMesh::check_closed(const std::vector<std::array<std::int32_t, 3>>& triangles) const {
+    std::vector<Edge> edges;
+    edges.reserve(3 * triangles.size());
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            if (a != b) edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a > b});
+        }
+    check_stop();
+    std::ranges::sort(edges);
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+        const Edge& first = edges[begin];
+        int turns = 0;
+        while (end < edges.size() && edges[end].low == first.low && edges[end].high == first.high)
+            turns += edges[end++].reversed ? -1 : 1;
+        if (turns == 0) continue;
+        if (end - begin == 1)
+            refuse(between(first) + " belongs to triangle " + std::to_string(first.triangle) +
+                   " alone: close the hole, or merge vertices at equal places");
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t j = i + 1; j < end; ++j) {
+                const auto s = static_cast<std::size_t>(edges[i].triangle);
+                const auto t = static_cast<std::size_t>(edges[j].triangle);
+                if (s != t && sorted(triangles[s]) == sorted(triangles[t]) && edges[i].reversed == edges[j].reversed)
+                    refuse("triangles " + std::to_string(s) + " and " + std::to_string(t) +
+                           " are the same: remove one of them");
+            }
+        if (end - begin == 2)
+            refuse("triangles " + std::to_string(first.triangle) + " and " + std::to_string(edges[begin + 1].triangle) +
+                   " both run from vertex " + std::to_string(first.reversed ? first.high : first.low) + " to " +
+                   std::to_string(first.reversed ? first.low : first.high) +
+                   ": reverse one of them, or those around it");
+        refuse(between(first) + " belongs to " + std::to_string(end - begin) + " triangles, " +
+               std::to_string(std::abs(turns)) +
+               " more in one direction than in the other: remove some, or add those " + "that are missing");
+    }
+}
+
+void ClosedMesh::find_volume(const std::vector<std::array<std::int32_t, 3>>& triangles) {
+    exact::Point middle;
+    double length = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * bounds_.lower[k] + 0.5 * bounds_.upper[k];
+        length = std::max(length, bounds_.upper[k] - bounds_.lower[k]);
+    }
+    if (!std::isfinite(length)) refuse("its size exceeds the largest double: give lengths in a larger unit");
+    if (length == 0) refuse("all vertices lie at one place: it encloses no volume");
+    // In units of the length, so that no product leaves the range.
+    double volume = 0, rest = 0, size = 0;
+    for (const auto& t : triangles) {
+        std::array<Vector3, 3> x;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k) x[i][k] = (vertex(t[i])[k] - middle[k]) / length;
+        const double part = dot(x[0], cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 6;
+        const double sum = volume + part;  // Neumaier
+        rest += std::abs(volume) >= std::abs(part) ? (volume - sum) + part : (part - sum) + volume;
+        volume = sum;
+        size += std::abs(part);
+    }
+    volume += rest;
+    if (std::abs(volume) <= 1e-14 * size) refuse("it encloses no volume");
+    volume_ = volume * length * length * length;
+    if (volume < 0)
+        refuse("its triangles face inward, so that it encloses the volume " + number(volume_) +
+               ": reverse the vertices of each");
+}
+
+void ClosedMesh::scale_by(double scale) {
+    for (std::size_t v = 0; v < vertices_.size(); ++v)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double given = vertices_[v][k];
+            vertices_[v][k] = given * scale;
+            if (vertices_[v][k] / scale != given)
+                refuse("vertex " + std::to_string(v) + ": " + axis_name[k] + " = " + number(given) +
+                       " is too small beside the box to represent both at one scale: move it to 0");
+        }
+    triangles_.clear();
+    for (const auto& t : given_) {
+        const exact::Point &u = vertex(t[0]), &v = vertex(t[1]), &w = vertex(t[2]);
+        const int upward = cross_sign(u, v, w, 2);
+        if (upward == 0 && cross_sign(u, v, w, 0) == 0 && cross_sign(u, v, w, 1) == 0) continue;
+        const Vector3 a = minus(v, u), b = minus(w, u), n = cross(a, b);
+        const double length = length3(n[0], n[1], n[2]);
+        Triangle triangle{t, static_cast<std::int8_t>(upward), {}, 0};
+        if (length > thin * length3(a[0], a[1], a[2]) * length3(b[0], b[1], b[2])) {
+            for (std::size_t k = 0; k < 3; ++k) triangle.normal[k] = n[k] / length;
+            triangle.offset = dot(triangle.normal, u);
+        }
+        triangles_.push_back(triangle);
+    }
+    make_tree();
+}
+
+void ClosedMesh::make_tree() {
+    std::vector<Box> boxes(triangles_.size(), nowhere);
+    for (std::size_t t = 0; t < boxes.size(); ++t)
+        for (const std::int32_t v : triangles_[t].vertex) include(boxes[t], vertex(v));
+    std::vector<std::uint32_t> order(boxes.size());
+    std::iota(order.begin(), order.end(), 0u);
+    nodes_.clear();
+    if (boxes.empty()) return;
+    nodes_.resize(1);
+    split(0, 0, static_cast<std::uint32_t>(order.size()), order, boxes);
+    std::vector<Triangle> sorted;
+    for (const std::uint32_t t : order) {
+        sorted.push_back(triangles_[t]);
+        boxes_.push_back(boxes[t]);
+    }
+    triangles_ = std::move(sorted);
+}
+
+void ClosedMesh::split(std::uint32_t at, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
+                       const std::vector<Box>& boxes) {
+    Box box = nowhere, middles = nowhere;
+    const auto twice_middle = [&](std::uint32_t t, std::size_t k) { return boxes[t].lower[k] + boxes[t].upper[k]; };
+    for (std::uint32_t i = begin; i < end; ++i) {
+        const std::uint32_t t = order[i];
+        include(box, boxes[t].lower);
+        include(box, boxes[t].upper);
+        include(middles, {twice_middle(t, 0), twice_middle(t, 1), twice_middle(t, 2)});
+    }
+    nodes_[at].box = box;
+    if (end - begin <= leaf_triangles) {
+        nodes_[at].first = begin;
+        nodes_[at].count = end - begin;
+        return;
+    }
+    const Vector3 size = minus(middles.upper, middles.lower);
+    const auto axis = static_cast<std::size_t>(std::ranges::max_element(size) - size.begin());
+    const std::uint32_t half = begin + (end - begin) / 2;
+    std::nth_element(order.begin() + begin, order.begin() + half, order.begin() + end,
+                     [&](std::uint32_t s, std::uint32_t t) { return twice_middle(s, axis) < twice_middle(t, axis); });
+    const auto child = static_cast<std::uint32_t>(nodes_.size());
+    nodes_[at].first = child;
+    nodes_.resize(nodes_.size() + 2);
+    split(child, begin, half, order, boxes);
+    split(child + 1, half, end, order, boxes);
+}
+
+bool ClosedMesh::any_near(const exact::Point& x, double distance) const {
+    Box around;
+    for (std::size_t k = 0; k < 3; ++k) around.lower[k] = x[k] - distance, around.upper[k] = x[k] + distance;
+    bool found = false;
+    for_each_in(around, [&](std::uint32_t t) {
+        const Box& box = boxes_[t];
+        double square = 0, reach = 0;  // to the nearest and the farthest corner
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
+            square += gap * gap;
+            reach += std::max(std::abs(box.lower[k] - x[k]), std::abs(box.upper[k] - x[k]));
+        }
+        if (square > distance * distance * (1 + plane_rounding)) return true;
+        const Triangle& triangle = triangles_[t];
+        const double height = std::abs(dot(triangle.normal, x) - triangle.offset);
+        if (height > distance + plane_rounding * (reach + std::abs(triangle.offset))) return true;
+        found = true;
+        return false;
+    });
+    return found;
+}
+
+}  // namespace votess::solid

@@ -1,0 +1,80 @@
+// A closed triangle mesh as a domain: its checks, and a tree of boxes over its triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/vector3.hpp"
+#include "exact/predicate.hpp"
+#include "votess/votess.hpp"
+
+namespace votess::solid {
+
+// Checks a mesh and copies it. Throws invalid_argument for one that does not bound a volume.
+class ClosedMesh {
+public:
+    explicit ClosedMesh(const TriangleMesh& given);
+
+    // Multiplies coordinates by a power of two, and makes the tree. Throws invalid_argument if that loses bits.
+    void scale_by(double scale);
+
+    [[nodiscard]] double volume() const { return volume_; }  // as given
+    [[nodiscard]] const Box& bounds() const { return bounds_; }
+    [[nodiscard]] const exact::Point& vertex(std::int32_t v) const { return vertices_[static_cast<std::size_t>(v)]; }
+
+    struct Triangle {
+        std::array<std::int32_t, 3> vertex;
+        std::int8_t upward;  // sign of the z component of the normal
+        // normal.x = offset on its plane, to rounding; 0 if the triangle is too thin for that.
+        Vector3 normal;
+        double offset;
+    };
+    // Those of positive area.
+    [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
+
+    // Visits triangles whose boxes meet `box`, until visit(t) returns false.
+    template <class Visit>
+    void for_each_in(const Box& box, Visit visit) const {
+        std::array<std::uint32_t, max_depth> pending{0};
+        for (std::size_t count = nodes_.empty() ? 0 : 1; count > 0;) {
+            const Node& node = nodes_[pending[--count]];
+            if (!overlap(node.box, box)) continue;
+            if (node.count == 0) {
+                pending[count++] = node.first;
+                pending[count++] = node.first + 1;
+                continue;
+            }
+            for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
+                if (overlap(boxes_[t], box) && !visit(t)) return;
+        }
+    }
+    // Returns whether a triangle may come within `distance` of x. Never misses one.
+    [[nodiscard]] bool any_near(const exact::Point& x, double distance) const;
+
+private:
+    static constexpr std::size_t max_depth = 96;
+    struct Node {
+        Box box;
+        std::uint32_t first = 0, count = 0;  // triangles; count 0: the first of two children
+    };
+    [[nodiscard]] static bool overlap(const Box& a, const Box& b) {
+        return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
+               b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
+    }
+    void check_closed(const std::vector<std::array<std::int32_t, 3>>& triangles) const;
+    void find_volume(const std::vector<std::array<std::int32_t, 3>>& triangles);
+    void make_tree();
+    void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
+               const std::vector<Box>& boxes);
+
+    std::vector<exact::Point> vertices_;
+    std::vector<std::array<std::int32_t, 3>> given_;
+    std::vector<Triangle> triangles_;
+    std::vector<Box> boxes_;  // of triangles
+    std::vector<Node> nodes_;
+    Box bounds_;
+    double volume_ = 0;
+};
+
+}  // namespace votess::solid

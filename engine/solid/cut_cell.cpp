@@ -1,0 +1,382 @@
+#include "solid/cut_cell.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/arithmetic.hpp"
+
+namespace votess::solid {
+namespace {
+
+constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
+constexpr double beside_margin = 1e-8;           // of the distances that a triangle's plane is compared with
+
+Vector3 plus(const Vector3& a, const Vector3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+Vector3 between(const Vector3& a, const Vector3& b, double t) {
+    Vector3 x;
+    for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
+    return x;
+}
+
+// Returns x / (x - y), for numbers of which rounding may have changed the signs, which differ.
+double crossing_place(double x, double y) {
+    return x == y ? 0.5 : std::clamp(x / (x - y), 0.0, 1.0);
+}
+
+std::size_t index(std::int32_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+}  // namespace
+
+void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight) {
+    weight_ = weight;
+    cell_.start(seed, domain_, id);
+    signs_.begin(seed);
+}
+
+void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight) {
+    exact::Plane bisector = exact::Plane::bisector(neighbor);
+    bisector.power = exact::two_sum(weight_, -weight);
+    cell_.clip(id, bisector);
+}
+
+const CutMeasures& CutCell::measure() {
+    out_ = {};
+    sum_volume_ = sum_area_ = 0;
+    sum_moment_ = {};
+    cell_.canonical_faces(faces_);
+    read_faces();
+    find_candidates();
+    crossings_.clear();
+    segments_.clear();
+    for (const std::uint32_t t : candidates_) {
+        const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
+        if (beside(triangle) || !clip(triangle)) continue;
+        out_.meets_surface = true;
+        add_polygon(triangle);
+    }
+    find_windings();
+    if (!out_.meets_surface) return out_;
+    add_faces();
+    out_.volume = sum_volume_;
+    // Without a tie no part is thinner than any number.
+    if (!signs_.met_tie()) place_error_ = 0;
+    out_.volume_error = sum_area_ * place_error_;
+    for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
+    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k] / sum_volume_;
+    return out_;
+}
+
+// Makes the edges, and their planes' bisectors.
+void CutCell::read_faces() {
+    const std::size_t count = faces_.size(), slots = static_cast<std::size_t>(cell_.slots());
+    apex_ = {};
+    std::size_t corners = 0;
+    for (const std::int32_t slot : faces_.corners) {
+        apex_ = plus(apex_, cell_.position(slot));
+        ++corners;
+    }
+    for (double& x : apex_) x /= static_cast<double>(corners);
+    place_error_ = 0;
+    at_.resize(slots);
+    for (const std::int32_t slot : faces_.corners) {
+        at_[index(slot)] = minus(cell_.position(slot), apex_);
+        place_error_ = std::max(place_error_, cell_.tolerance(slot));
+    }
+    plane_.assign(count, -1);
+    base_.resize(count);
+    unit_.resize(count);
+    edges_.clear();
+    edge_between_.assign(count * count, -1);
+    std::int32_t bisectors = 0;
+    pending_.assign(slots, -1);
+    struct Half {
+        std::int32_t from, to, face;
+    };
+    std::vector<Half> halves;
+    for (std::size_t f = 0; f < count; ++f) {
+        const cpu::CellPlane& plane = cell_.planes()[index(faces_.planes[f])];
+        if (plane.source.is_bisector()) {
+            signs_.add(plane.source);
+            plane_[f] = bisectors++;
+        }
+        out_.faces.push_back({plane.id, 0, 0, 0});
+        for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
+        base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
+        const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
+        for (std::int32_t c = begin; c < end; ++c)
+            halves.push_back({faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
+                              static_cast<std::int32_t>(f)});
+    }
+    // The two halves of an edge become neighbors.
+    const auto key = [](const Half& h) {
+        return std::array{std::min(h.from, h.to), std::max(h.from, h.to), h.from < h.to ? 0 : 1};
+    };
+    std::ranges::sort(halves, {}, key);
+    for (std::size_t h = 0; h + 1 < halves.size(); h += 2) {
+        const Half &half = halves[h], &twin = halves[h + 1];
+        if (half.from != twin.to || half.to != twin.from)
+            throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
+        edge_of(half.face, twin.face) = edge_of(twin.face, half.face) = static_cast<std::int32_t>(edges_.size());
+        edges_.push_back({half.from, half.to, half.face, twin.face});
+    }
+}
+
+void CutCell::find_candidates() {
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (const std::int32_t slot : faces_.corners)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = cell_.position(slot)[k] + cell_.seed()[k];
+            const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+            bounds.lower[k] = std::min(bounds.lower[k], x - error);
+            bounds.upper[k] = std::max(bounds.upper[k], x + error);
+        }
+    candidates_.clear();
+    mesh_.for_each_in(bounds, [&](std::uint32_t t) {
+        candidates_.push_back(t);
+        return true;
+    });
+    std::ranges::sort(candidates_);
+}
+
+// Returns whether the cell lies on one side of the triangle's plane, by more than rounding.
+bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
+    if (triangle.normal == Vector3{}) return false;
+    const Vector3 from = minus(mesh_.vertex(triangle.vertex[0]), cell_.seed());
+    const double offset = dot(triangle.normal, from);
+    double lower = infinity, upper = -infinity, size = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
+    for (const std::int32_t slot : faces_.corners) {
+        const Vector3 x = cell_.position(slot);
+        const double height = dot(triangle.normal, x) - offset;
+        const double error =
+            2 * cell_.tolerance(slot) + beside_margin * (size + std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]));
+        lower = std::min(lower, height - error);
+        upper = std::max(upper, height + error);
+    }
+    return lower > 0 || upper < 0;
+}
+
+// Leaves the polygon in sides_. Returns whether there is one.
+bool CutCell::clip(const ClosedMesh::Triangle& triangle) {
+    const std::size_t count = faces_.size();
+    for (std::size_t i = 0; i < 3; ++i) places_[i] = signs_.place(mesh_.vertex(triangle.vertex[i]));
+    values_.resize(count);
+    for (std::size_t f = 0; f < count; ++f) {
+        if (plane_[f] < 0) continue;
+        int outside = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            values_[f][i] = signs_.value(index(plane_[f]), places_[i]);
+            outside += values_[f][i].sign > 0 ? 1 : 0;
+        }
+        if (outside == 3) return false;
+    }
+    sides_ = {-1, -2, -3};
+    for (std::size_t f = 0; f < count; ++f) {
+        if (plane_[f] < 0) continue;
+        int outside = 0;
+        for (std::size_t i = 0; i < 3; ++i) {
+            signs_.find_sign(index(plane_[f]), places_[i], values_[f][i]);
+            outside += values_[f][i].sign > 0 ? 1 : 0;
+        }
+        if (outside == 3) return false;
+        if (outside == 0) continue;
+        const std::size_t size = sides_.size();
+        outside_.resize(size);
+        int corners_outside = 0;
+        for (std::size_t i = 0; i < size; ++i) {  // of the corner where side i begins
+            outside_[i] = side({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, f) > 0 ? 1 : 0;
+            corners_outside += outside_[i];
+        }
+        if (corners_outside == 0) continue;
+        if (corners_outside == static_cast<int>(size)) return false;
+        clipped_.clear();
+        for (std::size_t i = 0; i < size; ++i) {
+            const bool from = outside_[i] != 0, to = outside_[i + 1 == size ? 0 : i + 1] != 0;
+            if (!from || !to) clipped_.push_back(sides_[i]);
+            if (!from && to) clipped_.push_back(static_cast<Side>(f));
+        }
+        std::swap(sides_, clipped_);
+    }
+    return true;
+}
+
+// Returns +1 if the corner lies outside the face's plane, else -1.
+int CutCell::side(const Corner& corner, std::size_t face) {
+    const MeshSigns::Values& f = values_[face];
+    if (corner.in < 0 && corner.out < 0) return f[index(-1 - corner.out)].sign;
+    const std::size_t plane = index(plane_[face]);
+    if (corner.in < 0 || corner.out < 0) {
+        const std::size_t from = index(-1 - std::min(corner.in, corner.out)), to = (from + 1) % 3;
+        const std::size_t a = index(std::max(corner.in, corner.out));
+        // Both ends decide alike where they lie on one side.
+        if (f[from].sign == f[to].sign) return f[from].sign;
+        return signs_.edge_side(plane, index(plane_[a]), places_[from], places_[to], f[from], f[to], values_[a][from],
+                                values_[a][to]);
+    }
+    const std::size_t a = index(corner.in), b = index(corner.out);
+    return signs_.determinant({index(plane_[a]), index(plane_[b]), plane}, places_, values_[a], values_[b], f);
+}
+
+// Returns a corner of the polygon relative to the apex. All sums of this cell use the same number for it.
+Vector3 CutCell::position(const Corner& corner, const ClosedMesh::Triangle& triangle) {
+    const auto vertex = [&](std::size_t i) { return minus(places_[i].relative, apex_); };
+    if (corner.in < 0 && corner.out < 0) return vertex(index(-1 - corner.out));
+    if (corner.in < 0 || corner.out < 0) {
+        std::size_t from = index(-1 - std::min(corner.in, corner.out)), to = (from + 1) % 3;
+        if (triangle.vertex[from] > triangle.vertex[to]) std::swap(from, to);  // as the triangle behind the edge does
+        const MeshSigns::Values& a = values_[index(std::max(corner.in, corner.out))];
+        return between(vertex(from), vertex(to), crossing_place(a[from].s, a[to].s));
+    }
+    // From inside to outside along an edge of the cell, which runs counterclockwise around face `in`.
+    const std::int32_t at = edge_of(corner.in, corner.out);
+    if (at < 0) throw Error(ErrorCode::internal, "the mesh passes between two faces of a cell that share no edge");
+    Edge& edge = edges_[index(at)];
+    const Vector3 u = vertex(0), n = cross(minus(vertex(1), u), minus(vertex(2), u));
+    const Vector3 &x = at_[index(edge.from)], &y = at_[index(edge.to)];
+    const double place = crossing_place(dot(n, minus(x, u)), dot(n, minus(y, u)));
+    crossings_.push_back({place, edge.left == corner.in ? -1 : 1, edge.first});
+    edge.first = static_cast<std::int32_t>(crossings_.size()) - 1;
+    return between(x, y, place);
+}
+
+void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
+    const std::size_t size = sides_.size();
+    std::vector<Vector3> corners;
+    for (std::size_t i = 0; i < size; ++i)
+        corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, triangle));
+    Vector3 doubled{};
+    for (std::size_t i = 2; i < size; ++i) {
+        doubled = plus(doubled, cross(minus(corners[i - 1], corners[0]), minus(corners[i], corners[0])));
+        add_cone(corners[0], corners[i - 1], corners[i], 1);
+    }
+    const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
+    out_.surface += area;
+    sum_area_ += area;
+    double perimeter = 0;
+    for (const MeshSigns::Place& place : places_)
+        for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
+    for (std::size_t i = 0; i < size; ++i) {
+        const Vector3 side = minus(corners[i + 1 == size ? 0 : i + 1], corners[i]);
+        perimeter += length3(side[0], side[1], side[2]);
+    }
+    for (std::size_t i = 0; i < size; ++i)
+        if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        if (plane_[f] < 0 || !(values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)) continue;
+        const bool in = dot(doubled, unit_[f]) < 0;
+        out_.faces[f].over += in ? area : -area;
+        out_.faces[f].error += perimeter;
+        if (in) out_.faces[f].facing_in += area;
+    }
+}
+
+void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
+    const double volume = weight * dot(a, cross(minus(b, a), minus(c, b))) / 6;  // exact to the size of c - b
+    sum_volume_ += volume;
+    for (std::size_t k = 0; k < 3; ++k) sum_moment_[k] += volume * (a[k] + b[k] + c[k]) / 4;
+}
+
+// Finds the winding number of each vertex, from one of them along the edges.
+void CutCell::find_windings() {
+    std::int32_t start = -1;
+    bool on_wall = false;
+    for (std::size_t f = 0; f < faces_.size() && !on_wall; ++f)
+        if (plane_[f] < 0) start = faces_.corners[index(faces_.offsets[f])], on_wall = true;
+    if (!on_wall)
+        for (const std::int32_t slot : faces_.corners)
+            if (start < 0 || cell_.tolerance(slot) < cell_.tolerance(start)) start = slot;
+    out_.winding = on_wall ? 0 : winding_at(start);  // the mesh lies inside of the walls
+    if (!out_.meets_surface) return;
+    winding_.assign(index(cell_.slots()), 0);
+    known_.assign(index(cell_.slots()), false);
+    winding_[index(start)] = out_.winding;
+    known_[index(start)] = true;
+    for (bool again = true; again;) {
+        again = false;
+        for (const Edge& edge : edges_) {
+            const std::size_t from = index(edge.from), to = index(edge.to);
+            if (known_[from] == known_[to]) continue;
+            int jump = 0;
+            for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next) jump += crossings_[index(c)].jump;
+            if (known_[from])
+                winding_[to] = winding_[from] + jump;
+            else
+                winding_[from] = winding_[to] - jump;
+            known_[from] = known_[to] = again = true;
+        }
+    }
+}
+
+// Counts the triangles above a vertex of three bisectors.
+int CutCell::winding_at(std::int32_t slot) {
+    const auto planes = cell_.corner_planes(slot);
+    std::array<std::size_t, 3> k;
+    MeshSigns at;
+    at.begin(cell_.seed());
+    for (std::size_t i = 0; i < 3; ++i) {
+        k[i] = i;
+        at.add(planes[i]->source);
+    }
+    const int turn = exact::orientation(cell_.seed(), planes[0]->source, planes[1]->source, planes[2]->source);
+    Box column;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const double x = cell_.position(slot)[i] + cell_.seed()[i];
+        const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+        column.lower[i] = x - error;
+        column.upper[i] = i == 2 ? infinity : x + error;
+    }
+    int winding = 0;
+    mesh_.for_each_in(column, [&](std::uint32_t t) {
+        const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
+        if (triangle.upward == 0) return true;
+        MeshSigns::Places u;
+        for (std::size_t i = 0; i < 3; ++i) u[i] = at.place(mesh_.vertex(triangle.vertex[i]));
+        for (std::size_t i = 0; i < 3; ++i)
+            if (turn * at.upright_determinant(k, u[i], u[(i + 1) % 3]) != triangle.upward) return true;
+        std::array<MeshSigns::Values, 3> values;
+        for (std::size_t row = 0; row < 3; ++row)
+            for (std::size_t i = 0; i < 3; ++i) values[row][i] = at.value(row, u[i]);
+        if (turn * at.determinant(k, u, values[0], values[1], values[2]) == triangle.upward) winding += triangle.upward;
+        return true;
+    });
+    return winding;
+}
+
+void CutCell::add_faces() {
+    const auto add_segment = [&](std::int32_t face, const Vector3& from, const Vector3& to, double weight) {
+        const std::size_t f = index(face);
+        const Vector3& base = base_[f];
+        add_cone(base, from, to, weight);
+        const Vector3 side = minus(to, from);
+        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), side));
+        out_.faces[f].area += area;
+        out_.faces[f].error += std::abs(weight) * length3(side[0], side[1], side[2]);
+        sum_area_ += std::abs(area);
+    };
+    for (const Edge& edge : edges_) {
+        on_edge_.clear();
+        for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next)
+            on_edge_.push_back(crossings_[index(c)]);
+        std::ranges::sort(on_edge_, {}, &Crossing::at);
+        on_edge_.push_back({1, 0, -1});
+        int winding = winding_[index(edge.from)];
+        const Vector3 &begin = at_[index(edge.from)], &end = at_[index(edge.to)];
+        Vector3 from = begin;
+        for (const Crossing& crossing : on_edge_) {
+            const Vector3 to = crossing.at == 1 ? end : between(begin, end, crossing.at);
+            if (winding != 0) {
+                add_segment(edge.left, from, to, winding);
+                add_segment(edge.right, to, from, winding);
+            }
+            winding += crossing.jump;
+            from = to;
+        }
+    }
+    for (const Segment& segment : segments_) add_segment(segment.face, segment.to, segment.from, 1);
+}
+
+}  // namespace votess::solid

@@ -1,0 +1,118 @@
+// One cell, clipped by the surface of a mesh.
+//
+// The cell is convex. So a triangle in it is a convex polygon, and a list of its edges describes that: edges of the
+// triangle, and planes of the cell. Clipping it by a plane needs the side of each corner, which MeshSigns decides.
+// A corner on two planes is where an edge of the cell passes through the mesh. The winding number changes there by one.
+// It starts from one vertex of the cell, where a ray counts the triangles above.
+//
+// Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
+// cell, weighted by the winding number. Those are sums in turn: of segments of edges, weighted by the winding number
+// beside them, and of the edges that polygons have on that face.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "domain/domain.hpp"
+#include "polytope/cell.hpp"
+#include "solid/closed_mesh.hpp"
+#include "solid/mesh_signs.hpp"
+
+namespace votess::solid {
+
+// Measures of a cell's part in the mesh. Scaled; weighted by the winding number.
+struct CutMeasures {
+    bool meets_surface = false;           // else only `winding` is set
+    int winding = 0;                      // of a vertex
+    double volume = 0, volume_error = 0;  // after ties a bound on its rounding, else 0
+    std::array<double, 3> centroid{};     // relative to the seed
+    double surface = 0;                   // area of the mesh in the cell
+    // By face of the cell: its area in the mesh. over: the area of triangles that lie in it, whose normals point into
+    // the cell, less those whose normals point out of it. Ties put these into this cell, but only the others bound it.
+    struct Face {
+        std::int32_t id;
+        double area = 0, over = 0, facing_in = 0;
+        double error = 0;  // after ties a bound on the rounding of area - over, else 0
+    };
+    std::vector<Face> faces;  // bisectors only
+};
+
+// One for each thread.
+class CutCell {
+public:
+    CutCell(const ClosedMesh& mesh, const Domain& domain) : mesh_(mesh), domain_(domain) {}
+
+    // Begins the cell of a seed; add() all its neighbors, then call measure().
+    void begin(const exact::Point& seed, std::int32_t id, double weight);
+    void add(std::int32_t id, const exact::Point& neighbor, double weight);
+    const CutMeasures& measure();
+
+private:
+    struct Edge {
+        std::int32_t from, to;     // slots of vertices
+        std::int32_t left, right;  // faces: counterclockwise around the left one
+        std::int32_t first = -1;   // crossing
+    };
+    struct Crossing {
+        double at;  // from 0 to 1 along the edge
+        int jump;   // of the winding number
+        std::int32_t next;
+    };
+    // Edges of a polygon: -1 to -3 are those of the triangle, the others faces.
+    using Side = std::int32_t;
+    struct Corner {
+        Side in, out;
+    };
+    struct Segment {
+        std::int32_t face;
+        Vector3 from, to;
+    };
+
+    void read_faces();
+    void find_candidates();
+    [[nodiscard]] bool clip(const ClosedMesh::Triangle& triangle);
+    [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
+    [[nodiscard]] int side(const Corner& corner, std::size_t face);
+    [[nodiscard]] Vector3 position(const Corner& corner, const ClosedMesh::Triangle& triangle);
+    void add_polygon(const ClosedMesh::Triangle& triangle);
+    void find_windings();
+    [[nodiscard]] int winding_at(std::int32_t slot);
+    void add_faces();
+    void add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight);
+    [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {
+        return edge_between_[static_cast<std::size_t>(left) * faces_.size() + static_cast<std::size_t>(right)];
+    }
+
+    const ClosedMesh& mesh_;
+    const Domain& domain_;
+    double weight_ = 0;
+    cpu::Cell cell_;
+    cpu::CellFaces faces_;
+    MeshSigns signs_;
+    CutMeasures out_;
+    Vector3 apex_{};                    // of cones, relative to the seed
+    std::vector<std::int32_t> plane_;   // by face: of signs_, -1 for walls
+    std::vector<Vector3> base_, unit_;  // by face: a point on it, its outward unit normal
+    std::vector<Vector3> at_;           // by slot, relative to the apex
+    std::vector<int> winding_;          // by slot
+    std::vector<bool> known_;           // by slot
+    std::vector<Edge> edges_;
+    std::vector<std::int32_t> edge_between_;  // by left and right face
+    std::vector<Crossing> crossings_;
+    std::vector<Segment> segments_;
+    std::vector<std::uint32_t> candidates_;
+    std::vector<std::int32_t> pending_;
+    std::vector<Crossing> on_edge_;
+    double sum_volume_ = 0, sum_area_ = 0;
+    double place_error_ = 0;  // of any position
+    Vector3 sum_moment_{};
+
+    // The current triangle.
+    MeshSigns::Places places_;
+    std::vector<MeshSigns::Values> values_;  // by face
+    std::vector<Side> sides_, clipped_;
+    std::vector<int> outside_;
+};
+
+}  // namespace votess::solid

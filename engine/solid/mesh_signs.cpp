@@ -1,0 +1,187 @@
+#include "solid/mesh_signs.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "exact/integer/rows.hpp"
+
+namespace votess::solid {
+namespace {
+
+constexpr double unit = 0x1p-53;
+constexpr double value_rounding = 16 * unit;
+constexpr double tiny = 1e-290;  // covers products that underflow
+
+using exact::WideInt;
+
+template <int W>
+WideInt<6 * (W / 2)> determinant_of(int count, const std::array<std::array<WideInt<W>, 3>, 3>& m) {
+    constexpr int out = 6 * (W / 2);
+    if (count == 1) return exact::resize<out>(m[0][0]);
+    const auto minor = [&](int r, int s, int c, int d) { return m[r][c] * m[s][d] - m[r][d] * m[s][c]; };
+    if (count == 2) return exact::resize<out>(minor(0, 1, 0, 1));
+    return m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
+}
+
+// Determinant of three rows whose entries have errors, and a bound on its error.
+int sure_sign(const std::array<std::array<double, 3>, 3>& m, const std::array<double, 3>& error) {
+    std::array<double, 3> size;
+    for (int r = 0; r < 3; ++r)
+        size[r] = std::max({std::abs(m[r][0]), std::abs(m[r][1]), std::abs(m[r][2])}) + error[r];
+    const double det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                       m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                       m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    const double bound = 6.1 * (error[0] * size[1] * size[2] + size[0] * error[1] * size[2] +
+                                size[0] * size[1] * error[2] + 8 * unit * size[0] * size[1] * size[2]) +
+                         tiny;
+    return det > bound ? 1 : det < -bound ? -1 : 0;
+}
+
+template <int W>
+int cross_sign_in(const exact::Point& u, const exact::Point& v, const exact::Point& w, int y, int z, int quantum) {
+    const auto at = [&](const exact::Point& x, int k) {
+        return exact::to_wide<W>(x[k], quantum) - exact::to_wide<W>(u[k], quantum);
+    };
+    return (at(v, y) * at(w, z) - at(v, z) * at(w, y)).sign();
+}
+
+}  // namespace
+
+void MeshSigns::add(const exact::Plane& bisector) {
+    Bisector b{bisector.seed, bisector.power, {}, 0, 0};
+    for (std::size_t k = 0; k < 3; ++k) b.n[k] = b.q[k] - seed_[k];
+    const double square = b.n[0] * b.n[0] + b.n[1] * b.n[1] + b.n[2] * b.n[2];
+    b.constant = square + b.power.high;
+    b.size = square + std::abs(b.power.high);
+    bisectors_.push_back(b);
+}
+
+MeshSigns::Value MeshSigns::value(std::size_t k, const Place& u) const {
+    const Bisector& b = bisectors_[k];
+    const auto& r = u.relative;
+    const double x = b.n[0] * r[0], y = b.n[1] * r[1], z = b.n[2] * r[2];
+    const double error = value_rounding * (2 * (std::abs(x) + std::abs(y) + std::abs(z)) + b.size) + tiny;
+    const double s = 2 * (x + y + z) - b.constant;
+    return {s, error, s > error ? 1 : s < -error ? -1 : 0, false};
+}
+
+void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
+    if (value.sign != 0) return;
+    const int sign = exact_sign(1, {k, 0, 0}, {&u.x, nullptr, nullptr}, false);
+    value.tie = sign == 2;
+    value.sign = sign;
+    if (!value.tie) return;
+    value.s = value.error = 0;
+    const exact::Point& q = bisectors_[k].q;
+    std::size_t axis = 0;
+    while (axis < 2 && q[axis] == seed_[axis]) ++axis;
+    value.sign = q[axis] > seed_[axis] ? 1 : -1;
+}
+
+int MeshSigns::edge_side(std::size_t f, std::size_t a, const Place& at_a, const Place& at_b, const Value& fa,
+                         const Value& fb, const Value& aa, const Value& ab) const {
+    const double left = fa.s * ab.s, right = fb.s * aa.s, det = left - right;
+    const double f_size = std::max(std::abs(fa.s), std::abs(fb.s)), a_size = std::max(std::abs(aa.s), std::abs(ab.s));
+    const double f_error = std::max(fa.error, fb.error), a_error = std::max(aa.error, ab.error);
+    const double bound =
+        2.1 * (f_error * (a_size + a_error) + f_size * a_error) + 4 * unit * (std::abs(left) + std::abs(right)) + tiny;
+    const int sign = det > bound ? 1 : det < -bound ? -1 : exact_sign(2, {f, a, 0}, {&at_a.x, &at_b.x, nullptr}, false);
+    return ab.sign * sign;
+}
+
+int MeshSigns::determinant(const std::array<std::size_t, 3>& k, const Places& u, const Values& a, const Values& b,
+                           const Values& c) const {
+    std::array<std::array<double, 3>, 3> m;
+    std::array<double, 3> error{};
+    const std::array<const Values*, 3> rows{&a, &b, &c};
+    for (std::size_t r = 0; r < 3; ++r)
+        for (std::size_t i = 0; i < 3; ++i) {
+            m[r][i] = (*rows[r])[i].s;
+            error[r] = std::max(error[r], (*rows[r])[i].error);
+        }
+    const int sign = sure_sign(m, error);
+    return sign != 0 ? sign : exact_sign(3, k, {&u[0].x, &u[1].x, &u[2].x}, false);
+}
+
+int MeshSigns::upright_determinant(const std::array<std::size_t, 3>& k, const Place& u, const Place& v) const {
+    std::array<std::array<double, 3>, 3> m;
+    std::array<double, 3> error{};
+    for (std::size_t r = 0; r < 3; ++r) {
+        const Value at_u = value(k[r], u), at_v = value(k[r], v);
+        const double z = bisectors_[k[r]].n[2];
+        m[r] = {at_u.s, at_v.s, z};
+        error[r] = std::max({at_u.error, at_v.error, 2 * unit * std::abs(z)});
+    }
+    const int sign = sure_sign(m, error);
+    return sign != 0 ? sign : exact_sign(3, k, {&u.x, &v.x, nullptr}, true);
+}
+
+// Returns 2 for one value that is exactly 0.
+int MeshSigns::exact_sign(int count, const std::array<std::size_t, 3>& rows,
+                          const std::array<const exact::Point*, 3>& columns, bool upright) const {
+    exact::BitRange range;
+    range.add(seed_);
+    for (int r = 0; r < count; ++r) {
+        const Bisector& b = bisectors_[rows[r]];
+        exact::Plane plane = exact::Plane::bisector(b.q);
+        plane.power = b.power;
+        range.add(plane);
+        if (columns[r] != nullptr) range.add(*columns[r]);
+    }
+    constexpr int narrow_bits = 55;  // a determinant of three values then fits six words
+    const int span = range.span(), quantum = range.quantum();
+    if (span <= narrow_bits) return integer_sign<1>(count, rows, columns, upright, quantum);
+    if (span <= exact::middle_bits - 10) return integer_sign<exact::middle>(count, rows, columns, upright, quantum);
+    return integer_sign<exact::widest>(count, rows, columns, upright, quantum);
+}
+
+template <int W>
+int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
+                            const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const {
+    std::array<std::array<WideInt<2 * W>, 3>, 3> value;
+    std::array<std::array<WideInt<W>, 3>, 3> n;
+    std::array<WideInt<W>, 3> p;
+    for (int k = 0; k < 3; ++k) p[k] = exact::to_wide<W>(seed_[k], quantum);
+    const int moving = count - (upright ? 1 : 0);  // columns that ties move
+    for (int r = 0; r < count; ++r) {
+        const Bisector& b = bisectors_[rows[r]];
+        for (int k = 0; k < 3; ++k) n[r][k] = exact::to_wide<W>(b.q[k], quantum) - p[k];
+        auto constant = n[r][0] * n[r][0] + n[r][1] * n[r][1] + n[r][2] * n[r][2];
+        if (b.power.high != 0)
+            constant = constant + exact::to_wide<2 * W>(b.power.high, 2 * quantum) +
+                       exact::to_wide<2 * W>(b.power.low, 2 * quantum);
+        for (int c = 0; c < moving; ++c) {
+            WideInt<2 * W> s{};
+            for (int k = 0; k < 3; ++k) s = s + n[r][k] * (exact::to_wide<W>((*columns[c])[k], quantum) - p[k]);
+            value[r][c] = s + s - constant;
+        }
+        if (upright) value[r][count - 1] = exact::resize<2 * W>(n[r][2]);
+    }
+    if (const int sign = determinant_of<2 * W>(count, value).sign(); sign != 0) return sign;
+    met_tie_ = true;
+    if (count == 1) return 2;
+    for (int axis = 0; axis < 3; ++axis) {
+        WideInt<6 * W> sum{};
+        for (int c = 0; c < moving; ++c) {
+            auto moved = value;
+            for (int r = 0; r < count; ++r) moved[r][c] = exact::resize<2 * W>(n[r][axis]);
+            sum = sum + determinant_of<2 * W>(count, moved);
+        }
+        if (const int sign = sum.sign(); sign != 0) return sign;
+    }
+    return -1;  // of planes that share a line, and do not all have faces
+}
+
+int cross_sign(const exact::Point& u, const exact::Point& v, const exact::Point& w, int axis) {
+    const int y = (axis + 1) % 3, z = (axis + 2) % 3;
+    const double left = (v[y] - u[y]) * (w[z] - u[z]), right = (v[z] - u[z]) * (w[y] - u[y]);
+    const double bound = 5 * unit * (std::abs(left) + std::abs(right)) + tiny;
+    if (std::abs(left - right) > bound) return left > right ? 1 : -1;
+    exact::BitRange range;
+    for (const exact::Point* x : {&u, &v, &w}) range.add((*x)[y]), range.add((*x)[z]);
+    const int quantum = range.quantum();
+    if (range.span() <= exact::middle_bits) return cross_sign_in<exact::middle>(u, v, w, y, z, quantum);
+    return cross_sign_in<exact::widest>(u, v, w, y, z, quantum);
+}
+
+}  // namespace votess::solid

@@ -1,0 +1,93 @@
+// The decisions on which a cell in a mesh rests: where vertices and edges of the mesh lie, seen from bisectors.
+//
+// Let s_k(u) be the value of bisector k of a seed at a place u: the power of u from the seed, less that from the
+// neighbor. It is negative inside. Every question is the sign of a determinant of such values, with a row for each
+// bisector and a column for each vertex of the mesh:
+//     a vertex u of the mesh                    outside f:     s_f(u)
+//     the edge AB of the mesh on bisector a     outside f:     | s_f(A) s_f(B) ; s_a(A) s_a(B) | / (s_a(B) - s_a(A))
+//     the triangle uvw on bisectors a and b     outside f:     | a ; b ; f | / D,  D = sum of s_a x s_b
+//     the vertex of bisectors a, b, c           below uvw:     | a ; b ; c | / det(Na, Nb, Nc)
+//     that vertex, seen along z,                left of uv:    the same with Nz instead of the last column
+// Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
+//
+// Ties. The mesh counts as moved by (e, e^2, e^3), where e is positive and smaller than anything else (Edelsbrunner and
+// Mücke, ACM TOG 9(1), 1990). Then s_k(u) grows by 2 e N_x + 2 e^2 N_y + ..., the same in a row, so that the
+// determinant is linear in it. The mesh moves as a whole. So it stays closed, and neighbors decide alike. No sign is 0
+// for planes that have faces.
+//
+// Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
+// float64 input.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "exact/predicate.hpp"
+
+namespace votess::solid {
+
+class MeshSigns {
+public:
+    // A value s_k(u), the bound on its error, and its sign after ties; 0 while that is unknown.
+    struct Value {
+        double s = 0, error = 0;
+        int sign = 0;
+        bool tie = false;  // s is exactly 0
+    };
+    // A vertex of the mesh, relative to the seed too.
+    struct Place {
+        exact::Point x, relative;
+    };
+    using Values = std::array<Value, 3>;  // at the vertices of a triangle
+    using Places = std::array<Place, 3>;
+
+    void begin(const exact::Point& seed) {
+        seed_ = seed;
+        bisectors_.clear();
+        met_tie_ = false;
+    }
+    void add(const exact::Plane& bisector);
+    // Returns whether a value or determinant was 0 since begin().
+    [[nodiscard]] bool met_tie() const { return met_tie_; }
+    [[nodiscard]] const exact::Point& seed() const { return seed_; }
+    [[nodiscard]] std::array<double, 3> normal(std::size_t k) const { return bisectors_[k].n; }
+    [[nodiscard]] Place place(const exact::Point& x) const {
+        return {x, {x[0] - seed_[0], x[1] - seed_[1], x[2] - seed_[2]}};
+    }
+
+    // Returns the value at a vertex, without its sign.
+    [[nodiscard]] Value value(std::size_t k, const Place& u) const;
+    void find_sign(std::size_t k, const Place& u, Value& value) const;
+    // Returns whether the place where the edge of the mesh from A to B crosses bisector a lies outside f: +1 or -1. The
+    // signs at A and B of a differ.
+    [[nodiscard]] int edge_side(std::size_t f, std::size_t a, const Place& at_a, const Place& at_b, const Value& fa,
+                                const Value& fb, const Value& aa, const Value& ab) const;
+    // Returns the sign of the determinant of three bisectors at three vertices.
+    [[nodiscard]] int determinant(const std::array<std::size_t, 3>& k, const Places& u, const Values& a,
+                                  const Values& b, const Values& c) const;
+    // Returns the same with the z components of the normals in place of the third column.
+    [[nodiscard]] int upright_determinant(const std::array<std::size_t, 3>& k, const Place& u, const Place& v) const;
+
+private:
+    struct Bisector {
+        exact::Point q;
+        exact::DoubleDouble power;
+        std::array<double, 3> n;
+        double constant, size;  // |n|^2 + power; of its terms
+    };
+    // rows: `count` bisectors; columns: as many vertices, the last of them the direction z if `upright`.
+    [[nodiscard]] int exact_sign(int count, const std::array<std::size_t, 3>& rows,
+                                 const std::array<const exact::Point*, 3>& columns, bool upright) const;
+    template <int W>
+    [[nodiscard]] int integer_sign(int count, const std::array<std::size_t, 3>& rows,
+                                   const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const;
+
+    exact::Point seed_{};
+    mutable bool met_tie_ = false;
+    std::vector<Bisector> bisectors_;
+};
+
+// Returns the sign of component `axis` of (v - u) x (w - u). Exact.
+int cross_sign(const exact::Point& u, const exact::Point& v, const exact::Point& w, int axis);
+
+}  // namespace votess::solid

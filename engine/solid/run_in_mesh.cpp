@@ -1,0 +1,363 @@
+#include "solid/run_in_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "core/arithmetic.hpp"
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "core/thread_pool.hpp"
+#include "input/default_box.hpp"
+#include "input/implied_wants.hpp"
+#include "input/options.hpp"
+#include "solid/closed_mesh.hpp"
+#include "solid/cut_cell.hpp"
+
+namespace votess::solid {
+namespace {
+
+using detail::Result;
+
+constexpr double radius_slack = 1e-4;  // covers the error of a radius from a GPU
+constexpr std::size_t rows_per_task = 256;
+
+[[noreturn]] void unsupported(const std::string& what) {
+    throw Error(ErrorCode::unsupported, "mesh: " + what);
+}
+
+void check_others(const Options& options) {
+    if (options.planar) unsupported("it works in three dimensions only: leave out planar");
+    if (options.cell || options.periodic != std::array<bool, 3>{})
+        unsupported("it works in a domain that is not periodic: leave out periodic and cell");
+    if (!options.walls.empty()) unsupported("it replaces walls: leave them out");
+    if (options.outside != Outside::error)
+        unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out `outside`");
+    if (options.min_face > 0 || options.min_area > 0) unsupported("leave out min_face and min_area");
+    const Want& want = options.want;
+    if (want.vertices || want.faces || want.counts)
+        unsupported("the parts of cells have no vertices, faces and counts yet: leave these out of want");
+    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of want");
+    if (options.box)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (std::isinf(options.box->lower[k]) || std::isinf(options.box->upper[k]))
+                unsupported("the box needs ends: leave it out, the default holds the mesh");
+}
+
+void check_in_box(const ClosedMesh& mesh, const Box& box) {
+    for (std::size_t k = 0; k < 3; ++k)
+        for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]})
+            if (!(x > box.lower[k] && x < box.upper[k]))
+                throw Error(ErrorCode::invalid_argument, std::string("mesh: it reaches ") + axis_name[k] + " = " +
+                                                             number(x) + ", and the box spans " + number(box.lower[k]) +
+                                                             " to " + number(box.upper[k]) +
+                                                             ": give a box with the mesh strictly inside, or none");
+}
+
+Options without_mesh(const Options& options) {
+    Options in_box = options;
+    in_box.mesh.reset();
+    return in_box;
+}
+
+// Neumaier's sum.
+double sum_of(std::span<const double> values) {
+    double sum = 0, rest = 0;
+    for (const double x : values) {
+        const double next = sum + x;
+        rest += std::abs(sum) >= std::abs(x) ? (sum - next) + x : (x - next) + sum;
+        sum = next;
+    }
+    return sum + rest;
+}
+
+std::size_t to_index(std::int64_t i) {
+    return static_cast<std::size_t>(i);
+}
+
+class MeshRun {
+public:
+    MeshRun(const Points& points, const Options& options, const RunInBox& run)
+        : options_(options), run_(run), points_(points), progress_(options.progress), mesh_(checked(options)) {
+        copy(options_.weights, weights_);
+        copy(options_.radii, radii_);
+        if (options_.only) copy(*options_.only, only_);
+    }
+
+    Result make() {
+        Options in_box = without_mesh(options_);
+        check_options(in_box);
+        check_shape(points_);
+        if (in_box.box) {
+            check_box(*in_box.box);
+        } else {
+            std::vector<CellStatus> outside;
+            Box bounds = check_points(points_, in_box, outside);
+            for (std::size_t k = 0; k < 3; ++k) {
+                bounds.lower[k] = std::min(bounds.lower[k], mesh_.bounds().lower[k]);
+                bounds.upper[k] = std::max(bounds.upper[k], mesh_.bounds().upper[k]);
+            }
+            in_box.box = default_box(bounds, std::max<std::size_t>(points_.count(), 1));
+        }
+        check_in_box(mesh_, *in_box.box);
+        wanted_ = with_implied(options_);
+        in_box.want.neighbors = in_box.want.areas = in_box.want.radii = in_box.want.volumes = true;
+        in_box.list_walls = false;
+        in_box.progress = progress_.within({0, 0.5});
+        job_ = validate(points_, in_box);
+        mesh_.scale_by(job_.scale);
+        result_ = run_(points_, in_box);
+        const Stoppable stoppable(progress_);
+        if (progress_) Stoppable::enter_stage({0.5, 0.95});
+        cut_cells();
+        fill_plain();
+        measure_rows();
+        write_rows();
+        finish();
+        return std::move(result_);
+    }
+
+private:
+    static constexpr int unknown = std::numeric_limits<int>::min();
+
+    [[nodiscard]] static TriangleMesh checked(const Options& options) {
+        check_others(options);
+        return *options.mesh;
+    }
+    // Both parts of the run read the same copy, see input/snapshot.hpp.
+    template <class Number>
+    static void copy(std::span<const Number>& numbers, std::vector<Number>& to) {
+        if (numbers.empty()) return;
+        to.assign(numbers.begin(), numbers.end());
+        numbers = to;
+    }
+    [[nodiscard]] std::size_t rows() const { return result_.status.size(); }
+    [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
+        return result_.is_subset ? result_.ids[row] : static_cast<std::int32_t>(row);
+    }
+    [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
+    [[nodiscard]] exact::Point place(std::int32_t seed) const {
+        exact::Point x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = points_[3 * to_index(seed) + k] * job_.scale;
+        return x;
+    }
+    [[nodiscard]] double weight(std::int32_t seed) const {
+        const auto& weights = job_.domain->weights;
+        return weights.empty() ? 0 : weights[to_index(seed)];
+    }
+    [[nodiscard]] std::span<const std::int32_t> row(std::size_t r) const {
+        const auto begin = to_index(result_.indptr[r]);
+        return std::span<const std::int32_t>(result_.indices).subspan(begin, to_index(result_.indptr[r + 1]) - begin);
+    }
+    [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor) const {
+        const auto ids = row(r);
+        const auto at = std::ranges::lower_bound(ids, neighbor);
+        return at != ids.end() && *at == neighbor ? to_index(result_.indptr[r]) + to_index(at - ids.begin()) : no_entry;
+    }
+    static constexpr std::size_t no_entry = std::numeric_limits<std::size_t>::max();
+
+    const CutMeasures& cut(std::size_t r, CutCell& cell) const {
+        const std::int32_t seed = seed_of(r);
+        cell.begin(place(seed), seed, weight(seed));
+        for (const std::int32_t j : row(r)) cell.add(j, place(j), weight(j));
+        return cell.measure();
+    }
+
+    // Cuts the cells that triangles come near, on all threads. The others are plain.
+    void cut_cells() {
+        const std::size_t count = rows();
+        plain_.assign(count, 0);
+        winding_.assign(count, unknown);
+        over_.assign(result_.indices.size(), 0);
+        facing_in_ = error_ = over_;
+        empty_.assign(count, 0);
+        areas_.assign(result_.face_areas.begin(), result_.face_areas.end());
+        result_.mesh_areas.resize_uninitialized(count);
+        std::ranges::fill(result_.mesh_areas, 0.0);
+        const double unscale = 1 / job_.scale, square = unscale * unscale;
+        ThreadPool pool(options_.threads);
+        std::vector<std::unique_ptr<CutCell>> cells(pool.size());
+        const auto task = [&](std::size_t index, unsigned worker) {
+            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain);
+            for (std::size_t r = index * rows_per_task; r < std::min(count, (index + 1) * rows_per_task); ++r) {
+                check_stop();
+                if (result_.status[r] != CellStatus::certified) continue;
+                const double reach = 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
+                if (!mesh_.any_near(place(seed_of(r)), reach)) {
+                    plain_[r] = 1;
+                    continue;
+                }
+                const CutMeasures& m = cut(r, *cells[worker]);
+                winding_[r] = m.winding;
+                plain_[r] = m.meets_surface ? 0 : 1;
+                if (!m.meets_surface) continue;
+                empty_[r] = std::abs(m.volume) <= m.volume_error ? 1 : 0;  // it only touches the mesh
+                result_.volumes[r] = empty_[r] != 0 ? 0 : m.volume * square * unscale;
+                result_.mesh_areas[r] = m.surface * square;
+                if (wanted_.centroids)
+                    for (std::size_t k = 0; k < 3; ++k)
+                        result_.centroids[3 * r + k] = (m.centroid[k] + place(seed_of(r))[k]) * unscale;
+                for (const CutMeasures::Face& face : m.faces) {
+                    const std::size_t e = entry(r, face.id);
+                    if (e == no_entry) continue;
+                    areas_[e] = std::abs(face.area);
+                    over_[e] = std::max(0.0, face.over);
+                    facing_in_[e] = face.facing_in * square;
+                    error_[e] = face.error;
+                }
+            }
+        };
+        pool.run_stage(ceil_div(count, rows_per_task), std::cref(task));
+    }
+
+    // Finds the winding numbers of plain cells. Neighbors that are plain have the same.
+    void fill_plain() {
+        CutCell cell(mesh_, *job_.domain);
+        std::vector<std::size_t> pending;
+        std::vector<std::uint8_t> done(rows());
+        const auto spread = [&](std::size_t start) {
+            done[start] = 1;
+            pending.assign(1, start);
+            while (!pending.empty()) {
+                const std::size_t r = pending.back();
+                pending.pop_back();
+                for (const std::int32_t j : row(r)) {
+                    const std::int64_t other = row_of(j);
+                    if (other < 0 || plain_[to_index(other)] == 0 || done[to_index(other)] != 0) continue;
+                    winding_[to_index(other)] = winding_[r];
+                    done[to_index(other)] = 1;
+                    pending.push_back(to_index(other));
+                }
+            }
+        };
+        for (const bool known : {true, false})
+            for (std::size_t r = 0; r < rows(); ++r) {
+                if (plain_[r] == 0 || done[r] != 0 || (known && winding_[r] == unknown)) continue;
+                check_stop();
+                if (winding_[r] == unknown) winding_[r] = cut(r, cell).winding;
+                spread(r);
+            }
+        for (std::size_t r = 0; r < rows(); ++r) {
+            if (plain_[r] == 0) continue;
+            result_.volumes[r] *= winding_[r];
+            empty_[r] = winding_[r] == 0 ? 1 : 0;
+            if (winding_[r] == 1) continue;
+            for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
+                areas_[e] *= std::abs(winding_[r]);
+        }
+    }
+
+    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower. Gives each
+    // triangle on a face to the cell that it bounds.
+    void measure_rows() {
+        const std::vector<double> found = areas_;
+        const double square = 1 / job_.scale / job_.scale;
+        kept_.assign(areas_.size(), 0);
+        for (std::size_t r = 0; r < rows(); ++r)
+            for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e) {
+                const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
+                const std::int64_t other = row_of(neighbor);
+                const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
+                double over = over_[e], error = error_[e];
+                bool empty = empty_[r] != 0, is_whole = plain_[r] != 0, from_back = false;
+                if (back != no_entry) {
+                    const bool other_is_whole = plain_[to_index(other)] != 0;
+                    from_back = is_whole != other_is_whole ? is_whole : neighbor < seed;
+                    is_whole = is_whole && other_is_whole;
+                    over += over_[back];
+                    error += error_[back];
+                    empty = empty || empty_[to_index(other)] != 0;
+                    result_.mesh_areas[r] += facing_in_[back];
+                }
+                result_.mesh_areas[r] -= facing_in_[e];
+                const double area = found[from_back ? back : e] - over;
+                kept_[e] = !empty && (is_whole || area > error) ? 1 : 0;
+                areas_[e] = is_whole ? area : area * square;
+            }
+    }
+
+    // Drops faces outside, and empties the cells outside.
+    void write_rows() {
+        Buffer<std::int64_t> indptr;
+        indptr.resize_uninitialized(rows() + 1);
+        indptr[0] = 0;
+        std::size_t out = 0;
+        for (std::size_t r = 0; r < rows(); ++r) {
+            const auto begin = to_index(result_.indptr[r]), end = to_index(result_.indptr[r + 1]);
+            const bool empty = empty_[r] != 0 || result_.status[r] != CellStatus::certified;
+            if (empty && result_.status[r] == CellStatus::certified) {
+                result_.status[r] = CellStatus::empty;
+                if (wanted_.centroids)
+                    for (std::size_t k = 0; k < 3; ++k)
+                        result_.centroids[3 * r + k] = std::numeric_limits<double>::quiet_NaN();
+            }
+            if (empty) result_.mesh_areas[r] = 0;
+            double surface = std::max(0.0, result_.mesh_areas[r]);
+            for (std::size_t e = begin; e < end; ++e) {
+                if (kept_[e] == 0) continue;
+                surface += areas_[e];
+                result_.indices[out] = result_.indices[e];
+                result_.face_areas[out] = areas_[e];
+                if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
+                ++out;
+            }
+            if (wanted_.surfaces) result_.surface_areas[r] = empty ? 0 : surface;
+            indptr[r + 1] = static_cast<std::int64_t>(out);
+        }
+        std::ranges::copy(indptr, result_.indptr.begin());
+        result_.indices.resize_uninitialized(out);
+        result_.face_areas.resize_uninitialized(out);
+        if (wanted_.normals) result_.face_normals.resize_uninitialized(3 * out);
+    }
+
+    void finish() {
+        result_.in_mesh = true;
+        result_.lists_walls = false;
+        result_.security_radii = {};
+        Stats& stats = result_.stats;
+        stats.faces = result_.indices.size();
+        stats.empty_cells = static_cast<std::uint64_t>(
+            std::ranges::count_if(result_.status, [](CellStatus status) { return status != CellStatus::certified; }));
+        const std::uint64_t cells = stats.points - stats.empty_cells;
+        stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
+        stats.box_volume = mesh_.volume();
+        stats.volume_sum = wanted_.volumes ? sum_of(result_.volumes) : 0;
+        stats.tiny_faces.reset();
+        if (!wanted_.areas) result_.face_areas = {};
+        if (!wanted_.volumes) result_.volumes = {};
+        if (!wanted_.surfaces) result_.mesh_areas = {};
+        if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {};
+    }
+
+    Options options_;
+    std::vector<double> weights_, radii_;
+    std::vector<std::int64_t> only_;
+    const RunInBox& run_;
+    Points points_;
+    Progress progress_;
+    ClosedMesh mesh_;
+    Want wanted_;
+    Job job_;
+    Result result_;
+    std::vector<std::uint8_t> kept_;           // by entry
+    std::vector<std::uint8_t> plain_, empty_;  // by row
+    std::vector<int> winding_;                 // by row, of plain cells
+    // By entry. Those of cut cells are scaled until measure_rows().
+    std::vector<double> areas_, over_, facing_in_, error_;  // by entry
+};
+
+}  // namespace
+
+Result run_in_mesh(const Points& points, const Options& options, const RunInBox& run) {
+    return MeshRun(points, options, run).make();
+}
+
+void check_in_mesh(const Options& options) {
+    check_others(options);
+    (void)ClosedMesh(*options.mesh);
+    check_options(without_mesh(options));
+}
+
+}  // namespace votess::solid

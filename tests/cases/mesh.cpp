@@ -1,0 +1,310 @@
+// The option `mesh`: cells cut by a closed triangle mesh. oracle/cells_in_mesh.cpp proves single cells.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "support/check.hpp"
+#include "support/random.hpp"
+#include "support/solids.hpp"
+#include "support/text.hpp"
+
+namespace {
+
+using test::Coordinates;
+using test::Solid;
+using votess::Options;
+using votess::Tessellation;
+
+Options options_in(const Solid& solid) {
+    Options options;
+    options.device = "cpu";
+    options.threads = 1;
+    options.want.centroids = options.want.areas = options.want.surfaces = true;
+    options.mesh = solid.mesh();
+    return options;
+}
+
+double sum(std::span<const double> values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+Coordinates random_seeds(std::size_t n, double lower, double upper, std::uint64_t number) {
+    test::Random random(number);
+    Coordinates points(3 * n);
+    for (double& x : points) x = random.uniform(lower, upper);
+    return points;
+}
+
+Coordinates lattice(double lower, double upper, double step) {
+    Coordinates points;
+    for (double x = lower; x <= upper; x += step)
+        for (double y = lower; y <= upper; y += step)
+            for (double z = lower; z <= upper; z += step) points.insert(points.end(), {x, y, z});
+    return points;
+}
+
+// Volumes and areas of the mesh sum to those of the mesh. Rows are symmetric, with one area and one cell on each side.
+std::string check_sums(const Tessellation& t, const Solid& solid, double error = 1e-13) {
+    if (!(std::abs(sum(t.volumes()) / solid.volume() - 1) <= error))
+        return test::text("volumes sum to ", sum(t.volumes()), " of ", solid.volume());
+    if (!(std::abs(t.stats().volume_sum / t.stats().box_volume - 1) <= error)) return "the sum in stats";
+    if (!(std::abs(sum(t.mesh_areas()) / solid.area() - 1) <= error))
+        return test::text("areas sum to ", sum(t.mesh_areas()), " of ", solid.area());
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const auto row = t.neighbors(i);
+        double surface = t.mesh_areas()[i];
+        const bool empty = t.status()[i] != votess::CellStatus::certified;
+        if (empty && (!row.empty() || t.volumes()[i] != 0)) return test::text("cell ", i, " is not empty");
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            const double area = t.face_areas()[static_cast<std::size_t>(t.indptr()[i]) + k];
+            const auto j = static_cast<std::size_t>(row[k]);
+            const auto back = t.neighbors(j);
+            const auto at = std::ranges::find(back, static_cast<std::int32_t>(i));
+            if (at == back.end()) return test::text("cell ", i, " lists ", j, ", which does not list it back");
+            if (t.face_areas()[static_cast<std::size_t>(t.indptr()[j] + (at - back.begin()))] != area || !(area > 0))
+                return test::text("cells ", i, " and ", j, " differ on the area of their face");
+            surface += area;
+        }
+        if (!(std::abs(t.surface_areas()[i] - surface) <= error * surface)) return test::text("the surface of ", i);
+    }
+    return "";
+}
+
+// "" if two results have equal rows, and equal measures within rounding.
+std::string difference(const Tessellation& a, const Tessellation& b, double error = 1e-12) {
+    if (!std::ranges::equal(a.indptr(), b.indptr()) || !std::ranges::equal(a.indices(), b.indices())) return "rows";
+    if (!std::ranges::equal(a.status(), b.status())) return "statuses";
+    const auto far = [&](auto array) {
+        const auto x = (a.*array)(), y = (b.*array)();
+        for (std::size_t i = 0; i < std::max(x.size(), y.size()); ++i)
+            if (x.size() != y.size() || !(std::abs(x[i] - y[i]) <= error || (std::isnan(x[i]) && std::isnan(y[i]))))
+                return true;
+        return false;
+    };
+    if (far(&Tessellation::volumes)) return "volumes";
+    if (far(&Tessellation::face_areas)) return "areas";
+    for (std::size_t i = 0; i < a.centroids().size(); ++i)
+        if (std::abs(a.centroids()[i] - b.centroids()[i]) * a.volumes()[i / 3] > error) return "centroids";
+    return far(&Tessellation::surface_areas) ? "surfaces" : "";
+}
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("mesh: volumes and areas sum to the mesh's") {
+        const Solid unit = test::cuboid(0, 1), ring = test::torus(24, 12);
+        const Solid glued = test::joined(unit, test::cuboid({1, 0, 0}, {2, 1, 1}));
+        const Solid shells = test::joined(unit, test::cuboid(0.25, 0.75).reversed());
+        const Solid nested = test::joined(shells, test::cuboid(0.375, 0.625));
+        const Solid crossing = test::joined(unit, test::cuboid(0.5, 1.5));
+        for (const auto& [name, solid] : {std::pair{"cube", unit},
+                                          {"torus", ring},
+                                          {"glued", glued},
+                                          {"shells", shells},
+                                          {"nested", nested},
+                                          {"crossing", crossing}}) {
+            CAPTURE(std::string(name));
+            for (const std::size_t n : {std::size_t{1}, std::size_t{7}, test::by_size(300, 60)}) {
+                Coordinates points = random_seeds(n, -0.5, 1.5, n);
+                Options options = options_in(solid);
+                CHECK(check_sums(votess::tessellate(points, options), solid) == "");
+                const std::vector<double> weights = random_seeds(n, 0, 0.01, n + 1);
+                options.weights = std::span(weights).first(n);
+                CHECK(check_sums(votess::tessellate(points, options), solid) == "");
+                for (double& x : points) x = std::round(x * 16) / 16;  // ties with the mesh, and equal seeds
+                CHECK(check_sums(votess::tessellate(points, options), solid) == "");
+            }
+            // Seeds and bisectors in planes of the mesh.
+            for (const double shift : {0.0, 0.125, 0.0625})
+                CHECK(check_sums(votess::tessellate(lattice(-0.25 + shift, 1.25 + shift, 0.25), options_in(solid)),
+                                 solid) == "");
+        }
+    }
+
+    TEST_CASE("mesh: a cuboid has the cells of the box") {
+        const votess::Box box{{0, -0.5, 0.25}, {1, 0.75, 2}};
+        const Solid solid = test::cuboid({0, -0.5, 0.25}, {1, 0.75, 2});
+        test::Random random(3);
+        Coordinates points;
+        for (std::size_t i = 0; i < 300; ++i)
+            for (std::size_t k = 0; k < 3; ++k) points.push_back(random.uniform(box.lower[k], box.upper[k]));
+        Options options = options_in(solid), in_box = options;
+        in_box.mesh.reset();
+        in_box.box = box;
+        CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
+        const std::vector<double> radii = random_seeds(100, 0, 0.1, 5);
+        options.radii = in_box.radii = radii;
+        CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
+        for (double& x : points) x += x < 0.5 ? 0 : 0.25;  // some outside
+        in_box.outside = votess::Outside::keep;
+        CHECK(difference(votess::tessellate(points, options), votess::tessellate(points, in_box)) == "");
+    }
+
+    TEST_CASE("mesh: the same cells for other orders, places, threads and vertices") {
+        const Solid ring = test::torus(16, 8);
+        const std::size_t n = test::by_size(400, 100);
+        const Coordinates points = random_seeds(n, -1.25, 1.25, 9);
+        Options options = options_in(ring);
+        options.box = test::cube(-2, 2);
+        const Tessellation t = votess::tessellate(points, options);
+        CHECK(t.in_mesh());
+        CHECK(t.stats().empty_cells > 0);
+        CHECK(t.stats().faces == t.indices().size());
+        options.threads = 3;
+        CHECK(difference(votess::tessellate(points, options), t, 0) == "");
+
+        Solid shuffled = ring;
+        test::Random random(4);
+        const auto order = test::permutation(ring.vertices.size() / 3, random);
+        for (std::size_t v = 0; v < order.size(); ++v)
+            std::copy_n(&ring.vertices[3 * v], 3, &shuffled.vertices[3 * order[v]]);
+        for (std::size_t i = 0; i < ring.triangles.size(); ++i)
+            shuffled.triangles[i] = static_cast<std::int32_t>(order[static_cast<std::size_t>(ring.triangles[i])]);
+        for (std::size_t i = 0; i < ring.triangles.size(); i += 6)
+            std::rotate(&shuffled.triangles[i], &shuffled.triangles[i] + 1, &shuffled.triangles[i] + 3);
+        options.mesh = shuffled.mesh();
+        CHECK(difference(votess::tessellate(points, options), t) == "");
+
+        // Reversed order of the seeds, and everything moved by a power of two.
+        Coordinates moved(points.rbegin(), points.rend());
+        Solid there = ring;
+        for (auto* coordinates : {&moved, &there.vertices})
+            for (double& x : *coordinates) x = std::round(x * 0x1p40) / 0x1p40;
+        for (std::size_t i = 0; i < n; ++i) std::swap(moved[3 * i], moved[3 * i + 2]);
+        Coordinates here = moved;
+        for (auto* coordinates : {&moved, &there.vertices})
+            for (double& x : *coordinates) x += 64;
+        options.box.reset();
+        options.mesh = there.mesh();
+        const Tessellation far = votess::tessellate(moved, options);
+        CHECK(check_sums(far, there) == "");
+        for (std::size_t i = 0; i < n; ++i) {
+            CHECK(std::abs(far.volumes()[i] - t.volumes()[n - 1 - i]) < 1e-10);
+            CHECK(far.neighbors(i).size() == t.neighbors(n - 1 - i).size());
+        }
+
+        std::vector<std::int64_t> ids{5, 3, static_cast<std::int64_t>(n) - 1, 77};
+        options.mesh = ring.mesh();
+        options.box = test::cube(-2, 2);
+        options.only = ids;
+        const Tessellation some = votess::tessellate(points, options);
+        REQUIRE(some.size() == ids.size());
+        for (std::size_t k = 0; k < ids.size(); ++k) {
+            const auto i = static_cast<std::size_t>(ids[k]);
+            CHECK(some.volumes()[k] == t.volumes()[i]);
+            CHECK(std::abs(some.mesh_areas()[k] - t.mesh_areas()[i]) < 1e-13);
+            CHECK(std::ranges::equal(some.neighbors(k), t.neighbors(i)));
+        }
+        options.only = std::span<const std::int64_t>();
+        CHECK(votess::tessellate(points, options).size() == 0);
+    }
+
+    TEST_CASE("mesh: far, tiny, thin and crowded") {
+        const Solid solid =
+            test::joined(test::torus(9, 5), test::tetrahedron({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}}}));
+        Coordinates points = random_seeds(60, -1, 1, 21);
+        for (const double scale : {0x1p-600, 1e-3, 0x1p300}) {
+            CAPTURE(scale);
+            Solid scaled = solid;
+            Coordinates seeds = points;
+            for (auto* coordinates : {&scaled.vertices, &seeds})
+                for (double& x : *coordinates) x *= scale;
+            const Tessellation t = votess::tessellate(seeds, options_in(scaled));
+            if (scale == 1e-3) CHECK(check_sums(t, scaled) == "");
+            const Tessellation plain = votess::tessellate(points, options_in(solid));
+            if (scale != 1e-3) CHECK(std::ranges::equal(t.indices(), plain.indices()));
+        }
+        for (auto coordinates = points; const double offset : {1e6, 1e12}) {
+            CAPTURE(offset);
+            Solid moved = solid;
+            for (auto* all : {&moved.vertices, &coordinates})
+                for (double& x : *all) x += offset;
+            CHECK(check_sums(votess::tessellate(coordinates, options_in(moved)), moved, 1e-10) == "");
+            coordinates = points;
+        }
+        for (std::size_t i = 90; i < points.size(); ++i)  // a step of rounding apart
+            points[i] = std::nextafter(points[i - 90], i % 2 == 0 ? 9 : -9);
+        CHECK(check_sums(votess::tessellate(points, options_in(solid)), solid) == "");
+        const Solid needle = test::cuboid({-1, -1e-9, -1e-6}, {1, 1e-9, 1e-6});
+        CHECK(check_sums(votess::tessellate(points, options_in(needle)), needle, 1e-7) == "");
+        // Triangles without an area, and vertices of no triangle.
+        Solid odd = test::cuboid(-0.5, 0.5);
+        odd.vertices.insert(odd.vertices.end(), {9, 9, 9});
+        odd.triangles.insert(odd.triangles.end(), {0, 1, 1, 2, 2, 2});
+        CHECK(check_sums(votess::tessellate(points, options_in(odd)), odd) == "");
+        CHECK(votess::tessellate(Coordinates{}, options_in(odd)).size() == 0);
+    }
+
+    TEST_CASE("mesh: refusals name the first edge, triangle or vertex") {
+        const Coordinates points = random_seeds(5, 0.1, 0.9, 1);
+        const Solid unit = test::cuboid(0, 1);
+        const auto message = [&](const Solid& solid) { return test::refusal(points, options_in(solid)); };
+        Solid bad = unit;
+        bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
+        CHECK(
+            message(bad) ==
+            "mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge vertices at "
+            "equal places");
+        bad = unit;
+        std::swap(bad.triangles[9], bad.triangles[10]);
+        CHECK(test::has(message(bad), ": reverse one of them, or those around it"));
+        bad = unit;
+        bad.triangles[7] = 9;
+        CHECK(message(bad) == "mesh: triangle 2 names vertex 9, but there are 8: give indices from 0 on");
+        bad.triangles[7] = -1;
+        CHECK(test::has(message(bad), "triangle 2 names vertex -1"));
+        bad = unit;
+        bad.vertices[10] = std::numeric_limits<double>::quiet_NaN();
+        CHECK(message(bad) == "mesh: vertex 3: y = nan is not finite");
+        bad = unit;
+        bad.triangles.clear();
+        CHECK(test::has(message(bad), "no triangles"));
+        bad.triangles = {0, 1, 2, 0, 2, 1};
+        CHECK(message(bad) == "mesh: it encloses no volume");
+        bad = unit;
+        bad.triangles.insert(bad.triangles.end(), {0, 4, 5});
+        CHECK(message(bad) == "mesh: triangles 4 and 12 are the same: remove one of them");
+        bad = unit;
+        bad.vertices.insert(bad.vertices.end(), {0.5, 0.5, 2});
+        bad.triangles.insert(bad.triangles.end(), {0, 1, 8});
+        CHECK(test::has(message(bad), "belongs to 3 triangles, 1 more in one direction"));
+        CHECK(test::has(message(unit.reversed()), "face inward"));
+        bad = unit;
+        bad.vertices.pop_back();
+        CHECK(test::has(message(bad), "vertices hold 23 numbers"));
+        bad = unit;
+        bad.triangles.pop_back();
+        CHECK(test::has(message(bad), "triangles hold 35 numbers"));
+        bad = unit;
+        bad.vertices.assign(24, 0.5);
+        CHECK(test::has(message(bad), "it encloses no volume"));
+
+        Options options = options_in(unit);
+        options.box = test::unit_box();
+        CHECK(test::has(test::refusal(points, options), "strictly inside"));
+        const auto unsupported = [&](auto change) {
+            Options changed = options_in(unit);
+            changed.box = test::cube(-1, 2);
+            change(changed);
+            return test::refusal(points, changed, votess::ErrorCode::unsupported);
+        };
+        CHECK(test::has(unsupported([](Options& o) { o.periodic = {true, false, false}; }), "not periodic"));
+        CHECK(test::has(unsupported([](Options& o) { o.walls = test::octahedron(1); }), "replaces walls"));
+        CHECK(test::has(unsupported([](Options& o) { o.outside = votess::Outside::keep; }), "outside"));
+        CHECK(test::has(unsupported([](Options& o) { o.min_face = 0.1; }), "min_face"));
+        CHECK(test::has(unsupported([](Options& o) { o.want.faces = true; }), "want"));
+        CHECK(test::has(unsupported([](Options& o) { o.want.radii = true; }), "radii"));
+        CHECK(test::has(unsupported([](Options& o) { o.planar = true; }), "three dimensions"));
+        CHECK(test::has(unsupported([](Options& o) { o.box->upper[0] = std::numeric_limits<double>::infinity(); }),
+                        "the box needs ends"));
+        const Tessellation t = votess::tessellate(points, options_in(unit));
+        std::string said;
+        CHECK(test::error_of([&] { (void)votess::verify(t, points); }, &said) == votess::ErrorCode::invalid_argument);
+        CHECK(test::has(said, "mesh"));
+    }
+}

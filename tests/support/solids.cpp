@@ -1,0 +1,96 @@
+#include "support/solids.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace test {
+namespace {
+
+using Vector = std::array<double, 3>;
+
+Vector edge(const Solid& s, std::int32_t from, std::int32_t to) {
+    Vector e;
+    for (std::size_t k = 0; k < 3; ++k)
+        e[k] = s.vertices[3 * static_cast<std::size_t>(to) + k] - s.vertices[3 * static_cast<std::size_t>(from) + k];
+    return e;
+}
+
+Vector crossed(const Vector& a, const Vector& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+}  // namespace
+
+double Solid::volume() const {
+    double sum = 0;
+    const std::int32_t from = triangles[0];
+    for (std::size_t t = 0; t < triangles.size(); t += 3) {
+        const Vector a = edge(*this, from, triangles[t]), b = edge(*this, from, triangles[t + 1]),
+                     c = edge(*this, from, triangles[t + 2]), n = crossed(b, c);
+        sum += a[0] * n[0] + a[1] * n[1] + a[2] * n[2];
+    }
+    return sum / 6;
+}
+
+double Solid::area() const {
+    double sum = 0;
+    for (std::size_t t = 0; t < triangles.size(); t += 3) {
+        const Vector n =
+            crossed(edge(*this, triangles[t], triangles[t + 1]), edge(*this, triangles[t], triangles[t + 2]));
+        sum += std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    }
+    return sum / 2;
+}
+
+Solid Solid::reversed() const {
+    Solid other = *this;
+    for (std::size_t t = 0; t < triangles.size(); t += 3) std::swap(other.triangles[t + 1], other.triangles[t + 2]);
+    return other;
+}
+
+Solid cuboid(const Vector& lower, const Vector& upper) {
+    Solid s;
+    for (const double x : {lower[0], upper[0]})
+        for (const double y : {lower[1], upper[1]})
+            for (const double z : {lower[2], upper[2]}) s.vertices.insert(s.vertices.end(), {x, y, z});
+    s.triangles = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
+                   2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
+    return s;
+}
+
+Solid cuboid(double lower, double upper) {
+    return cuboid(Vector{lower, lower, lower}, Vector{upper, upper, upper});
+}
+
+Solid tetrahedron(const std::array<Vector, 4>& corners) {
+    Solid s;
+    for (const Vector& x : corners) s.vertices.insert(s.vertices.end(), x.begin(), x.end());
+    s.triangles = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+    return s.volume() < 0 ? s.reversed() : s;
+}
+
+Solid torus(int around, int across) {
+    Solid s;
+    const auto index = [&](int a, int b) { return (a % around) * across + b % across; };
+    for (int a = 0; a < around; ++a)
+        for (int b = 0; b < across; ++b) {
+            const double u = 2 * std::numbers::pi * a / around, v = 2 * std::numbers::pi * b / across;
+            const double r = 1 + 0.4 * std::cos(v);
+            s.vertices.insert(s.vertices.end(), {r * std::cos(u), r * std::sin(u), 0.4 * std::sin(v)});
+            for (const int i :
+                 {index(a, b), index(a + 1, b), index(a + 1, b + 1), index(a, b), index(a + 1, b + 1), index(a, b + 1)})
+                s.triangles.push_back(i);
+        }
+    return s;
+}
+
+Solid joined(const Solid& a, const Solid& b) {
+    Solid s = a;
+    s.vertices.insert(s.vertices.end(), b.vertices.begin(), b.vertices.end());
+    for (const std::int32_t v : b.triangles)
+        s.triangles.push_back(v + static_cast<std::int32_t>(a.vertices.size() / 3));
+    return s;
+}
+
+}  // namespace test
