@@ -338,7 +338,7 @@ TEST_SUITE("stages") {
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const std::size_t n = test::by_size(600, 150);
-        const struct { std::uint32_t first_count, subgroups; } variants[] = {{1, 1}, {8, 4}, {30, 16}, {48, 8}};
+        const struct { std::uint32_t first_count, subgroups; } variants[] = {{1, 1}, {30, 16}};
         for (const auto& [first_count, subgroups] : variants) {
             CAPTURE(first_count);
             kernels.use([&](PassSettings& s) {
@@ -361,22 +361,17 @@ TEST_SUITE("stages") {
         Kernels kernels(Kernel::subgroup);
         GpuStages& gpu = kernels.gpu;
         const PointSet set = test::uniform(test::by_size(300, 130), 33);
-        for (const std::uint32_t other : {4u, 32u}) {
-            const votess::gpu::vulkan::Adapter& adapter = gpu.gpu.device->adapter();
-            if (other >= adapter.min_subgroup_size && other <= adapter.max_subgroup_size) continue;
-            CAPTURE(other);
-            kernels.use([&](PassSettings& s) {
-                s.subgroup_size = other;
-                s.subgroups = 64 / other;
-            });
-            CHECK(fraction(check_cells(gpu, set), STATUS_CANDIDATES_EXHAUSTED) == 1);
-        }
+        const votess::gpu::vulkan::Adapter& adapter = gpu.gpu.device->adapter();
+        const std::uint32_t other = 4;
+        if (other >= adapter.min_subgroup_size && other <= adapter.max_subgroup_size) return;
+        kernels.use([&](PassSettings& s) {
+            s.subgroup_size = other;
+            s.subgroups = 64 / other;
+        });
+        CHECK(fraction(check_cells(gpu, set), STATUS_CANDIDATES_EXHAUSTED) == 1);
     }
 
-    TEST_CASE("gpu clip: subgroups of 32, by work-groups") {
-        check_by_work_groups(32);
-    }
-
+    // More lanes than planes. Mesa takes a minute to compile the kernel for 32.
     TEST_CASE("gpu clip: subgroups of 64, by work-groups") {
         check_by_work_groups(64);
     }
