@@ -53,11 +53,15 @@ const CutMeasures& CutCell::measure() {
     find_candidates();
     crossings_.clear();
     segments_.clear();
+    on_faces_.clear();
+    outlines_.clear();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
-        if (beside(triangle) || !clip(triangle)) continue;
-        out_.meets_surface = true;
-        add_polygon(triangle);
+        if (beside(triangle)) continue;
+        const bool meets = clip(triangle);
+        if (meets) add_polygon(triangle);
+        if (face_of_triangle_ >= 0) add_on_face();
+        if (meets || face_of_triangle_ >= 0) out_.meets_surface = true;
     }
     find_windings();
     if (!out_.meets_surface) return out_;
@@ -104,7 +108,7 @@ void CutCell::read_faces() {
             signs_.add(plane.source);
             plane_[f] = bisectors++;
         }
-        out_.faces.push_back({plane.id, 0, 0, 0});
+        out_.faces.push_back({plane.id});
         for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
         base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
@@ -160,9 +164,10 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     return lower > 0 || upper < 0;
 }
 
-// Leaves the polygon in sides_. Returns whether there is one.
+// Leaves the polygon in sides_. Returns whether there is one. Sets face_of_triangle_.
 bool CutCell::clip(const ClosedMesh::Triangle& triangle) {
     const std::size_t count = faces_.size();
+    face_of_triangle_ = -1;
     for (std::size_t i = 0; i < 3; ++i) places_[i] = signs_.place(mesh_.vertex(triangle.vertex[i]));
     values_.resize(count);
     for (std::size_t f = 0; f < count; ++f) {
@@ -182,6 +187,8 @@ bool CutCell::clip(const ClosedMesh::Triangle& triangle) {
             signs_.find_sign(index(plane_[f]), places_[i], values_[f][i]);
             outside += values_[f][i].sign > 0 ? 1 : 0;
         }
+        if (values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)
+            face_of_triangle_ = static_cast<std::int32_t>(f);
         if (outside == 3) return false;
         if (outside == 0) continue;
         const std::size_t size = sides_.size();
@@ -254,24 +261,24 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
         add_cone(corners[0], corners[i - 1], corners[i], 1);
     }
     const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
-    out_.surface += area;
+    if (face_of_triangle_ < 0) out_.surface += area;
     sum_area_ += area;
-    double perimeter = 0;
     for (const MeshSigns::Place& place : places_)
         for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
-    for (std::size_t i = 0; i < size; ++i) {
-        const Vector3 side = minus(corners[i + 1 == size ? 0 : i + 1], corners[i]);
-        perimeter += length3(side[0], side[1], side[2]);
-    }
     for (std::size_t i = 0; i < size; ++i)
         if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (plane_[f] < 0 || !(values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)) continue;
-        const bool in = dot(doubled, unit_[f]) < 0;
-        out_.faces[f].over += in ? area : -area;
-        out_.faces[f].error += perimeter;
-        if (in) out_.faces[f].facing_in += area;
+}
+
+void CutCell::add_on_face() {
+    const std::size_t f = index(face_of_triangle_);
+    OnFace on{face_of_triangle_, {}, values_[f][0].sign < 0, false};
+    for (std::size_t i = 0; i < 3; ++i) {
+        on.corners[i] = minus(places_[i].relative, apex_);
+        for (const double x : places_[i].relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
     }
+    const auto& [u, v, w] = on.corners;
+    on.faces_out = dot(cross(minus(v, u), minus(w, u)), unit_[f]) > 0;
+    on_faces_.push_back(on);
 }
 
 void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
@@ -347,15 +354,18 @@ int CutCell::winding_at(std::int32_t slot) {
 }
 
 void CutCell::add_faces() {
-    const auto add_segment = [&](std::int32_t face, const Vector3& from, const Vector3& to, double weight) {
-        const std::size_t f = index(face);
+    std::vector<bool> has_triangles(faces_.size());
+    for (const OnFace& on : on_faces_) has_triangles[index(on.face)] = true;
+    const auto add_segment = [&](const Segment& segment) {
+        const std::size_t f = index(segment.face);
         const Vector3& base = base_[f];
-        add_cone(base, from, to, weight);
-        const Vector3 side = minus(to, from);
-        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), side));
+        add_cone(base, segment.from, segment.to, segment.weight);
+        const Vector3 side = minus(segment.to, segment.from);
+        const double area = 0.5 * segment.weight * dot(unit_[f], cross(minus(segment.from, base), side));
         out_.faces[f].area += area;
-        out_.faces[f].error += std::abs(weight) * length3(side[0], side[1], side[2]);
+        out_.faces[f].error += std::abs(segment.weight) * length3(side[0], side[1], side[2]);
         sum_area_ += std::abs(area);
+        if (has_triangles[f]) outlines_.push_back(segment);
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();
@@ -369,14 +379,53 @@ void CutCell::add_faces() {
         for (const Crossing& crossing : on_edge_) {
             const Vector3 to = crossing.at == 1 ? end : between(begin, end, crossing.at);
             if (winding != 0) {
-                add_segment(edge.left, from, to, winding);
-                add_segment(edge.right, to, from, winding);
+                add_segment({edge.left, from, to, winding});
+                add_segment({edge.right, to, from, winding});
             }
             winding += crossing.jump;
             from = to;
         }
     }
-    for (const Segment& segment : segments_) add_segment(segment.face, segment.to, segment.from, 1);
+    for (const Segment& segment : segments_) add_segment({segment.face, segment.to, segment.from});
+    for (CutMeasures::Face& face : out_.faces) face.area = std::abs(face.area);
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+        if (has_triangles[f]) share_face(static_cast<std::int32_t>(f));
+}
+
+// Sets the area of a face with triangles in its plane: that of places inside the mesh on both sides. Adds the triangles
+// that bound this cell to the surface.
+void CutCell::share_face(std::int32_t face) {
+    enum Layer : std::size_t { whole, inside, triangles, triangles_out };  // inside: beyond the triangles
+    const std::size_t f = index(face);
+    double perimeter = 0;
+    layers_.begin(unit_[f]);
+    for (const Edge& edge : edges_) {
+        if (edge.left != face && edge.right != face) continue;
+        const Vector3 &from = at_[index(edge.from)], &to = at_[index(edge.to)], side = minus(to, from);
+        layers_.add(from, to, whole, edge.left == face ? 1 : -1);
+        perimeter += length3(side[0], side[1], side[2]);
+    }
+    for (const Segment& s : outlines_)
+        if (s.face == face) layers_.add(s.from, s.to, inside, s.weight);
+    int step = 0;  // of the winding number through a triangle that faces out
+    for (const OnFace& on : on_faces_) {
+        if (on.face != face) continue;
+        step = on.in_cell ? 1 : -1;
+        out_.faces[f].error += perimeter;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vector3 &from = on.corners[i], &to = on.corners[(i + 1) % 3];
+            layers_.add(from, to, triangles, 1);
+            if (on.faces_out) layers_.add(from, to, triangles_out, 1);
+        }
+    }
+    double area = 0;
+    layers_.for_each_part([&](double part, const Layers::Counts& count) {
+        if (count[whole] == 0) return;
+        const int one = count[inside], other = one + step * count[triangles];
+        if ((one > 0) == (other > 0)) area += part * std::min(std::abs(one), std::abs(other));
+        out_.surface += part * count[triangles_out];
+    });
+    out_.faces[f].area = area;
 }
 
 }  // namespace votess::solid

@@ -8,6 +8,9 @@
 // Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
 // cell, weighted by the winding number. Those are sums in turn: of segments of edges, weighted by the winding number
 // beside them, and of the edges that polygons have on that face.
+//
+// A triangle in the plane of a face bounds one of its two cells, whichever of them ties put it into. Such faces are
+// overlaid with their triangles, which gives the winding number on both sides of each place.
 #pragma once
 
 #include <array>
@@ -17,6 +20,7 @@
 #include "domain/domain.hpp"
 #include "polytope/cell.hpp"
 #include "solid/closed_mesh.hpp"
+#include "solid/layers.hpp"
 #include "solid/mesh_signs.hpp"
 
 namespace votess::solid {
@@ -27,13 +31,11 @@ struct CutMeasures {
     int winding = 0;                      // of a vertex
     double volume = 0, volume_error = 0;  // after ties a bound on its rounding, else 0
     std::array<double, 3> centroid{};     // relative to the seed
-    double surface = 0;                   // area of the mesh in the cell
-    // By face of the cell: its area in the mesh. over: the area of triangles that lie in it, whose normals point into
-    // the cell, less those whose normals point out of it. Ties put these into this cell, but only the others bound it.
+    double surface = 0;                   // area of the mesh in the cell, with the triangles on its faces that bound it
     struct Face {
         std::int32_t id;
-        double area = 0, over = 0, facing_in = 0;
-        double error = 0;  // after ties a bound on the rounding of area - over, else 0
+        double area = 0;   // inside the mesh on both sides, not negative
+        double error = 0;  // after ties a bound on its rounding, else 0
     };
     std::vector<Face> faces;  // bisectors only
 };
@@ -67,6 +69,13 @@ private:
     struct Segment {
         std::int32_t face;
         Vector3 from, to;
+        int weight = 1;
+    };
+    // A triangle in the plane of a face. Ties put it into this cell or into the neighbor.
+    struct OnFace {
+        std::int32_t face;
+        std::array<Vector3, 3> corners;
+        bool in_cell, faces_out;
     };
 
     void read_faces();
@@ -78,7 +87,9 @@ private:
     void add_polygon(const ClosedMesh::Triangle& triangle);
     void find_windings();
     [[nodiscard]] int winding_at(std::int32_t slot);
+    void add_on_face();
     void add_faces();
+    void share_face(std::int32_t face);
     void add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight);
     [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {
         return edge_between_[static_cast<std::size_t>(left) * faces_.size() + static_cast<std::size_t>(right)];
@@ -101,6 +112,9 @@ private:
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;
+    std::vector<OnFace> on_faces_;
+    std::vector<Segment> outlines_;  // of what lies in the mesh, on faces with triangles
+    Layers layers_;
     std::vector<std::uint32_t> candidates_;
     std::vector<std::int32_t> pending_;
     std::vector<Crossing> on_edge_;
@@ -109,6 +123,7 @@ private:
     Vector3 sum_moment_{};
 
     // The current triangle.
+    std::int32_t face_of_triangle_ = -1;  // whose plane holds it
     MeshSigns::Places places_;
     std::vector<MeshSigns::Values> values_;  // by face
     std::vector<Side> sides_, clipped_;

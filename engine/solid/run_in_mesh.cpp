@@ -170,8 +170,7 @@ private:
         const std::size_t count = rows();
         plain_.assign(count, 0);
         winding_.assign(count, unknown);
-        over_.assign(result_.indices.size(), 0);
-        facing_in_ = error_ = over_;
+        error_.assign(result_.indices.size(), 0);
         empty_.assign(count, 0);
         areas_.assign(result_.face_areas.begin(), result_.face_areas.end());
         result_.mesh_areas.resize_uninitialized(count);
@@ -202,9 +201,7 @@ private:
                 for (const CutMeasures::Face& face : m.faces) {
                     const std::size_t e = entry(r, face.id);
                     if (e == no_entry) continue;
-                    areas_[e] = std::abs(face.area);
-                    over_[e] = std::max(0.0, face.over);
-                    facing_in_[e] = face.facing_in * square;
+                    areas_[e] = face.area;
                     error_[e] = face.error;
                 }
             }
@@ -249,8 +246,7 @@ private:
         }
     }
 
-    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower. Gives each
-    // triangle on a face to the cell that it bounds.
+    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
         const std::vector<double> found = areas_;
         const double square = 1 / job_.scale / job_.scale;
@@ -260,19 +256,16 @@ private:
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
                 const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                double over = over_[e], error = error_[e];
+                double error = error_[e];
                 bool empty = empty_[r] != 0, is_whole = plain_[r] != 0, from_back = false;
                 if (back != no_entry) {
                     const bool other_is_whole = plain_[to_index(other)] != 0;
                     from_back = is_whole != other_is_whole ? is_whole : neighbor < seed;
                     is_whole = is_whole && other_is_whole;
-                    over += over_[back];
                     error += error_[back];
                     empty = empty || empty_[to_index(other)] != 0;
-                    result_.mesh_areas[r] += facing_in_[back];
                 }
-                result_.mesh_areas[r] -= facing_in_[e];
-                const double area = found[from_back ? back : e] - over;
+                const double area = found[from_back ? back : e];
                 kept_[e] = !empty && (is_whole || area > error) ? 1 : 0;
                 areas_[e] = is_whole ? area : area * square;
             }
@@ -294,7 +287,7 @@ private:
                         result_.centroids[3 * r + k] = std::numeric_limits<double>::quiet_NaN();
             }
             if (empty) result_.mesh_areas[r] = 0;
-            double surface = std::max(0.0, result_.mesh_areas[r]);
+            double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
                 if (kept_[e] == 0) continue;
                 surface += areas_[e];
@@ -345,7 +338,7 @@ private:
     std::vector<std::uint8_t> plain_, empty_;  // by row
     std::vector<int> winding_;                 // by row, of plain cells
     // By entry. Those of cut cells are scaled until measure_rows().
-    std::vector<double> areas_, over_, facing_in_, error_;  // by entry
+    std::vector<double> areas_, error_;
 };
 
 }  // namespace
