@@ -15,7 +15,9 @@ Vector3 plus(const Vector3& a, const Vector3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+// Returns a and b themselves for 0 and 1, so that polygons close.
 Vector3 between(const Vector3& a, const Vector3& b, double t) {
+    if (t == 1) return b;
     Vector3 x;
     for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
     return x;
@@ -377,7 +379,7 @@ void CutCell::add_faces() {
         const Vector3 &begin = at_[index(edge.from)], &end = at_[index(edge.to)];
         Vector3 from = begin;
         for (const Crossing& crossing : on_edge_) {
-            const Vector3 to = crossing.at == 1 ? end : between(begin, end, crossing.at);
+            const Vector3 to = between(begin, end, crossing.at);
             if (winding != 0) {
                 add_segment({edge.left, from, to, winding});
                 add_segment({edge.right, to, from, winding});

@@ -11,8 +11,8 @@
 
 namespace votess::solid {
 
-// Takes the edges of polygons in layers. Cuts the plane into trapezoids, and counts how often the polygons of each layer
-// wind around them. Rounding moves the trapezoids' sides, but leaves no gaps.
+// Takes the edges of polygons in layers. Cuts the plane into trapezoids, and counts how often the polygons of each
+// layer wind around them. Rounding moves the trapezoids' sides, but leaves no gaps.
 class Layers {
 public:
     static constexpr std::size_t max_layers = 4;

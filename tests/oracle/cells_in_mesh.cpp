@@ -152,7 +152,13 @@ Part exact_part(const std::vector<ExactPolygon>& faces, const std::vector<Corner
 }
 
 // Compares all cells of a run with volumes, centroids, areas and surfaces; "" if they are equal.
-std::string difference(const std::vector<double>& points, const Solid& solid, const Options& options) {
+std::string difference(const std::vector<double>& points, const Solid& solid, std::span<const double> weights = {}) {
+    Options options = test::all_options(test::cube(-2, 2));
+    options.device = "cpu";
+    options.want.counts = false;
+    options.want.surfaces = true;
+    options.mesh = solid.mesh();
+    options.weights = weights;
     const auto t = votess::tessellate(points, options);
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto relative = [&](const double* x) {
@@ -205,18 +211,21 @@ TEST_SUITE("oracle") {
             Solid solid = test::joined(test::cuboid({0, 0, 0}, {0.5, 1, 0.5}),
                                        test::cuboid({middle, 0, 0.5}, {middle + 0.5, 1, 1}));
             std::vector<double> points{0.5, 0.5, 0.25, 0.5, 0.5, 0.75};
-            Options options = test::all_options(test::cube(-2, 2));
-            options.device = "cpu";
-            options.want.counts = false;
-            options.want.surfaces = true;
-            options.mesh = solid.mesh();
-            CHECK(difference(points, solid, options) == "");
+            CHECK(difference(points, solid) == "");
             solid = solid.reversed();  // mirrored, ties put the triangles into the other cell
             for (auto* coordinates : {&points, &solid.vertices})
                 for (std::size_t i = 2; i < coordinates->size(); i += 3) (*coordinates)[i] *= -1;
-            options.mesh = solid.mesh();
-            CHECK(difference(points, solid, options) == "");
+            CHECK(difference(points, solid) == "");
         }
+    }
+
+    // The mesh touches an edge of cell 1, at its end.
+    TEST_CASE("cells in meshes: a mesh that touches an edge of a cell") {
+        const std::vector<double> points{1.25, 0.875, -0.25, 0.5,   0.875, -0.25, 0.125, 1.25, 0.5,
+                                         0.5,  0.875, 0.875, 0.125, -0.25, 0.125, -0.25, 1.25, -0.25};
+        const Solid solid = test::joined(test::cuboid({0.5, 0.5, 0.375}, {1.125, 0.875, 0.625}),
+                                         test::cuboid({0.375, 0, 0.125}, {0.875, 0.25, 0.375}));
+        CHECK(difference(points, solid) == "");
     }
 
     TEST_CASE("cells in meshes: rational tetrahedra") {
@@ -279,21 +288,14 @@ TEST_SUITE("oracle") {
             if (number % 7 == 5) points.insert(points.end(), {0.375, 0.5, 0.25, 0.375, 0.5, 0.75});
             if (random.chance(0.3))  // no ties
                 for (double& x : points) x += std::ldexp(static_cast<double>(random.below(1024)), -13);
-            Options options = test::all_options(test::cube(-1, 2));
-            options.device = "cpu";
-            options.want.counts = false;
-            options.want.surfaces = true;
-            options.mesh = solid.mesh();
             const std::size_t count = points.size() / 3;
-            if (random.chance(0.4)) {
+            if (random.chance(0.4))
                 for (std::size_t i = 0; i < count; ++i) weights.push_back(on_grid(0, 0.25));
-                options.weights = weights;
-            }
             bool repeated = false;
             for (std::size_t i = 0; i < count; ++i)
                 for (std::size_t j = 0; j < i; ++j)
                     repeated |= std::equal(&points[3 * i], &points[3 * i] + 3, &points[3 * j]);
-            if (!repeated) CHECK(difference(points, solid, options) == "");
+            if (!repeated) CHECK(difference(points, solid, weights) == "");
         }
     }
 }
