@@ -104,9 +104,7 @@ polygons are split around their first corner. Seen from outside, corners
 are counterclockwise. Seeds may lie outside of the mesh. It replaces the
 domain that INPUT states; --box must hold it. Into text without polygons,
 .csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas)",
-         {.brief = "a closed triangle mesh as the domain: .off .obj .stl .ply",
-          .needs = Needs::all_cells,
-          .solid = true}},
+         {.needs = Needs::all_cells, .solid = true}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell

@@ -95,13 +95,13 @@ using Place = std::array<double, 3>;
 // Unites equal places, which keep the order of their first ones. Both zeros are equal.
 Surface with_shared_vertices(const std::vector<Place>& corners, const std::string& name) {
     constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
-    if (corners.size() > max) throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
+    if (corners.size() > max)
+        throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
     std::vector<std::int32_t> order(corners.size()), first(corners.size());
     std::iota(order.begin(), order.end(), 0);
     const auto place = [&](std::int32_t i) -> const Place& { return corners[static_cast<std::size_t>(i)]; };
-    std::ranges::sort(order, [&](std::int32_t i, std::int32_t j) {
-        return place(i) != place(j) ? place(i) < place(j) : i < j;
-    });
+    std::ranges::sort(
+        order, [&](std::int32_t i, std::int32_t j) { return place(i) != place(j) ? place(i) < place(j) : i < j; });
     for (std::size_t k = 0; k < order.size(); ++k)
         first[static_cast<std::size_t>(order[k])] =
             k > 0 && place(order[k]) == place(order[k - 1]) ? first[static_cast<std::size_t>(order[k - 1])] : order[k];
