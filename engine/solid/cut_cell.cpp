@@ -9,6 +9,7 @@ namespace votess::solid {
 namespace {
 
 constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
+constexpr std::int32_t absent = -2;              // of a vertex without a side yet
 constexpr double beside_margin = 1e-8;           // of the distances that a triangle's plane is compared with
 
 Vector3 plus(const Vector3& a, const Vector3& b) {
@@ -47,7 +48,10 @@ void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight) 
 }
 
 const CutMeasures& CutCell::measure() {
+    std::vector<CutMeasures::Face> faces = std::move(out_.faces);  // for its memory
+    faces.clear();
     out_ = {};
+    out_.faces = std::move(faces);
     sum_volume_ = sum_area_ = 0;
     sum_moment_ = {};
     cell_.canonical_faces(faces_);
@@ -80,16 +84,19 @@ const CutMeasures& CutCell::measure() {
 // Makes the edges, and their planes' bisectors.
 void CutCell::read_faces() {
     const std::size_t count = faces_.size(), slots = static_cast<std::size_t>(cell_.slots());
-    apex_ = {};
-    std::size_t corners = 0;
+    first_half_.assign(slots, absent);
+    slots_.clear();
     for (const std::int32_t slot : faces_.corners) {
-        apex_ = plus(apex_, cell_.position(slot));
-        ++corners;
+        if (first_half_[index(slot)] != absent) continue;
+        first_half_[index(slot)] = -1;
+        slots_.push_back(slot);
     }
-    for (double& x : apex_) x /= static_cast<double>(corners);
+    apex_ = {};
+    for (const std::int32_t slot : slots_) apex_ = plus(apex_, cell_.position(slot));
+    for (double& x : apex_) x /= static_cast<double>(slots_.size());
     place_error_ = 0;
     at_.resize(slots);
-    for (const std::int32_t slot : faces_.corners) {
+    for (const std::int32_t slot : slots_) {
         at_[index(slot)] = minus(cell_.position(slot), apex_);
         place_error_ = std::max(place_error_, cell_.tolerance(slot));
     }
@@ -98,12 +105,8 @@ void CutCell::read_faces() {
     unit_.resize(count);
     edges_.clear();
     edge_between_.assign(count * count, -1);
+    halves_.clear();
     std::int32_t bisectors = 0;
-    pending_.assign(slots, -1);
-    struct Half {
-        std::int32_t from, to, face;
-    };
-    std::vector<Half> halves;
     for (std::size_t f = 0; f < count; ++f) {
         const cpu::CellPlane& plane = cell_.planes()[index(faces_.planes[f])];
         if (plane.source.is_bisector()) {
@@ -115,26 +118,32 @@ void CutCell::read_faces() {
         base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
         for (std::int32_t c = begin; c < end; ++c)
-            halves.push_back({faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
-                              static_cast<std::int32_t>(f)});
+            add_half(faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
+                     static_cast<std::int32_t>(f));
     }
-    // The two halves of an edge become neighbors.
-    const auto key = [](const Half& h) {
-        return std::array{std::min(h.from, h.to), std::max(h.from, h.to), h.from < h.to ? 0 : 1};
-    };
-    std::ranges::sort(halves, {}, key);
-    for (std::size_t h = 0; h + 1 < halves.size(); h += 2) {
-        const Half &half = halves[h], &twin = halves[h + 1];
-        if (half.from != twin.to || half.to != twin.from)
-            throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
-        edge_of(half.face, twin.face) = edge_of(twin.face, half.face) = static_cast<std::int32_t>(edges_.size());
-        edges_.push_back({half.from, half.to, half.face, twin.face});
+    if (2 * edges_.size() != faces_.corners.size())
+        throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
+}
+
+// Makes an edge of two sides that run along it in opposite directions.
+void CutCell::add_half(std::int32_t from, std::int32_t to, std::int32_t face) {
+    for (std::int32_t* link = &first_half_[index(to)]; *link >= 0;) {
+        const Half& half = halves_[index(*link)];
+        if (half.to == from) {
+            edge_of(half.face, face) = edge_of(face, half.face) = static_cast<std::int32_t>(edges_.size());
+            edges_.push_back({to, from, half.face, face});
+            *link = half.next;
+            return;
+        }
+        link = &halves_[index(*link)].next;
     }
+    halves_.push_back({to, face, first_half_[index(from)]});
+    first_half_[index(from)] = static_cast<std::int32_t>(halves_.size()) - 1;
 }
 
 void CutCell::find_candidates() {
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (const std::int32_t slot : faces_.corners)
+    for (const std::int32_t slot : slots_)
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = cell_.position(slot)[k] + cell_.seed()[k];
             const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
@@ -155,7 +164,7 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     const Vector3 from = minus(mesh_.vertex(triangle.vertex[0]), cell_.seed());
     const double offset = dot(triangle.normal, from);
     double lower = infinity, upper = -infinity, size = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
-    for (const std::int32_t slot : faces_.corners) {
+    for (const std::int32_t slot : slots_) {
         const Vector3 x = cell_.position(slot);
         const double height = dot(triangle.normal, x) - offset;
         const double error =
@@ -254,7 +263,8 @@ Vector3 CutCell::position(const Corner& corner, const ClosedMesh::Triangle& tria
 
 void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
     const std::size_t size = sides_.size();
-    std::vector<Vector3> corners;
+    std::vector<Vector3>& corners = corners_;
+    corners.clear();
     for (std::size_t i = 0; i < size; ++i)
         corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, triangle));
     Vector3 doubled{};
@@ -296,7 +306,7 @@ void CutCell::find_windings() {
     for (std::size_t f = 0; f < faces_.size() && !on_wall; ++f)
         if (plane_[f] < 0) start = faces_.corners[index(faces_.offsets[f])], on_wall = true;
     if (!on_wall)
-        for (const std::int32_t slot : faces_.corners)
+        for (const std::int32_t slot : slots_)
             if (start < 0 || cell_.tolerance(slot) < cell_.tolerance(start)) start = slot;
     out_.winding = on_wall ? 0 : winding_at(start);  // the mesh lies inside of the walls
     if (!out_.meets_surface) return;
@@ -356,8 +366,8 @@ int CutCell::winding_at(std::int32_t slot) {
 }
 
 void CutCell::add_faces() {
-    std::vector<bool> has_triangles(faces_.size());
-    for (const OnFace& on : on_faces_) has_triangles[index(on.face)] = true;
+    has_triangles_.assign(faces_.size(), 0);
+    for (const OnFace& on : on_faces_) has_triangles_[index(on.face)] = 1;
     const auto add_segment = [&](const Segment& segment) {
         const std::size_t f = index(segment.face);
         const Vector3& base = base_[f];
@@ -367,7 +377,7 @@ void CutCell::add_faces() {
         out_.faces[f].area += area;
         out_.faces[f].error += std::abs(segment.weight) * length3(side[0], side[1], side[2]);
         sum_area_ += std::abs(area);
-        if (has_triangles[f]) outlines_.push_back(segment);
+        if (has_triangles_[f] != 0) outlines_.push_back(segment);
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();
@@ -391,7 +401,7 @@ void CutCell::add_faces() {
     for (const Segment& segment : segments_) add_segment({segment.face, segment.to, segment.from});
     for (CutMeasures::Face& face : out_.faces) face.area = std::abs(face.area);
     for (std::size_t f = 0; f < faces_.size(); ++f)
-        if (has_triangles[f]) share_face(static_cast<std::int32_t>(f));
+        if (has_triangles_[f] != 0) share_face(static_cast<std::int32_t>(f));
 }
 
 // Sets the area of a face with triangles in its plane: that of places inside the mesh on both sides. Adds the triangles

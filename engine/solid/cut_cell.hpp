@@ -56,6 +56,11 @@ private:
         std::int32_t left, right;  // faces: counterclockwise around the left one
         std::int32_t first = -1;   // crossing
     };
+    // A side of a face, which has no edge yet.
+    struct Half {
+        std::int32_t to, face;
+        std::int32_t next;  // from the same vertex
+    };
     struct Crossing {
         double at;  // from 0 to 1 along the edge
         int jump;   // of the winding number
@@ -79,6 +84,7 @@ private:
     };
 
     void read_faces();
+    void add_half(std::int32_t from, std::int32_t to, std::int32_t face);
     void find_candidates();
     [[nodiscard]] bool clip(const ClosedMesh::Triangle& triangle);
     [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
@@ -108,15 +114,19 @@ private:
     std::vector<Vector3> at_;           // by slot, relative to the apex
     std::vector<int> winding_;          // by slot
     std::vector<bool> known_;           // by slot
+    std::vector<std::int32_t> slots_;   // of vertices
+    std::vector<Half> halves_;
+    std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;
+    std::vector<Vector3> corners_;  // of a polygon
     std::vector<OnFace> on_faces_;
-    std::vector<Segment> outlines_;  // of what lies in the mesh, on faces with triangles
+    std::vector<std::uint8_t> has_triangles_;  // by face
+    std::vector<Segment> outlines_;            // of the parts in the mesh, on faces with triangles
     Layers layers_;
     std::vector<std::uint32_t> candidates_;
-    std::vector<std::int32_t> pending_;
     std::vector<Crossing> on_edge_;
     double sum_volume_ = 0, sum_area_ = 0;
     double place_error_ = 0;  // of any position

@@ -248,7 +248,6 @@ private:
 
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
-        const std::vector<double> found = areas_;
         const double square = 1 / job_.scale / job_.scale;
         kept_.assign(areas_.size(), 0);
         for (std::size_t r = 0; r < rows(); ++r)
@@ -256,18 +255,21 @@ private:
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
                 const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                double error = error_[e];
-                bool empty = empty_[r] != 0, is_whole = plain_[r] != 0, from_back = false;
+                if (back != no_entry && neighbor < seed) continue;  // that row has set both
+                const bool is_plain = plain_[r] != 0;
+                double area = areas_[e], error = error_[e];
+                bool empty = empty_[r] != 0, is_whole = is_plain;
                 if (back != no_entry) {
-                    const bool other_is_whole = plain_[to_index(other)] != 0;
-                    from_back = is_whole != other_is_whole ? is_whole : neighbor < seed;
-                    is_whole = is_whole && other_is_whole;
+                    const std::size_t o = to_index(other);
+                    if (is_plain && plain_[o] == 0) area = areas_[back], is_whole = false;
                     error += error_[back];
-                    empty = empty || empty_[to_index(other)] != 0;
+                    empty = empty || empty_[o] != 0;
                 }
-                const double area = found[from_back ? back : e];
-                kept_[e] = !empty && (is_whole || area > error) ? 1 : 0;
-                areas_[e] = is_whole ? area : area * square;
+                const std::uint8_t kept = !empty && (is_whole || area > error) ? 1 : 0;
+                if (!is_whole) area *= square;
+                areas_[e] = area;
+                kept_[e] = kept;
+                if (back != no_entry) areas_[back] = area, kept_[back] = kept;
             }
     }
 
