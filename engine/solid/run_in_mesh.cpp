@@ -121,6 +121,7 @@ public:
 
 private:
     static constexpr int unknown = std::numeric_limits<int>::min();
+    static constexpr double dropped = -1;  // instead of the area of a face
 
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
         check_others(options);
@@ -170,9 +171,7 @@ private:
         const std::size_t count = rows();
         plain_.assign(count, 0);
         winding_.assign(count, unknown);
-        error_.assign(result_.indices.size(), 0);
         empty_.assign(count, 0);
-        areas_.assign(result_.face_areas.begin(), result_.face_areas.end());
         result_.mesh_areas.resize_uninitialized(count);
         std::ranges::fill(result_.mesh_areas, 0.0);
         const double unscale = 1 / job_.scale, square = unscale * unscale;
@@ -201,8 +200,7 @@ private:
                 for (const CutMeasures::Face& face : m.faces) {
                     const std::size_t e = entry(r, face.id);
                     if (e == no_entry) continue;
-                    areas_[e] = face.area;
-                    error_[e] = face.error;
+                    result_.face_areas[e] = face.area > face.error ? face.area * square : dropped;
                 }
             }
         };
@@ -242,34 +240,35 @@ private:
             empty_[r] = winding_[r] == 0 ? 1 : 0;
             if (winding_[r] == 1) continue;
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
-                areas_[e] *= std::abs(winding_[r]);
+                result_.face_areas[e] *= std::abs(winding_[r]);
         }
     }
 
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
-        const double square = 1 / job_.scale / job_.scale;
-        kept_.assign(areas_.size(), 0);
+        auto& areas = result_.face_areas;
+        std::vector<std::int64_t> next(result_.indptr.begin(), result_.indptr.end());  // entries of lower seeds
+        const auto find_back = [&](std::size_t other, std::int32_t seed) {
+            const std::int64_t at = next[other];
+            if (at == result_.indptr[other + 1] || result_.indices[to_index(at)] != seed) return entry(other, seed);
+            ++next[other];
+            return to_index(at);
+        };
         for (std::size_t r = 0; r < rows(); ++r)
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
-                const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                if (back != no_entry && neighbor < seed) continue;  // that row has set both
-                const bool is_plain = plain_[r] != 0;
-                double area = areas_[e], error = error_[e];
-                bool empty = empty_[r] != 0, is_whole = is_plain;
-                if (back != no_entry) {
-                    const std::size_t o = to_index(other);
-                    if (is_plain && plain_[o] == 0) area = areas_[back], is_whole = false;
-                    error += error_[back];
-                    empty = empty || empty_[o] != 0;
-                }
-                const std::uint8_t kept = !empty && (is_whole || area > error) ? 1 : 0;
-                if (!is_whole) area *= square;
-                areas_[e] = area;
-                kept_[e] = kept;
-                if (back != no_entry) areas_[back] = area, kept_[back] = kept;
+                if (empty_[r] != 0) areas[e] = dropped;
+                if (other < 0) continue;
+                const std::size_t o = to_index(other);
+                if (neighbor < seed) continue;  // that row has set both
+                const std::size_t back = find_back(o, seed);
+                if (back == no_entry) continue;
+                if (empty_[r] != 0 || empty_[o] != 0)
+                    areas[e] = dropped;
+                else if (plain_[r] != 0 && plain_[o] == 0)
+                    areas[e] = areas[back];
+                areas[back] = areas[e];
             }
     }
 
@@ -291,10 +290,11 @@ private:
             if (empty) result_.mesh_areas[r] = 0;
             double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
-                if (kept_[e] == 0) continue;
-                surface += areas_[e];
+                const double area = result_.face_areas[e];
+                if (area == dropped) continue;
+                surface += area;
                 result_.indices[out] = result_.indices[e];
-                result_.face_areas[out] = areas_[e];
+                result_.face_areas[out] = area;
                 if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
@@ -336,11 +336,8 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
-    std::vector<std::uint8_t> kept_;           // by entry
     std::vector<std::uint8_t> plain_, empty_;  // by row
     std::vector<int> winding_;                 // by row, of plain cells
-    // By entry. Those of cut cells are scaled until measure_rows().
-    std::vector<double> areas_, error_;
 };
 
 }  // namespace
