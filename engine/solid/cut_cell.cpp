@@ -1,6 +1,7 @@
 #include "solid/cut_cell.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/arithmetic.hpp"
@@ -9,8 +10,9 @@ namespace votess::solid {
 namespace {
 
 constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
-constexpr std::int32_t absent = -2;              // of a vertex without a side yet
-constexpr double beside_margin = 1e-8;           // of the distances that a triangle's plane is compared with
+constexpr std::size_t word_bits = 64;
+constexpr std::int32_t absent = -2;     // of a vertex without a side yet
+constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
 
 Vector3 plus(const Vector3& a, const Vector3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
@@ -63,7 +65,6 @@ const CutMeasures& CutCell::measure() {
     outlines_.clear();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
-        if (beside(triangle)) continue;
         const bool meets = clip(triangle);
         if (meets) add_polygon(triangle);
         if (face_of_triangle_ >= 0) add_on_face();
@@ -156,6 +157,46 @@ void CutCell::find_candidates() {
         return true;
     });
     std::ranges::sort(candidates_);
+    seen_.clear();
+    vertex_values_.clear();
+    outside_bits_.clear();
+    words_ = ceil_div(faces_.size(), word_bits);
+    values_.resize(faces_.size());
+    seen_table_.assign(std::bit_ceil(6 * candidates_.size() + 2), -1);  // at least half of it stays free
+}
+
+// Returns the place of a vertex in seen_.
+std::size_t CutCell::see(std::int32_t vertex) {
+    const std::size_t mask = seen_table_.size() - 1;
+    std::size_t at = (static_cast<std::size_t>(vertex) * 0x9e3779b97f4a7c15) >> 32 & mask;
+    for (; seen_table_[at] >= 0; at = (at + 1) & mask)
+        if (seen_[index(seen_table_[at])].vertex == vertex) return index(seen_table_[at]);
+    const std::size_t seen = seen_.size();
+    seen_table_[at] = static_cast<std::int32_t>(seen);
+    SeenVertex& u = seen_.emplace_back(vertex, 0, false, signs_.place(mesh_.vertex(vertex)));
+    outside_bits_.resize(outside_bits_.size() + words_);
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        MeshSigns::Value& value = vertex_values_.emplace_back();
+        value.sign = -1;  // inside of the walls
+        if (plane_[f] < 0) continue;
+        value = signs_.value(index(plane_[f]), u.place);
+        u.unsure += value.sign == 0 ? 1 : 0;
+        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+    }
+    return seen;
+}
+
+// Finds the signs that rounding hides.
+void CutCell::decide(std::size_t seen) {
+    SeenVertex& u = seen_[seen];
+    for (std::size_t f = 0; f < faces_.size() && u.unsure > 0; ++f) {
+        MeshSigns::Value& value = vertex_values_[seen * faces_.size() + f];
+        if (value.sign != 0) continue;
+        signs_.find_sign(index(plane_[f]), u.place, value);
+        --u.unsure;
+        u.tied |= value.tie;
+        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+    }
 }
 
 // Returns whether the cell lies on one side of the triangle's plane, by more than rounding.
@@ -177,48 +218,60 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
 
 // Leaves the polygon in sides_. Returns whether there is one. Sets face_of_triangle_.
 bool CutCell::clip(const ClosedMesh::Triangle& triangle) {
-    const std::size_t count = faces_.size();
     face_of_triangle_ = -1;
-    for (std::size_t i = 0; i < 3; ++i) places_[i] = signs_.place(mesh_.vertex(triangle.vertex[i]));
-    values_.resize(count);
-    for (std::size_t f = 0; f < count; ++f) {
-        if (plane_[f] < 0) continue;
-        int outside = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            values_[f][i] = signs_.value(index(plane_[f]), places_[i]);
-            outside += values_[f][i].sign > 0 ? 1 : 0;
-        }
-        if (outside == 3) return false;
+    std::array<std::size_t, 3> seen;
+    for (std::size_t i = 0; i < 3; ++i) seen[i] = see(triangle.vertex[i]);
+    const auto bits = [&](std::size_t i, std::size_t word) { return outside_bits_[seen[i] * words_ + word]; };
+    const auto is_outside = [&] {
+        for (std::size_t word = 0; word < words_; ++word)
+            if ((bits(0, word) & bits(1, word) & bits(2, word)) != 0) return true;
+        return false;
+    };
+    const auto may_lie_on_face = [&] { return seen_[seen[0]].tied && seen_[seen[1]].tied && seen_[seen[2]].tied; };
+    if ((is_outside() && !may_lie_on_face()) || beside(triangle)) return false;
+    for (std::size_t i = 0; i < 3; ++i) {
+        decide(seen[i]);
+        places_[i] = seen_[seen[i]].place;
     }
+    const auto read_values = [&](std::size_t f) {
+        for (std::size_t i = 0; i < 3; ++i) values_[f][i] = vertex_values_[seen[i] * faces_.size() + f];
+    };
+    const auto is_tie = [&](const MeshSigns::Value& value) { return value.tie; };
+    if (may_lie_on_face())
+        for (std::size_t f = 0; f < faces_.size() && face_of_triangle_ < 0; ++f) {
+            read_values(f);
+            if (std::ranges::all_of(values_[f], is_tie)) face_of_triangle_ = static_cast<std::int32_t>(f);
+        }
+    if (is_outside()) return false;
     sides_ = {-1, -2, -3};
-    for (std::size_t f = 0; f < count; ++f) {
-        if (plane_[f] < 0) continue;
-        int outside = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            signs_.find_sign(index(plane_[f]), places_[i], values_[f][i]);
-            outside += values_[f][i].sign > 0 ? 1 : 0;
+    for (std::size_t word = 0; word < words_; ++word)
+        for (std::uint64_t cutting = bits(0, word) | bits(1, word) | bits(2, word); cutting != 0;
+             cutting &= cutting - 1) {
+            const std::size_t f = word * word_bits + static_cast<std::size_t>(std::countr_zero(cutting));
+            read_values(f);
+            if (!clip_by(f)) return false;
         }
-        if (values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)
-            face_of_triangle_ = static_cast<std::int32_t>(f);
-        if (outside == 3) return false;
-        if (outside == 0) continue;
-        const std::size_t size = sides_.size();
-        outside_.resize(size);
-        int corners_outside = 0;
-        for (std::size_t i = 0; i < size; ++i) {  // of the corner where side i begins
-            outside_[i] = side({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, f) > 0 ? 1 : 0;
-            corners_outside += outside_[i];
-        }
-        if (corners_outside == 0) continue;
-        if (corners_outside == static_cast<int>(size)) return false;
-        clipped_.clear();
-        for (std::size_t i = 0; i < size; ++i) {
-            const bool from = outside_[i] != 0, to = outside_[i + 1 == size ? 0 : i + 1] != 0;
-            if (!from || !to) clipped_.push_back(sides_[i]);
-            if (!from && to) clipped_.push_back(static_cast<Side>(f));
-        }
-        std::swap(sides_, clipped_);
+    return true;
+}
+
+// Clips the polygon by a face. Returns whether any is left.
+bool CutCell::clip_by(std::size_t f) {
+    const std::size_t size = sides_.size();
+    outside_.resize(size);
+    int corners_outside = 0;
+    for (std::size_t i = 0; i < size; ++i) {  // of the corner where side i begins
+        outside_[i] = side({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, f) > 0 ? 1 : 0;
+        corners_outside += outside_[i];
     }
+    if (corners_outside == 0) return true;
+    if (corners_outside == static_cast<int>(size)) return false;
+    clipped_.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+        const bool from = outside_[i] != 0, to = outside_[i + 1 == size ? 0 : i + 1] != 0;
+        if (!from || !to) clipped_.push_back(sides_[i]);
+        if (!from && to) clipped_.push_back(static_cast<Side>(f));
+    }
+    std::swap(sides_, clipped_);
     return true;
 }
 

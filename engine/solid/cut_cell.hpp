@@ -86,7 +86,10 @@ private:
     void read_faces();
     void add_half(std::int32_t from, std::int32_t to, std::int32_t face);
     void find_candidates();
+    [[nodiscard]] std::size_t see(std::int32_t vertex);
+    void decide(std::size_t seen);
     [[nodiscard]] bool clip(const ClosedMesh::Triangle& triangle);
+    [[nodiscard]] bool clip_by(std::size_t face);
     [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
     [[nodiscard]] int side(const Corner& corner, std::size_t face);
     [[nodiscard]] Vector3 position(const Corner& corner, const ClosedMesh::Triangle& triangle);
@@ -127,6 +130,20 @@ private:
     std::vector<Segment> outlines_;            // of the parts in the mesh, on faces with triangles
     Layers layers_;
     std::vector<std::uint32_t> candidates_;
+
+    // A vertex of the mesh, seen from all faces: values are those of vertex_values_, and outside_bits_ has a bit for
+    // each face that it lies outside of.
+    struct SeenVertex {
+        std::int32_t vertex;
+        int unsure;         // faces whose sign is unknown
+        bool tied = false;  // a value is 0
+        MeshSigns::Place place;
+    };
+    std::vector<SeenVertex> seen_;
+    std::vector<std::int32_t> seen_table_;  // a hash table of them, -1 where it is free
+    std::vector<MeshSigns::Value> vertex_values_;
+    std::vector<std::uint64_t> outside_bits_;
+    std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
     double sum_volume_ = 0, sum_area_ = 0;
     double place_error_ = 0;  // of any position
@@ -135,7 +152,7 @@ private:
     // The current triangle.
     std::int32_t face_of_triangle_ = -1;  // whose plane holds it
     MeshSigns::Places places_;
-    std::vector<MeshSigns::Values> values_;  // by face
+    std::vector<MeshSigns::Values> values_;  // by face, of those that cut it or hold it
     std::vector<Side> sides_, clipped_;
     std::vector<int> outside_;
 };
