@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "core/arithmetic.hpp"
@@ -166,6 +167,28 @@ private:
         return cell.measure();
     }
 
+    // Returns all rows, sorted by the blocks of a grid around the mesh, because near cells need the same memory.
+    [[nodiscard]] std::vector<std::uint32_t> rows_by_place() const {
+        constexpr double rows_per_block = 8;
+        const double blocks = std::ceil(std::cbrt(static_cast<double>(rows()) / rows_per_block));
+        const auto side = static_cast<std::size_t>(blocks);
+        const Box& box = mesh_.bounds();
+        std::vector<std::uint32_t> block(rows()), begin(side * side * side + 1), order(rows());
+        for (std::size_t r = 0; r < rows(); ++r) {
+            std::size_t at = 0;
+            for (std::size_t k = 3; k-- > 0;) {
+                const double x = points_[3 * to_index(seed_of(r)) + k], lower = box.lower[k];
+                const double share = std::clamp((x - lower) / (box.upper[k] - lower), 0.0, 1.0);
+                at = at * side + std::min(static_cast<std::size_t>(share * blocks), side - 1);
+            }
+            block[r] = static_cast<std::uint32_t>(at);
+            ++begin[at + 1];
+        }
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        for (std::size_t r = 0; r < rows(); ++r) order[begin[block[r]]++] = static_cast<std::uint32_t>(r);
+        return order;
+    }
+
     // Cuts the cells that triangles come near, on all threads. The others are plain.
     void cut_cells() {
         const std::size_t count = rows();
@@ -177,10 +200,12 @@ private:
         const double unscale = 1 / job_.scale, square = unscale * unscale;
         ThreadPool pool(options_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
+        const std::vector<std::uint32_t> order = rows_by_place();
         const auto task = [&](std::size_t index, unsigned worker) {
             if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain);
-            for (std::size_t r = index * rows_per_task; r < std::min(count, (index + 1) * rows_per_task); ++r) {
+            for (std::size_t k = index * rows_per_task; k < std::min(count, (index + 1) * rows_per_task); ++k) {
                 check_stop();
+                const std::size_t r = order[k];
                 if (result_.status[r] != CellStatus::certified) continue;
                 const double reach = 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
                 if (!mesh_.any_near(place(seed_of(r)), reach)) {
