@@ -173,7 +173,8 @@ std::size_t CutCell::see(std::int32_t vertex) {
         if (seen_[index(seen_table_[at])].vertex == vertex) return index(seen_table_[at]);
     const std::size_t seen = seen_.size();
     seen_table_[at] = static_cast<std::int32_t>(seen);
-    SeenVertex& u = seen_.emplace_back(vertex, 0, false, signs_.place(mesh_.vertex(vertex)));
+    seen_.push_back({vertex, 0, false, signs_.place(mesh_.vertex(vertex))});
+    SeenVertex& u = seen_.back();
     outside_bits_.resize(outside_bits_.size() + words_);
     for (std::size_t f = 0; f < faces_.size(); ++f) {
         MeshSigns::Value& value = vertex_values_.emplace_back();
