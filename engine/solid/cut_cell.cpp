@@ -54,8 +54,9 @@ const CutMeasures& CutCell::measure() {
     faces.clear();
     out_ = {};
     out_.faces = std::move(faces);
-    sum_volume_ = sum_area_ = 0;
+    sum_volume_ = sum_surface_ = {};
     sum_moment_ = {};
+    sum_area_ = 0;
     cell_.canonical_faces(faces_);
     read_faces();
     find_candidates();
@@ -73,12 +74,13 @@ const CutMeasures& CutCell::measure() {
     find_windings();
     if (!out_.meets_surface) return out_;
     add_faces();
-    out_.volume = sum_volume_;
+    out_.volume = sum_volume_.value();
+    out_.surface = sum_surface_.value();
     // Without a tie no part is thinner than any number.
     if (!signs_.met_tie()) place_error_ = 0;
     out_.volume_error = sum_area_ * place_error_;
     for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k] / sum_volume_;
+    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
 }
 
@@ -327,7 +329,7 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
         add_cone(corners[0], corners[i - 1], corners[i], 1);
     }
     const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
-    if (face_of_triangle_ < 0) out_.surface += area;
+    if (face_of_triangle_ < 0) sum_surface_ += area;
     sum_area_ += area;
     for (const MeshSigns::Place& place : places_)
         for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
@@ -489,7 +491,7 @@ void CutCell::share_face(std::int32_t face) {
         if (count[whole] == 0) return;
         const int one = count[inside], other = one + step * count[triangles];
         if ((one > 0) == (other > 0)) area += part * std::min(std::abs(one), std::abs(other));
-        out_.surface += part * count[triangles_out];
+        sum_surface_ += part * count[triangles_out];
     });
     out_.faces[f].area = area;
 }

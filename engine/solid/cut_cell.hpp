@@ -22,6 +22,7 @@
 #include "solid/closed_mesh.hpp"
 #include "solid/layers.hpp"
 #include "solid/mesh_signs.hpp"
+#include "solid/sum.hpp"
 
 namespace votess::solid {
 
@@ -145,9 +146,10 @@ private:
     std::vector<std::uint64_t> outside_bits_;
     std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
-    double sum_volume_ = 0, sum_area_ = 0;
+    Sum sum_volume_, sum_surface_;
+    double sum_area_ = 0;
     double place_error_ = 0;  // of any position
-    Vector3 sum_moment_{};
+    std::array<Sum, 3> sum_moment_;
 
     // The current triangle.
     std::int32_t face_of_triangle_ = -1;  // whose plane holds it

@@ -16,6 +16,7 @@
 #include "input/options.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
+#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
@@ -63,15 +64,10 @@ Options without_mesh(const Options& options) {
     return in_box;
 }
 
-// Neumaier's sum.
 double sum_of(std::span<const double> values) {
-    double sum = 0, rest = 0;
-    for (const double x : values) {
-        const double next = sum + x;
-        rest += std::abs(sum) >= std::abs(x) ? (sum - next) + x : (x - next) + sum;
-        sum = next;
-    }
-    return sum + rest;
+    Sum sum;
+    for (const double x : values) sum += x;
+    return sum.value();
 }
 
 std::size_t to_index(std::int64_t i) {
