@@ -1,16 +1,16 @@
 // One cell, clipped by the surface of a mesh.
 //
-// The cell is convex. So a triangle in it is a convex polygon, and a list of its edges describes that: edges of the
-// triangle, and planes of the cell. Clipping it by a plane needs the side of each corner, which MeshSigns decides.
+// The cell is convex, so the part of a triangle in it is a convex polygon. A list of its edges describes it: edges of
+// the triangle, and planes of the cell. Clipping it by a plane needs the side of each corner, which MeshSigns decides.
 // A corner on two planes is where an edge of the cell passes through the mesh. The winding number changes there by one.
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
 // Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
-// cell, weighted by the winding number. Those are sums in turn: of segments of edges, weighted by the winding number
-// beside them, and of the edges that polygons have on that face.
+// cell, weighted by the winding number. A face is a sum in turn: over segments of its edges, weighted by the winding
+// number beside them, and over the edges that polygons have on it.
 //
-// A triangle in the plane of a face bounds one of its two cells, whichever of them ties put it into. Such faces are
-// overlaid with their triangles, which gives the winding number on both sides of each place.
+// A triangle in the plane of a face bounds one of its two cells, and ties may put it into the other. Such a face is
+// overlaid with its triangles, which gives the winding numbers on both sides of each place.
 #pragma once
 
 #include <array>

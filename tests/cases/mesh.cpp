@@ -126,6 +126,13 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("mesh: rounding of sums does not grow with the number of triangles") {
+        const Solid ring = test::torus(300, 100);
+        const Coordinates points{0.9, 0, 0, -0.9, 0.1, 0};
+        const Tessellation t = votess::tessellate(points, options_in(ring));
+        CHECK(std::abs(t.stats().volume_sum / t.stats().box_volume - 1) < 5e-16);
+    }
+
     TEST_CASE("mesh: a cuboid has the cells of the box") {
         const votess::Box box{{0, -0.5, 0.25}, {1, 0.75, 2}};
         const Solid solid = test::cuboid({0, -0.5, 0.25}, {1, 0.75, 2});
