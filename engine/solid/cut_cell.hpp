@@ -6,8 +6,8 @@
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
 // Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
-// cell, weighted by the winding number. A face is a sum in turn: over segments of its edges, weighted by the winding
-// number beside them, and over the edges that polygons have on it.
+// cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted by the
+// winding number beside them; and over the edges that polygons have on it.
 //
 // A triangle in the plane of a face bounds one of its two cells, and ties may put it into the other. Such a face is
 // overlaid with its triangles, which gives the winding numbers on both sides of each place.
@@ -132,8 +132,8 @@ private:
     Layers layers_;
     std::vector<std::uint32_t> candidates_;
 
-    // A vertex of the mesh, seen from all faces: values are those of vertex_values_, and outside_bits_ has a bit for
-    // each face that it lies outside of.
+    // A vertex of the mesh, seen from all faces. Its values are in vertex_values_. Its outside_bits_ are those of faces
+    // that it lies outside of.
     struct SeenVertex {
         std::int32_t vertex;
         int unsure;         // faces whose sign is unknown
