@@ -33,7 +33,7 @@ std::span<const double> components(const votess::Tessellation& cells, const std:
 }
 
 const char* kind_of(const votess::Tessellation& cells) {
-    return cells.cell() ? "cell" : cells.walls().empty() ? "box" : "polyhedron";
+    return cells.in_mesh() ? "mesh" : cells.cell() ? "cell" : cells.walls().empty() ? "box" : "polyhedron";
 }
 
 std::string axes_of(const votess::Tessellation& cells) {
@@ -69,6 +69,10 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     if (hull) {
         if (periodic) options.periodic = *periodic;  // set_hull() refuses it
         return {DomainSource::option, periodic ? DomainSource::option : DomainSource::by_default};
+    }
+    if (options.mesh && !options.box && !options.cell) {  // a box around mesh and points
+        if (periodic) options.periodic = *periodic;       // which votess refuses
+        return {DomainSource::by_default, periodic ? DomainSource::option : DomainSource::by_default};
     }
     const bool given = options.box || options.cell;
     if (!given) {
@@ -131,7 +135,8 @@ std::string domain_text(const votess::Tessellation& cells, const DomainFrom& fro
     }
     const std::string axes = axes_of(cells);
     text += axes.empty() ? ", not periodic" : ", periodic " + axes;
-    if (from.box == DomainSource::by_default) text += ", around the points";
+    if (from.box == DomainSource::by_default)
+        text += cells.in_mesh() ? ", around points and mesh" : ", around the points";
     const std::string box = word_of(from.box), periodic = word_of(from.periodic);
     return text + "; " + (box == periodic ? box : "box " + box + ", periodicity " + periodic);
 }

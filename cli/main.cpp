@@ -95,20 +95,23 @@ void print_summary(const Summary& summary, const Arguments& arguments) {
     }
 }
 
-int run(const Arguments& arguments) {
+int run(Arguments& arguments) {
     const auto run_began = Clock::now();
     if (arguments.points_alone) {
         write_points(arguments);
         return exit_code::done;
     }
+    load_mesh(arguments);
     if (arguments.memory > 0 || arguments.frames) {
         Summary summary = arguments.frames ? run_frames(arguments, run_began) : run_streamed(arguments, run_began);
+        summary.set_mesh(arguments.mesh_file, arguments.mesh);
         summary.seconds_total = seconds_since(run_began);
         print_summary(summary, arguments);
         if (!summary.failure().empty()) throw Failure(exit_code::verification_failed, summary.failure());
         return exit_code::done;
     }
     Summary summary;
+    summary.set_mesh(arguments.mesh_file, arguments.mesh);
     Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
@@ -205,8 +208,7 @@ int complain(int code, const std::string& message) {
 int main_inside(int count, const char* const* values) {
     try {
         const bool as_voropp = count > 1 && std::strcmp(values[1], "--voro++") == 0;
-        const Arguments arguments =
-            as_voropp ? read_voropp_arguments(count - 1, values + 1) : read_arguments(count, values);
+        Arguments arguments = as_voropp ? read_voropp_arguments(count - 1, values + 1) : read_arguments(count, values);
         if (!arguments.answer.empty()) {
             print(arguments.answer);
         } else if (arguments.list_devices) {

@@ -97,6 +97,14 @@ outside. The axis of a cone points from its apex inwards; ANGLE is that
 between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          {.repeats = true, .solid = true}},
+        {"--mesh FILE",
+         R"(a closed triangle mesh as the domain: each cell is its part inside. .off,
+.obj, .stl (text and binary; vertices at equal places become one) or .ply;
+polygons are split around their first corner. Seen from outside, corners
+are counterclockwise. Seeds may lie outside of the mesh. It replaces the
+domain that INPUT states; --box must hold it. Into text without polygons,
+.csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas)",
+         {.needs = Needs::all_cells, .solid = true}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell

@@ -82,6 +82,11 @@ std::string json_string(const std::string& text) {
     return result + "\"";
 }
 
+void Summary::set_mesh(const std::string& file, const Surface& surface) {
+    mesh = file;
+    triangles = surface.triangles.size() / 3;
+}
+
 void Summary::set_dimensions(bool planar, Dimensions requested) {
     plane_from.reset();
     if (planar) plane_from = requested == Dimensions::two ? "option" : "assumed";
@@ -113,13 +118,14 @@ std::string plain_summary(const Summary& summary) {
                  (summary.plane_from == std::string("assumed") ? ": the points have two coordinates" : ""));
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
+    if (!summary.mesh.empty()) line("mesh", summary.mesh + ", " + std::to_string(summary.triangles) + " triangles");
     line(summary.plane_from ? "mean edges" : "mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes && std::isfinite(stats.box_volume)) {
         const double error =
             stats.box_volume > 0 ? std::abs(stats.volume_sum - stats.box_volume) / stats.box_volume : 0;
-        line(summary.plane_from ? "area sum" : "volume sum", rounded("%.10g", stats.volume_sum) + " of the box's " +
-                                                                 rounded("%.10g", stats.box_volume) +
-                                                                 ", relative difference " + rounded("%.1e", error));
+        line(summary.plane_from ? "area sum" : "volume sum",
+             rounded("%.10g", stats.volume_sum) + (summary.mesh.empty() ? " of the box's " : " of the mesh's ") +
+                 rounded("%.10g", stats.box_volume) + ", relative difference " + rounded("%.1e", error));
     }
     if (summary.fit)
         line("fit", std::to_string(summary.fit->steps) + " steps, largest error of a volume " +
@@ -196,6 +202,10 @@ std::string json_summary(const Summary& summary) {
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : summary.verified->passed ? "true" : "false");
     member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
+    if (!summary.mesh.empty()) {
+        member("mesh", json_string(summary.mesh));
+        member("triangles", std::to_string(summary.triangles));
+    }
     if (summary.plane_from) {
         member("dimensions", "2");
         member("dimensions_from", json_string(*summary.plane_from));

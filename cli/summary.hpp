@@ -7,6 +7,7 @@
 #include <votess/votess.hpp>
 
 #include "read/input.hpp"
+#include "read/surface.hpp"
 
 namespace clvotess {
 
@@ -27,6 +28,8 @@ struct FramesSummary {
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
+    std::string mesh;                       // the file of --mesh; may be empty
+    std::uint64_t triangles = 0;            // of the mesh
     std::optional<const char*> plane_from;  // in two dimensions: "option" or "assumed"
     bool has_volumes = false;
     std::string input_note;  // the part of the file that was read, such as a frame; may be empty
@@ -44,6 +47,7 @@ struct Summary {
     std::optional<Streamed> streamed;     // with --memory
     std::optional<FramesSummary> frames;  // with --frames; the other numbers are sums
 
+    void set_mesh(const std::string& file, const Surface& surface);
     void set_dimensions(bool planar, Dimensions requested);
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;

@@ -170,7 +170,12 @@ void read_domain(const Typed& typed, Arguments& arguments) {
     read_walls(typed, arguments);
     options.planar = !arguments.flat.empty();
     set_ends_of_z(options);
-    if (!options.walls.empty() && typed.has("--random") && !typed.has("--box")) options.box.reset();
+    if (const std::string* file = typed.value("--mesh")) {
+        if (file->empty()) throw bad_input("--mesh is empty: give the file of a triangle mesh");
+        arguments.mesh_file = *file;
+    }
+    const bool bounded = !options.walls.empty() || !arguments.mesh_file.empty();
+    if (bounded && typed.has("--random") && !typed.has("--box")) options.box.reset();
 }
 
 // Reads which dimensions the options allow. read_domain() and read_outputs() go on.
@@ -270,7 +275,9 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
-    for (const std::string& path : arguments.outputs) add_output_needs(path, typed.has("--want"), arguments.wanted);
+    const bool in_mesh = !arguments.mesh_file.empty();
+    for (const std::string& path : arguments.outputs)
+        add_output_needs(path, typed.has("--want"), arguments.wanted, in_mesh);
     arguments.read.species |= std::ranges::any_of(arguments.outputs, names_species);
 }
 
@@ -343,6 +350,21 @@ void check_endless(const Arguments& arguments) {
             throw bad_input("output " + in_quotes(path) + " needs a box with ends: leave out --box none");
 }
 
+// Parts of cells in a mesh have no polygons, and only a run makes them.
+void check_mesh(const Arguments& arguments) {
+    if (arguments.mesh_file.empty()) return;
+    if (arguments.verify || arguments.has_volumes || arguments.picture)
+        throw bad_input("--verify, --volumes and --image do not work in a mesh: leave out " +
+                        std::string(arguments.verify        ? "--verify"
+                                    : arguments.has_volumes ? "--volumes"
+                                                            : "--image"));
+    for (const std::string& path : arguments.outputs)
+        if (is_mesh_output(path))
+            throw bad_input("output " + in_quotes(path) +
+                            " holds polygons, which parts of cells in a mesh do not have: write text, .csv, .xyz, " +
+                            ".dump, .npz or .h5");
+}
+
 // Refuses options that mean nothing without another one.
 void check_companions(const Typed& typed, const Arguments& arguments) {
     for (const Option* option : arguments.given) {
@@ -374,6 +396,12 @@ const Option* Arguments::find_needing(std::initializer_list<Needs> needs,
         if (std::ranges::count(needs, option->traits.needs) > 0 && std::ranges::count(except, long_name(*option)) == 0)
             return option;
     return nullptr;
+}
+
+void load_mesh(Arguments& arguments) {
+    if (arguments.mesh_file.empty()) return;
+    arguments.mesh = read_surface(arguments.mesh_file);
+    arguments.options.mesh = arguments.mesh.view();
 }
 
 Arguments read_arguments(int count, const char* const* values) {
@@ -418,6 +446,7 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.picture = read_picture(typed, arguments.input, arguments.outputs);
     read_colors(typed, arguments);
     check_endless(arguments);
+    check_mesh(arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;
     if (arguments.frames) check_frames(arguments);
 

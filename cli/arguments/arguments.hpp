@@ -15,6 +15,7 @@
 #include "picture.hpp"
 #include "read/frames.hpp"
 #include "read/input.hpp"
+#include "read/surface.hpp"
 #include "write/text_format.hpp"
 
 namespace clvotess {
@@ -25,6 +26,8 @@ struct Arguments {
     ReadRequest read;
     std::optional<FrameRange> frames;  // by --frames
     bool hull = false;                 // --box hull
+    std::string mesh_file;             // --mesh
+    Surface mesh;                      // once load_mesh() has read it
     bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field
@@ -70,6 +73,9 @@ struct Arguments {
 
 // Throws Failure with exit_code::bad_input. Checks nothing else when `answer` is set.
 [[nodiscard]] Arguments read_arguments(int count, const char* const* values);
+
+// Reads the file of --mesh, if that is given, into the options. Throws Failure.
+void load_mesh(Arguments& arguments);
 
 // Reads the arguments of voro++ 0.4.6; values[0] is skipped. The output is the .vol file beside the input.
 [[nodiscard]] Arguments read_voropp_arguments(int count, const char* const* values);

@@ -1,5 +1,5 @@
 // PLY: a header in text with elements and their properties, then the elements as text or binary. The points are x, y, z
-// of the element `vertex`. Other elements are skipped.
+// of the element `vertex`; a mesh has the lists of the element `face` too. Other elements are skipped.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -10,6 +10,7 @@
 #include "interrupt.hpp"
 #include "read/columns.hpp"
 #include "read/input.hpp"
+#include "read/surface.hpp"
 
 namespace clvotess {
 namespace {
@@ -66,10 +67,33 @@ public:
             if (element.name == "vertex") return read_vertices(element);
             skip(element);
         }
-        throw bad_input(lines_.name() + ": there is no element vertex");
+        throw lacks("vertex");
+    }
+
+    Surface read_surface() {
+        read_header();
+        SurfaceBuilder builder(lines_.name());
+        bool has_vertices = false, has_faces = false;
+        for (const Element& element : elements_) {
+            if (element.name == "vertex" && !has_vertices) {
+                builder.set_vertices(read_vertices(element).points);
+                has_vertices = true;
+            } else if (element.name == "face" && !has_faces) {
+                read_faces(element, builder);
+                has_faces = true;
+            } else {
+                skip(element);
+            }
+        }
+        if (!has_vertices || !has_faces) throw lacks(has_vertices ? "face" : "vertex");
+        return builder.finish();
     }
 
 private:
+    [[nodiscard]] Failure lacks(const char* element) const {
+        return bad_input(lines_.name() + ": there is no element " + element);
+    }
+
     void read_header() {
         if (!lines_.rest().starts_with("ply\n") && !lines_.rest().starts_with("ply\r\n")) {
             throw bad_input(lines_.name() + ": not a PLY file: it must begin with a line \"ply\"");
@@ -265,8 +289,62 @@ private:
         });
     }
 
+    void read_faces(const Element& element, SurfaceBuilder& builder) {
+        const std::vector<Property>& properties = element.properties;
+        const auto found = std::ranges::find_if(properties, [](const Property& property) {
+            return (property.name == "vertex_indices" || property.name == "vertex_index") && property.count_type;
+        });
+        if (found == properties.end()) throw bad_input(lines_.name() + ": the element face has no list vertex_indices");
+        const auto list = static_cast<std::size_t>(found - properties.begin());
+        check_count(element);
+        std::vector<std::int64_t> corners;
+        if (ascii_) {
+            each_line(element, [&] {
+                read_list_of_row(properties, list, corners);
+                builder.add_face(corners);
+            });
+            return;
+        }
+        std::vector<const char*> fields;
+        const std::size_t head = size_of(*found->count_type), each = size_of(found->type);
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            pass_row(element, i, fields);
+            const auto size = static_cast<std::size_t>(*load_whole(*found->count_type, fields[list], swapped_));
+            corners.clear();
+            for (std::size_t k = 0; k < size; ++k) {
+                const auto corner = load_whole(found->type, fields[list] + head + k * each, swapped_);
+                if (!corner) throw bad_input(lines_.name() + ": a face names a vertex by no whole number");
+                corners.push_back(*corner);
+            }
+            builder.add_face(corners);
+        }
+    }
+
+    // Reads one list of the row in words_.
+    void read_list_of_row(const std::vector<Property>& properties, std::size_t list,
+                          std::vector<std::int64_t>& numbers) const {
+        std::size_t at = 0;
+        for (std::size_t k = 0; k < properties.size(); ++k) {
+            std::size_t size = 1;
+            if (at < words_.size() && properties[k].count_type) {
+                const std::int64_t count = lines_.whole(words_[at], "the length of a list");
+                if (count < 0) throw lines_.error("a list has no valid length");
+                ++at;
+                size = static_cast<std::size_t>(count);
+            }
+            if (size > words_.size() - at) throw lines_.error("the row ends within " + in_quotes(properties[k].name));
+            if (k == list) {
+                numbers.clear();
+                for (std::size_t i = at; i < at + size; ++i)
+                    numbers.push_back(lines_.whole(words_[i], "a vertex of a face"));
+            }
+            at += size;
+        }
+        if (at != words_.size()) throw lines_.error("the row has more numbers than its properties");
+    }
+
     LineReader lines_;
-    const ReadRequest& request_;
+    const ReadRequest request_;
     Words words_;
     std::vector<Element> elements_;
     bool has_format_ = false, ascii_ = false, swapped_ = false;
@@ -276,6 +354,10 @@ private:
 
 Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request) {
     return PlyReader(bytes, name, request).read();
+}
+
+Surface parse_ply_surface(std::string_view bytes, const std::string& name) {
+    return PlyReader(bytes, name, {}).read_surface();
 }
 
 }  // namespace clvotess

@@ -119,9 +119,12 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
     return columns;
 }
 
-void add_output_needs(const std::string& path, bool want_given, votess::Want& want) {
+void add_output_needs(const std::string& path, bool want_given, votess::Want& want, bool in_mesh) {
     const Kind* const kind = kind_of(path);
-    if (kind && is_table(*kind) && !want_given) want.neighbors = want.volumes = want.faces = true;
+    if (kind && is_table(*kind) && !want_given) {
+        want.neighbors = want.volumes = true;
+        want.faces = !in_mesh;
+    }
     if (!kind || !kind->mesh) return;
     want.faces = true;
     if (kind->write == write_vtu) want.volumes = want.centroids = true;

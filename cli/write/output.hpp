@@ -34,8 +34,8 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 [[nodiscard]] bool is_colored(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
-// their columns unless --want does, which want_given states.
-void add_output_needs(const std::string& path, bool want_given, votess::Want& want);
+// their columns unless --want does, which want_given states; in a mesh without polygons.
+void add_output_needs(const std::string& path, bool want_given, votess::Want& want, bool in_mesh = false);
 // Returns whether the file has a column of species.
 [[nodiscard]] bool names_species(const std::string& path);
 

@@ -6,7 +6,7 @@
 namespace clvotess {
 
 bool is_result_array(std::string_view name) {
-    constexpr std::array<std::string_view, 28> names{"ids",
+    constexpr std::array<std::string_view, 29> names{"ids",
                                                      "indptr",
                                                      "indices",
                                                      "shifts",
@@ -15,6 +15,7 @@ bool is_result_array(std::string_view name) {
                                                      "volumes",
                                                      "centroids",
                                                      "surface_areas",
+                                                     "mesh_areas",
                                                      "security_radii",
                                                      "face_counts",
                                                      "edge_counts",
@@ -69,6 +70,7 @@ std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::W
     if (wanted.volumes) add("volumes", piece.volumes);
     if (wanted.centroids) add("centroids", piece.centroids, size);
     if (wanted.surfaces) add("surface_areas", piece.surface_areas);
+    if (wanted.surfaces && piece.in_mesh) add("mesh_areas", piece.mesh_areas);
     if (wanted.radii) add("security_radii", piece.security_radii);
     if (wanted.counts) {
         add("face_counts", piece.face_counts);
@@ -99,6 +101,8 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
     whole.volumes = cells.volumes();
     whole.centroids = cells.centroids();
     whole.surface_areas = cells.surface_areas();
+    whole.in_mesh = cells.in_mesh();
+    whole.mesh_areas = cells.mesh_areas();
     whole.security_radii = cells.security_radii();
     whole.face_counts = cells.face_counts();
     whole.edge_counts = cells.edge_counts();

@@ -57,12 +57,13 @@ struct ResultPiece {
     std::span<const std::int32_t> indices;
     std::span<const std::int64_t> wide_indices;  // used instead when `wide`
     std::span<const std::int8_t> shifts;
-    std::span<const double> face_areas, face_normals, volumes, centroids, surface_areas, security_radii;
+    std::span<const double> face_areas, face_normals, volumes, centroids, surface_areas, mesh_areas, security_radii;
     std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;
     std::span<const votess::CellStatus> status;
     std::span<const std::int32_t> duplicate_of;
     std::span<const std::int64_t> wide_duplicate_of;
-    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false;  // properties of the whole
+    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false,
+         in_mesh = false;  // properties of the whole
 };
 [[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
                                                      const std::vector<InputColumn>& carried);

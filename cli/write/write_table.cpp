@@ -90,6 +90,7 @@ Table results_of(const OutputData& data) {
     if (wanted.faces && !planar) table.push_back(voronoi_index_of(cells));
     if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), size_of_vectors(cells)));
     if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
+    if (wanted.surfaces && cells.in_mesh()) table.push_back(of_numbers("mesh_area", cells.mesh_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
     if (data.has_radii) table.push_back(of_numbers("radius", data.radii));
     return table;
@@ -306,23 +307,15 @@ void write_csv(OutputFile& file, const OutputData& data) {
 }
 
 bool is_table_column(std::string_view name, bool planar) {
-    constexpr std::array<std::string_view, 17> names{"id",
-                                                     "x",
-                                                     "y",
-                                                     "z",
-                                                     "pos",
-                                                     "volume",
-                                                     "neighbors",
-                                                     "voronoi_index",
-                                                     "centroid",
-                                                     "surface_area",
-                                                     "security_radius",
-                                                     "frame",
-                                                     "n3",
-                                                     "n4",
-                                                     "n5",
-                                                     "n6",
-                                                     "n7"};
+    constexpr std::array<std::string_view, 18> names{"id",        "x",
+                                                     "y",         "z",
+                                                     "pos",       "volume",
+                                                     "neighbors", "voronoi_index",
+                                                     "centroid",  "surface_area",
+                                                     "mesh_area", "security_radius",
+                                                     "frame",     "n3",
+                                                     "n4",        "n5",
+                                                     "n6",        "n7"};
     if (name.starts_with("c_")) name.remove_prefix(2);  // in a dump
     if (planar && (name == "area" || name == "perimeter")) return true;
     return std::ranges::find(names, name) != names.end();

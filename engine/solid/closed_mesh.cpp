@@ -10,6 +10,7 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "solid/mesh_signs.hpp"
+#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
@@ -131,18 +132,17 @@ void ClosedMesh::find_volume(const std::vector<std::array<std::int32_t, 3>>& tri
     if (!std::isfinite(length)) refuse("its size exceeds the largest double: give lengths in a larger unit");
     if (length == 0) refuse("all vertices lie at one place: it encloses no volume");
     // In units of the length, so that no product leaves the range.
-    double volume = 0, rest = 0, size = 0;
+    Sum sum;
+    double size = 0;
     for (const auto& t : triangles) {
         std::array<Vector3, 3> x;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k) x[i][k] = (vertex(t[i])[k] - middle[k]) / length;
         const double part = dot(x[0], cross(minus(x[1], x[0]), minus(x[2], x[0]))) / 6;
-        const double sum = volume + part;  // Neumaier
-        rest += std::abs(volume) >= std::abs(part) ? (volume - sum) + part : (part - sum) + volume;
-        volume = sum;
+        sum += part;
         size += std::abs(part);
     }
-    volume += rest;
+    const double volume = sum.value();
     if (std::abs(volume) <= 1e-14 * size) refuse("it encloses no volume");
     volume_ = volume * length * length * length;
     if (volume < 0)

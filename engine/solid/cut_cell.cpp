@@ -1,6 +1,7 @@
 #include "solid/cut_cell.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/arithmetic.hpp"
@@ -9,13 +10,17 @@ namespace votess::solid {
 namespace {
 
 constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
-constexpr double beside_margin = 1e-8;           // of the distances that a triangle's plane is compared with
+constexpr std::size_t word_bits = 64;
+constexpr std::int32_t absent = -2;     // of a vertex without a side yet
+constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
 
 Vector3 plus(const Vector3& a, const Vector3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
+// Returns a and b themselves for 0 and 1, so that polygons close.
 Vector3 between(const Vector3& a, const Vector3& b, double t) {
+    if (t == 1) return b;
     Vector3 x;
     for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
     return x;
@@ -45,45 +50,56 @@ void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight) 
 }
 
 const CutMeasures& CutCell::measure() {
+    std::vector<CutMeasures::Face> faces = std::move(out_.faces);  // for its memory
+    faces.clear();
     out_ = {};
-    sum_volume_ = sum_area_ = 0;
+    out_.faces = std::move(faces);
+    sum_volume_ = sum_surface_ = {};
     sum_moment_ = {};
+    sum_area_ = 0;
     cell_.canonical_faces(faces_);
     read_faces();
     find_candidates();
     crossings_.clear();
     segments_.clear();
+    on_faces_.clear();
+    outlines_.clear();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
-        if (beside(triangle) || !clip(triangle)) continue;
-        out_.meets_surface = true;
-        add_polygon(triangle);
+        const bool meets = clip(triangle);
+        if (meets) add_polygon(triangle);
+        if (face_of_triangle_ >= 0) add_on_face();
+        if (meets || face_of_triangle_ >= 0) out_.meets_surface = true;
     }
     find_windings();
     if (!out_.meets_surface) return out_;
     add_faces();
-    out_.volume = sum_volume_;
+    out_.volume = sum_volume_.value();
+    out_.surface = sum_surface_.value();
     // Without a tie no part is thinner than any number.
     if (!signs_.met_tie()) place_error_ = 0;
     out_.volume_error = sum_area_ * place_error_;
     for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k] / sum_volume_;
+    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
 }
 
 // Makes the edges, and their planes' bisectors.
 void CutCell::read_faces() {
     const std::size_t count = faces_.size(), slots = static_cast<std::size_t>(cell_.slots());
-    apex_ = {};
-    std::size_t corners = 0;
+    first_half_.assign(slots, absent);
+    slots_.clear();
     for (const std::int32_t slot : faces_.corners) {
-        apex_ = plus(apex_, cell_.position(slot));
-        ++corners;
+        if (first_half_[index(slot)] != absent) continue;
+        first_half_[index(slot)] = -1;
+        slots_.push_back(slot);
     }
-    for (double& x : apex_) x /= static_cast<double>(corners);
+    apex_ = {};
+    for (const std::int32_t slot : slots_) apex_ = plus(apex_, cell_.position(slot));
+    for (double& x : apex_) x /= static_cast<double>(slots_.size());
     place_error_ = 0;
     at_.resize(slots);
-    for (const std::int32_t slot : faces_.corners) {
+    for (const std::int32_t slot : slots_) {
         at_[index(slot)] = minus(cell_.position(slot), apex_);
         place_error_ = std::max(place_error_, cell_.tolerance(slot));
     }
@@ -92,43 +108,45 @@ void CutCell::read_faces() {
     unit_.resize(count);
     edges_.clear();
     edge_between_.assign(count * count, -1);
+    halves_.clear();
     std::int32_t bisectors = 0;
-    pending_.assign(slots, -1);
-    struct Half {
-        std::int32_t from, to, face;
-    };
-    std::vector<Half> halves;
     for (std::size_t f = 0; f < count; ++f) {
         const cpu::CellPlane& plane = cell_.planes()[index(faces_.planes[f])];
         if (plane.source.is_bisector()) {
             signs_.add(plane.source);
             plane_[f] = bisectors++;
         }
-        out_.faces.push_back({plane.id, 0, 0, 0});
+        out_.faces.push_back({plane.id});
         for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
         base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
         for (std::int32_t c = begin; c < end; ++c)
-            halves.push_back({faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
-                              static_cast<std::int32_t>(f)});
+            add_half(faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
+                     static_cast<std::int32_t>(f));
     }
-    // The two halves of an edge become neighbors.
-    const auto key = [](const Half& h) {
-        return std::array{std::min(h.from, h.to), std::max(h.from, h.to), h.from < h.to ? 0 : 1};
-    };
-    std::ranges::sort(halves, {}, key);
-    for (std::size_t h = 0; h + 1 < halves.size(); h += 2) {
-        const Half &half = halves[h], &twin = halves[h + 1];
-        if (half.from != twin.to || half.to != twin.from)
-            throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
-        edge_of(half.face, twin.face) = edge_of(twin.face, half.face) = static_cast<std::int32_t>(edges_.size());
-        edges_.push_back({half.from, half.to, half.face, twin.face});
+    if (2 * edges_.size() != faces_.corners.size())
+        throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
+}
+
+// Makes an edge of two sides that run along it in opposite directions.
+void CutCell::add_half(std::int32_t from, std::int32_t to, std::int32_t face) {
+    for (std::int32_t* link = &first_half_[index(to)]; *link >= 0;) {
+        const Half& half = halves_[index(*link)];
+        if (half.to == from) {
+            edge_of(half.face, face) = edge_of(face, half.face) = static_cast<std::int32_t>(edges_.size());
+            edges_.push_back({to, from, half.face, face});
+            *link = half.next;
+            return;
+        }
+        link = &halves_[index(*link)].next;
     }
+    halves_.push_back({to, face, first_half_[index(from)]});
+    first_half_[index(from)] = static_cast<std::int32_t>(halves_.size()) - 1;
 }
 
 void CutCell::find_candidates() {
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (const std::int32_t slot : faces_.corners)
+    for (const std::int32_t slot : slots_)
         for (std::size_t k = 0; k < 3; ++k) {
             const double x = cell_.position(slot)[k] + cell_.seed()[k];
             const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
@@ -141,6 +159,47 @@ void CutCell::find_candidates() {
         return true;
     });
     std::ranges::sort(candidates_);
+    seen_.clear();
+    vertex_values_.clear();
+    outside_bits_.clear();
+    words_ = ceil_div(faces_.size(), word_bits);
+    values_.resize(faces_.size());
+    seen_table_.assign(std::bit_ceil(6 * candidates_.size() + 2), -1);  // at least half of it stays free
+}
+
+// Returns the place of a vertex in seen_.
+std::size_t CutCell::see(std::int32_t vertex) {
+    const std::size_t mask = seen_table_.size() - 1;
+    std::size_t at = (static_cast<std::size_t>(vertex) * 0x9e3779b97f4a7c15) >> 32 & mask;
+    for (; seen_table_[at] >= 0; at = (at + 1) & mask)
+        if (seen_[index(seen_table_[at])].vertex == vertex) return index(seen_table_[at]);
+    const std::size_t seen = seen_.size();
+    seen_table_[at] = static_cast<std::int32_t>(seen);
+    seen_.push_back({vertex, 0, false, signs_.place(mesh_.vertex(vertex))});
+    SeenVertex& u = seen_.back();
+    outside_bits_.resize(outside_bits_.size() + words_);
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        MeshSigns::Value& value = vertex_values_.emplace_back();
+        value.sign = -1;  // inside of the walls
+        if (plane_[f] < 0) continue;
+        value = signs_.value(index(plane_[f]), u.place);
+        u.unsure += value.sign == 0 ? 1 : 0;
+        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+    }
+    return seen;
+}
+
+// Finds the signs that rounding hides.
+void CutCell::decide(std::size_t seen) {
+    SeenVertex& u = seen_[seen];
+    for (std::size_t f = 0; f < faces_.size() && u.unsure > 0; ++f) {
+        MeshSigns::Value& value = vertex_values_[seen * faces_.size() + f];
+        if (value.sign != 0) continue;
+        signs_.find_sign(index(plane_[f]), u.place, value);
+        --u.unsure;
+        u.tied |= value.tie;
+        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+    }
 }
 
 // Returns whether the cell lies on one side of the triangle's plane, by more than rounding.
@@ -149,7 +208,7 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     const Vector3 from = minus(mesh_.vertex(triangle.vertex[0]), cell_.seed());
     const double offset = dot(triangle.normal, from);
     double lower = infinity, upper = -infinity, size = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
-    for (const std::int32_t slot : faces_.corners) {
+    for (const std::int32_t slot : slots_) {
         const Vector3 x = cell_.position(slot);
         const double height = dot(triangle.normal, x) - offset;
         const double error =
@@ -160,47 +219,62 @@ bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     return lower > 0 || upper < 0;
 }
 
-// Leaves the polygon in sides_. Returns whether there is one.
+// Leaves the polygon in sides_. Returns whether there is one. Sets face_of_triangle_.
 bool CutCell::clip(const ClosedMesh::Triangle& triangle) {
-    const std::size_t count = faces_.size();
-    for (std::size_t i = 0; i < 3; ++i) places_[i] = signs_.place(mesh_.vertex(triangle.vertex[i]));
-    values_.resize(count);
-    for (std::size_t f = 0; f < count; ++f) {
-        if (plane_[f] < 0) continue;
-        int outside = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            values_[f][i] = signs_.value(index(plane_[f]), places_[i]);
-            outside += values_[f][i].sign > 0 ? 1 : 0;
-        }
-        if (outside == 3) return false;
+    face_of_triangle_ = -1;
+    std::array<std::size_t, 3> seen;
+    for (std::size_t i = 0; i < 3; ++i) seen[i] = see(triangle.vertex[i]);
+    const auto bits = [&](std::size_t i, std::size_t word) { return outside_bits_[seen[i] * words_ + word]; };
+    const auto is_outside = [&] {
+        for (std::size_t word = 0; word < words_; ++word)
+            if ((bits(0, word) & bits(1, word) & bits(2, word)) != 0) return true;
+        return false;
+    };
+    const auto may_lie_on_face = [&] { return seen_[seen[0]].tied && seen_[seen[1]].tied && seen_[seen[2]].tied; };
+    if ((is_outside() && !may_lie_on_face()) || beside(triangle)) return false;
+    for (std::size_t i = 0; i < 3; ++i) {
+        decide(seen[i]);
+        places_[i] = seen_[seen[i]].place;
     }
+    const auto read_values = [&](std::size_t f) {
+        for (std::size_t i = 0; i < 3; ++i) values_[f][i] = vertex_values_[seen[i] * faces_.size() + f];
+    };
+    const auto is_tie = [&](const MeshSigns::Value& value) { return value.tie; };
+    if (may_lie_on_face())
+        for (std::size_t f = 0; f < faces_.size() && face_of_triangle_ < 0; ++f) {
+            read_values(f);
+            if (std::ranges::all_of(values_[f], is_tie)) face_of_triangle_ = static_cast<std::int32_t>(f);
+        }
+    if (is_outside()) return false;
     sides_ = {-1, -2, -3};
-    for (std::size_t f = 0; f < count; ++f) {
-        if (plane_[f] < 0) continue;
-        int outside = 0;
-        for (std::size_t i = 0; i < 3; ++i) {
-            signs_.find_sign(index(plane_[f]), places_[i], values_[f][i]);
-            outside += values_[f][i].sign > 0 ? 1 : 0;
+    for (std::size_t word = 0; word < words_; ++word)
+        for (std::uint64_t cutting = bits(0, word) | bits(1, word) | bits(2, word); cutting != 0;
+             cutting &= cutting - 1) {
+            const std::size_t f = word * word_bits + static_cast<std::size_t>(std::countr_zero(cutting));
+            read_values(f);
+            if (!clip_by(f)) return false;
         }
-        if (outside == 3) return false;
-        if (outside == 0) continue;
-        const std::size_t size = sides_.size();
-        outside_.resize(size);
-        int corners_outside = 0;
-        for (std::size_t i = 0; i < size; ++i) {  // of the corner where side i begins
-            outside_[i] = side({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, f) > 0 ? 1 : 0;
-            corners_outside += outside_[i];
-        }
-        if (corners_outside == 0) continue;
-        if (corners_outside == static_cast<int>(size)) return false;
-        clipped_.clear();
-        for (std::size_t i = 0; i < size; ++i) {
-            const bool from = outside_[i] != 0, to = outside_[i + 1 == size ? 0 : i + 1] != 0;
-            if (!from || !to) clipped_.push_back(sides_[i]);
-            if (!from && to) clipped_.push_back(static_cast<Side>(f));
-        }
-        std::swap(sides_, clipped_);
+    return true;
+}
+
+// Clips the polygon by a face. Returns whether any is left.
+bool CutCell::clip_by(std::size_t f) {
+    const std::size_t size = sides_.size();
+    outside_.resize(size);
+    int corners_outside = 0;
+    for (std::size_t i = 0; i < size; ++i) {  // of the corner where side i begins
+        outside_[i] = side({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, f) > 0 ? 1 : 0;
+        corners_outside += outside_[i];
     }
+    if (corners_outside == 0) return true;
+    if (corners_outside == static_cast<int>(size)) return false;
+    clipped_.clear();
+    for (std::size_t i = 0; i < size; ++i) {
+        const bool from = outside_[i] != 0, to = outside_[i + 1 == size ? 0 : i + 1] != 0;
+        if (!from || !to) clipped_.push_back(sides_[i]);
+        if (!from && to) clipped_.push_back(static_cast<Side>(f));
+    }
+    std::swap(sides_, clipped_);
     return true;
 }
 
@@ -245,7 +319,8 @@ Vector3 CutCell::position(const Corner& corner, const ClosedMesh::Triangle& tria
 
 void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
     const std::size_t size = sides_.size();
-    std::vector<Vector3> corners;
+    std::vector<Vector3>& corners = corners_;
+    corners.clear();
     for (std::size_t i = 0; i < size; ++i)
         corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, triangle));
     Vector3 doubled{};
@@ -254,24 +329,24 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
         add_cone(corners[0], corners[i - 1], corners[i], 1);
     }
     const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
-    out_.surface += area;
+    if (face_of_triangle_ < 0) sum_surface_ += area;
     sum_area_ += area;
-    double perimeter = 0;
     for (const MeshSigns::Place& place : places_)
         for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
-    for (std::size_t i = 0; i < size; ++i) {
-        const Vector3 side = minus(corners[i + 1 == size ? 0 : i + 1], corners[i]);
-        perimeter += length3(side[0], side[1], side[2]);
-    }
     for (std::size_t i = 0; i < size; ++i)
         if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        if (plane_[f] < 0 || !(values_[f][0].tie && values_[f][1].tie && values_[f][2].tie)) continue;
-        const bool in = dot(doubled, unit_[f]) < 0;
-        out_.faces[f].over += in ? area : -area;
-        out_.faces[f].error += perimeter;
-        if (in) out_.faces[f].facing_in += area;
+}
+
+void CutCell::add_on_face() {
+    const std::size_t f = index(face_of_triangle_);
+    OnFace on{face_of_triangle_, {}, values_[f][0].sign < 0, false};
+    for (std::size_t i = 0; i < 3; ++i) {
+        on.corners[i] = minus(places_[i].relative, apex_);
+        for (const double x : places_[i].relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
     }
+    const auto& [u, v, w] = on.corners;
+    on.faces_out = dot(cross(minus(v, u), minus(w, u)), unit_[f]) > 0;
+    on_faces_.push_back(on);
 }
 
 void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
@@ -287,7 +362,7 @@ void CutCell::find_windings() {
     for (std::size_t f = 0; f < faces_.size() && !on_wall; ++f)
         if (plane_[f] < 0) start = faces_.corners[index(faces_.offsets[f])], on_wall = true;
     if (!on_wall)
-        for (const std::int32_t slot : faces_.corners)
+        for (const std::int32_t slot : slots_)
             if (start < 0 || cell_.tolerance(slot) < cell_.tolerance(start)) start = slot;
     out_.winding = on_wall ? 0 : winding_at(start);  // the mesh lies inside of the walls
     if (!out_.meets_surface) return;
@@ -347,15 +422,18 @@ int CutCell::winding_at(std::int32_t slot) {
 }
 
 void CutCell::add_faces() {
-    const auto add_segment = [&](std::int32_t face, const Vector3& from, const Vector3& to, double weight) {
-        const std::size_t f = index(face);
+    has_triangles_.assign(faces_.size(), 0);
+    for (const OnFace& on : on_faces_) has_triangles_[index(on.face)] = 1;
+    const auto add_segment = [&](const Segment& segment) {
+        const std::size_t f = index(segment.face);
         const Vector3& base = base_[f];
-        add_cone(base, from, to, weight);
-        const Vector3 side = minus(to, from);
-        const double area = 0.5 * weight * dot(unit_[f], cross(minus(from, base), side));
+        add_cone(base, segment.from, segment.to, segment.weight);
+        const Vector3 side = minus(segment.to, segment.from);
+        const double area = 0.5 * segment.weight * dot(unit_[f], cross(minus(segment.from, base), side));
         out_.faces[f].area += area;
-        out_.faces[f].error += std::abs(weight) * length3(side[0], side[1], side[2]);
+        out_.faces[f].error += std::abs(segment.weight) * length3(side[0], side[1], side[2]);
         sum_area_ += std::abs(area);
+        if (has_triangles_[f] != 0) outlines_.push_back(segment);
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();
@@ -367,16 +445,55 @@ void CutCell::add_faces() {
         const Vector3 &begin = at_[index(edge.from)], &end = at_[index(edge.to)];
         Vector3 from = begin;
         for (const Crossing& crossing : on_edge_) {
-            const Vector3 to = crossing.at == 1 ? end : between(begin, end, crossing.at);
+            const Vector3 to = between(begin, end, crossing.at);
             if (winding != 0) {
-                add_segment(edge.left, from, to, winding);
-                add_segment(edge.right, to, from, winding);
+                add_segment({edge.left, from, to, winding});
+                add_segment({edge.right, to, from, winding});
             }
             winding += crossing.jump;
             from = to;
         }
     }
-    for (const Segment& segment : segments_) add_segment(segment.face, segment.to, segment.from, 1);
+    for (const Segment& segment : segments_) add_segment({segment.face, segment.to, segment.from});
+    for (CutMeasures::Face& face : out_.faces) face.area = std::abs(face.area);
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+        if (has_triangles_[f] != 0) share_face(static_cast<std::int32_t>(f));
+}
+
+// Sets the area of a face with triangles in its plane: that of places inside the mesh on both sides. Adds the triangles
+// that bound this cell to the surface.
+void CutCell::share_face(std::int32_t face) {
+    enum Layer : std::size_t { whole, inside, triangles, triangles_out };  // inside: beyond the triangles
+    const std::size_t f = index(face);
+    double perimeter = 0;
+    layers_.begin(unit_[f]);
+    for (const Edge& edge : edges_) {
+        if (edge.left != face && edge.right != face) continue;
+        const Vector3 &from = at_[index(edge.from)], &to = at_[index(edge.to)], side = minus(to, from);
+        layers_.add(from, to, whole, edge.left == face ? 1 : -1);
+        perimeter += length3(side[0], side[1], side[2]);
+    }
+    for (const Segment& s : outlines_)
+        if (s.face == face) layers_.add(s.from, s.to, inside, s.weight);
+    int step = 0;  // of the winding number through a triangle that faces out
+    for (const OnFace& on : on_faces_) {
+        if (on.face != face) continue;
+        step = on.in_cell ? 1 : -1;
+        out_.faces[f].error += perimeter;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vector3 &from = on.corners[i], &to = on.corners[(i + 1) % 3];
+            layers_.add(from, to, triangles, 1);
+            if (on.faces_out) layers_.add(from, to, triangles_out, 1);
+        }
+    }
+    double area = 0;
+    layers_.for_each_part([&](double part, const Layers::Counts& count) {
+        if (count[whole] == 0) return;
+        const int one = count[inside], other = one + step * count[triangles];
+        if ((one > 0) == (other > 0)) area += part * std::min(std::abs(one), std::abs(other));
+        sum_surface_ += part * count[triangles_out];
+    });
+    out_.faces[f].area = area;
 }
 
 }  // namespace votess::solid

@@ -1,13 +1,16 @@
 // One cell, clipped by the surface of a mesh.
 //
-// The cell is convex. So a triangle in it is a convex polygon, and a list of its edges describes that: edges of the
-// triangle, and planes of the cell. Clipping it by a plane needs the side of each corner, which MeshSigns decides.
+// The cell is convex, so the part of a triangle in it is a convex polygon. A list of its edges describes it: edges of
+// the triangle, and planes of the cell. Clipping it by a plane needs the side of each corner, which MeshSigns decides.
 // A corner on two planes is where an edge of the cell passes through the mesh. The winding number changes there by one.
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
 // Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
-// cell, weighted by the winding number. Those are sums in turn: of segments of edges, weighted by the winding number
-// beside them, and of the edges that polygons have on that face.
+// cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted by the
+// winding number beside them; and over the edges that polygons have on it.
+//
+// A triangle in the plane of a face bounds one of its two cells, and ties may put it into the other. Such a face is
+// overlaid with its triangles, which gives the winding numbers on both sides of each place.
 #pragma once
 
 #include <array>
@@ -17,7 +20,9 @@
 #include "domain/domain.hpp"
 #include "polytope/cell.hpp"
 #include "solid/closed_mesh.hpp"
+#include "solid/layers.hpp"
 #include "solid/mesh_signs.hpp"
+#include "solid/sum.hpp"
 
 namespace votess::solid {
 
@@ -27,13 +32,11 @@ struct CutMeasures {
     int winding = 0;                      // of a vertex
     double volume = 0, volume_error = 0;  // after ties a bound on its rounding, else 0
     std::array<double, 3> centroid{};     // relative to the seed
-    double surface = 0;                   // area of the mesh in the cell
-    // By face of the cell: its area in the mesh. over: the area of triangles that lie in it, whose normals point into
-    // the cell, less those whose normals point out of it. Ties put these into this cell, but only the others bound it.
+    double surface = 0;                   // area of the mesh in the cell, with the triangles on its faces that bound it
     struct Face {
         std::int32_t id;
-        double area = 0, over = 0, facing_in = 0;
-        double error = 0;  // after ties a bound on the rounding of area - over, else 0
+        double area = 0;   // inside the mesh on both sides, not negative
+        double error = 0;  // after ties a bound on its rounding, else 0
     };
     std::vector<Face> faces;  // bisectors only
 };
@@ -54,6 +57,11 @@ private:
         std::int32_t left, right;  // faces: counterclockwise around the left one
         std::int32_t first = -1;   // crossing
     };
+    // A side of a face, which has no edge yet.
+    struct Half {
+        std::int32_t to, face;
+        std::int32_t next;  // from the same vertex
+    };
     struct Crossing {
         double at;  // from 0 to 1 along the edge
         int jump;   // of the winding number
@@ -67,18 +75,31 @@ private:
     struct Segment {
         std::int32_t face;
         Vector3 from, to;
+        int weight = 1;
+    };
+    // A triangle in the plane of a face. Ties put it into this cell or into the neighbor.
+    struct OnFace {
+        std::int32_t face;
+        std::array<Vector3, 3> corners;
+        bool in_cell, faces_out;
     };
 
     void read_faces();
+    void add_half(std::int32_t from, std::int32_t to, std::int32_t face);
     void find_candidates();
+    [[nodiscard]] std::size_t see(std::int32_t vertex);
+    void decide(std::size_t seen);
     [[nodiscard]] bool clip(const ClosedMesh::Triangle& triangle);
+    [[nodiscard]] bool clip_by(std::size_t face);
     [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
     [[nodiscard]] int side(const Corner& corner, std::size_t face);
     [[nodiscard]] Vector3 position(const Corner& corner, const ClosedMesh::Triangle& triangle);
     void add_polygon(const ClosedMesh::Triangle& triangle);
     void find_windings();
     [[nodiscard]] int winding_at(std::int32_t slot);
+    void add_on_face();
     void add_faces();
+    void share_face(std::int32_t face);
     void add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight);
     [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {
         return edge_between_[static_cast<std::size_t>(left) * faces_.size() + static_cast<std::size_t>(right)];
@@ -97,20 +118,43 @@ private:
     std::vector<Vector3> at_;           // by slot, relative to the apex
     std::vector<int> winding_;          // by slot
     std::vector<bool> known_;           // by slot
+    std::vector<std::int32_t> slots_;   // of vertices
+    std::vector<Half> halves_;
+    std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;
+    std::vector<Vector3> corners_;  // of a polygon
+    std::vector<OnFace> on_faces_;
+    std::vector<std::uint8_t> has_triangles_;  // by face
+    std::vector<Segment> outlines_;            // of the parts in the mesh, on faces with triangles
+    Layers layers_;
     std::vector<std::uint32_t> candidates_;
-    std::vector<std::int32_t> pending_;
+
+    // A vertex of the mesh, seen from all faces. Its values are in vertex_values_. Its outside_bits_ are those of faces
+    // that it lies outside of.
+    struct SeenVertex {
+        std::int32_t vertex;
+        int unsure;         // faces whose sign is unknown
+        bool tied = false;  // a value is 0
+        MeshSigns::Place place;
+    };
+    std::vector<SeenVertex> seen_;
+    std::vector<std::int32_t> seen_table_;  // a hash table of them, -1 where it is free
+    std::vector<MeshSigns::Value> vertex_values_;
+    std::vector<std::uint64_t> outside_bits_;
+    std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
-    double sum_volume_ = 0, sum_area_ = 0;
+    Sum sum_volume_, sum_surface_;
+    double sum_area_ = 0;
     double place_error_ = 0;  // of any position
-    Vector3 sum_moment_{};
+    std::array<Sum, 3> sum_moment_;
 
     // The current triangle.
+    std::int32_t face_of_triangle_ = -1;  // whose plane holds it
     MeshSigns::Places places_;
-    std::vector<MeshSigns::Values> values_;  // by face
+    std::vector<MeshSigns::Values> values_;  // by face, of those that cut it or hold it
     std::vector<Side> sides_, clipped_;
     std::vector<int> outside_;
 };

@@ -9,8 +9,6 @@ namespace votess::solid {
 namespace {
 
 constexpr double unit = 0x1p-53;
-constexpr double value_rounding = 16 * unit;
-constexpr double tiny = 1e-290;  // covers products that underflow
 
 using exact::WideInt;
 
@@ -54,15 +52,6 @@ void MeshSigns::add(const exact::Plane& bisector) {
     b.constant = square + b.power.high;
     b.size = square + std::abs(b.power.high);
     bisectors_.push_back(b);
-}
-
-MeshSigns::Value MeshSigns::value(std::size_t k, const Place& u) const {
-    const Bisector& b = bisectors_[k];
-    const auto& r = u.relative;
-    const double x = b.n[0] * r[0], y = b.n[1] * r[1], z = b.n[2] * r[2];
-    const double error = value_rounding * (2 * (std::abs(x) + std::abs(y) + std::abs(z)) + b.size) + tiny;
-    const double s = 2 * (x + y + z) - b.constant;
-    return {s, error, s > error ? 1 : s < -error ? -1 : 0, false};
 }
 
 void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {

@@ -20,11 +20,14 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "exact/predicate.hpp"
 
 namespace votess::solid {
+
+inline constexpr double tiny = 1e-290;  // covers products that underflow
 
 class MeshSigns {
 public:
@@ -56,7 +59,14 @@ public:
     }
 
     // Returns the value at a vertex, without its sign.
-    [[nodiscard]] Value value(std::size_t k, const Place& u) const;
+    [[nodiscard]] Value value(std::size_t k, const Place& u) const {
+        const Bisector& b = bisectors_[k];
+        const auto& r = u.relative;
+        const double x = b.n[0] * r[0], y = b.n[1] * r[1], z = b.n[2] * r[2];
+        const double error = value_rounding * (2 * (std::abs(x) + std::abs(y) + std::abs(z)) + b.size) + tiny;
+        const double s = 2 * (x + y + z) - b.constant;
+        return {s, error, s > error ? 1 : s < -error ? -1 : 0, false};
+    }
     void find_sign(std::size_t k, const Place& u, Value& value) const;
     // Returns whether the place where the edge of the mesh from A to B crosses bisector a lies outside f: +1 or -1. The
     // signs at A and B of a differ.
@@ -69,6 +79,7 @@ public:
     [[nodiscard]] int upright_determinant(const std::array<std::size_t, 3>& k, const Place& u, const Place& v) const;
 
 private:
+    static constexpr double value_rounding = 16 * 0x1p-53;
     struct Bisector {
         exact::Point q;
         exact::DoubleDouble power;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include "core/arithmetic.hpp"
@@ -15,6 +16,7 @@
 #include "input/options.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
+#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
@@ -62,15 +64,10 @@ Options without_mesh(const Options& options) {
     return in_box;
 }
 
-// Neumaier's sum.
 double sum_of(std::span<const double> values) {
-    double sum = 0, rest = 0;
-    for (const double x : values) {
-        const double next = sum + x;
-        rest += std::abs(sum) >= std::abs(x) ? (sum - next) + x : (x - next) + sum;
-        sum = next;
-    }
-    return sum + rest;
+    Sum sum;
+    for (const double x : values) sum += x;
+    return sum.value();
 }
 
 std::size_t to_index(std::int64_t i) {
@@ -121,6 +118,7 @@ public:
 
 private:
     static constexpr int unknown = std::numeric_limits<int>::min();
+    static constexpr double dropped = -1;  // instead of the area of a face
 
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
         check_others(options);
@@ -165,24 +163,45 @@ private:
         return cell.measure();
     }
 
+    // Returns all rows, sorted by the blocks of a grid around the mesh, because near cells need the same memory.
+    [[nodiscard]] std::vector<std::uint32_t> rows_by_place() const {
+        constexpr double rows_per_block = 8;
+        const double blocks = std::ceil(std::cbrt(static_cast<double>(rows()) / rows_per_block));
+        const auto side = static_cast<std::size_t>(blocks);
+        const Box& box = mesh_.bounds();
+        std::vector<std::uint32_t> block(rows()), begin(side * side * side + 1), order(rows());
+        for (std::size_t r = 0; r < rows(); ++r) {
+            std::size_t at = 0;
+            for (std::size_t k = 3; k-- > 0;) {
+                const double x = points_[3 * to_index(seed_of(r)) + k], lower = box.lower[k];
+                const double share = std::clamp((x - lower) / (box.upper[k] - lower), 0.0, 1.0);
+                at = at * side + std::min(static_cast<std::size_t>(share * blocks), side - 1);
+            }
+            block[r] = static_cast<std::uint32_t>(at);
+            ++begin[at + 1];
+        }
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        for (std::size_t r = 0; r < rows(); ++r) order[begin[block[r]]++] = static_cast<std::uint32_t>(r);
+        return order;
+    }
+
     // Cuts the cells that triangles come near, on all threads. The others are plain.
     void cut_cells() {
         const std::size_t count = rows();
         plain_.assign(count, 0);
         winding_.assign(count, unknown);
-        over_.assign(result_.indices.size(), 0);
-        facing_in_ = error_ = over_;
         empty_.assign(count, 0);
-        areas_.assign(result_.face_areas.begin(), result_.face_areas.end());
         result_.mesh_areas.resize_uninitialized(count);
         std::ranges::fill(result_.mesh_areas, 0.0);
         const double unscale = 1 / job_.scale, square = unscale * unscale;
         ThreadPool pool(options_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
+        const std::vector<std::uint32_t> order = rows_by_place();
         const auto task = [&](std::size_t index, unsigned worker) {
             if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain);
-            for (std::size_t r = index * rows_per_task; r < std::min(count, (index + 1) * rows_per_task); ++r) {
+            for (std::size_t k = index * rows_per_task; k < std::min(count, (index + 1) * rows_per_task); ++k) {
                 check_stop();
+                const std::size_t r = order[k];
                 if (result_.status[r] != CellStatus::certified) continue;
                 const double reach = 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
                 if (!mesh_.any_near(place(seed_of(r)), reach)) {
@@ -202,10 +221,7 @@ private:
                 for (const CutMeasures::Face& face : m.faces) {
                     const std::size_t e = entry(r, face.id);
                     if (e == no_entry) continue;
-                    areas_[e] = std::abs(face.area);
-                    over_[e] = std::max(0.0, face.over);
-                    facing_in_[e] = face.facing_in * square;
-                    error_[e] = face.error;
+                    result_.face_areas[e] = face.area > face.error ? face.area * square : dropped;
                 }
             }
         };
@@ -245,36 +261,35 @@ private:
             empty_[r] = winding_[r] == 0 ? 1 : 0;
             if (winding_[r] == 1) continue;
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
-                areas_[e] *= std::abs(winding_[r]);
+                result_.face_areas[e] *= std::abs(winding_[r]);
         }
     }
 
-    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower. Gives each
-    // triangle on a face to the cell that it bounds.
+    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
-        const std::vector<double> found = areas_;
-        const double square = 1 / job_.scale / job_.scale;
-        kept_.assign(areas_.size(), 0);
+        auto& areas = result_.face_areas;
+        std::vector<std::int64_t> next(result_.indptr.begin(), result_.indptr.end());  // entries of lower seeds
+        const auto find_back = [&](std::size_t other, std::int32_t seed) {
+            const std::int64_t at = next[other];
+            if (at == result_.indptr[other + 1] || result_.indices[to_index(at)] != seed) return entry(other, seed);
+            ++next[other];
+            return to_index(at);
+        };
         for (std::size_t r = 0; r < rows(); ++r)
             for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
                 const std::int64_t other = row_of(neighbor);
-                const std::size_t back = other < 0 ? no_entry : entry(to_index(other), seed);
-                double over = over_[e], error = error_[e];
-                bool empty = empty_[r] != 0, is_whole = plain_[r] != 0, from_back = false;
-                if (back != no_entry) {
-                    const bool other_is_whole = plain_[to_index(other)] != 0;
-                    from_back = is_whole != other_is_whole ? is_whole : neighbor < seed;
-                    is_whole = is_whole && other_is_whole;
-                    over += over_[back];
-                    error += error_[back];
-                    empty = empty || empty_[to_index(other)] != 0;
-                    result_.mesh_areas[r] += facing_in_[back];
-                }
-                result_.mesh_areas[r] -= facing_in_[e];
-                const double area = found[from_back ? back : e] - over;
-                kept_[e] = !empty && (is_whole || area > error) ? 1 : 0;
-                areas_[e] = is_whole ? area : area * square;
+                if (empty_[r] != 0) areas[e] = dropped;
+                if (other < 0) continue;
+                const std::size_t o = to_index(other);
+                if (neighbor < seed) continue;  // that row has set both
+                const std::size_t back = find_back(o, seed);
+                if (back == no_entry) continue;
+                if (empty_[r] != 0 || empty_[o] != 0)
+                    areas[e] = dropped;
+                else if (plain_[r] != 0 && plain_[o] == 0)
+                    areas[e] = areas[back];
+                areas[back] = areas[e];
             }
     }
 
@@ -294,12 +309,13 @@ private:
                         result_.centroids[3 * r + k] = std::numeric_limits<double>::quiet_NaN();
             }
             if (empty) result_.mesh_areas[r] = 0;
-            double surface = std::max(0.0, result_.mesh_areas[r]);
+            double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
-                if (kept_[e] == 0) continue;
-                surface += areas_[e];
+                const double area = result_.face_areas[e];
+                if (area == dropped) continue;
+                surface += area;
                 result_.indices[out] = result_.indices[e];
-                result_.face_areas[out] = areas_[e];
+                result_.face_areas[out] = area;
                 if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
@@ -341,11 +357,8 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
-    std::vector<std::uint8_t> kept_;           // by entry
     std::vector<std::uint8_t> plain_, empty_;  // by row
     std::vector<int> winding_;                 // by row, of plain cells
-    // By entry. Those of cut cells are scaled until measure_rows().
-    std::vector<double> areas_, over_, facing_in_, error_;  // by entry
 };
 
 }  // namespace

@@ -126,6 +126,13 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("mesh: rounding of sums does not grow with the number of triangles") {
+        const Solid ring = test::torus(300, 100);
+        const Coordinates points{0.9, 0, 0, -0.9, 0.1, 0};
+        const Tessellation t = votess::tessellate(points, options_in(ring));
+        CHECK(std::abs(t.stats().volume_sum / t.stats().box_volume - 1) < 5e-16);
+    }
+
     TEST_CASE("mesh: a cuboid has the cells of the box") {
         const votess::Box box{{0, -0.5, 0.25}, {1, 0.75, 2}};
         const Solid solid = test::cuboid({0, -0.5, 0.25}, {1, 0.75, 2});
@@ -202,6 +209,35 @@ TEST_SUITE("cases") {
         }
         options.only = std::span<const std::int64_t>();
         CHECK(votess::tessellate(points, options).size() == 0);
+    }
+
+    TEST_CASE("mesh: the same rows for some cells, where faces lie in the surface") {
+        const Solid unit = test::cuboid(0, 1);
+        const Solid blocks = test::joined(test::joined(unit, test::cuboid({1, 0, 0}, {2, 1, 1})),
+                                          test::cuboid({0.5, 0.5, 1}, {1.5, 1.25, 1.5}));
+        for (const double shift : {0.0, 0.125}) {
+            const Coordinates points = lattice(-0.25 + shift, 1.75 + shift, 0.25);
+            Options options = options_in(blocks);
+            options.box = test::cube(-3, 3);
+            const Tessellation t = votess::tessellate(points, options);
+            CHECK(check_sums(t, blocks) == "");
+            std::vector<std::int64_t> ids(1);
+            for (std::size_t i = 0; i < t.size(); i += 7) {
+                CAPTURE(i);
+                ids[0] = static_cast<std::int64_t>(i);
+                options.only = ids;
+                const Tessellation one = votess::tessellate(points, options);
+                CHECK(std::abs(one.volumes()[0] - t.volumes()[i]) < 1e-14);
+                CHECK(std::abs(one.mesh_areas()[0] - t.mesh_areas()[i]) < 1e-14);
+                CHECK(std::abs(one.surface_areas()[0] - t.surface_areas()[i]) < 1e-14);
+                CHECK(one.status()[0] == t.status()[i]);
+                const auto row = t.neighbors(i);
+                CHECK(std::ranges::equal(one.neighbors(0), row));
+                for (std::size_t k = 0; k < std::min(row.size(), one.face_areas().size()); ++k)
+                    CHECK(std::abs(one.face_areas()[k] - t.face_areas()[static_cast<std::size_t>(t.indptr()[i]) + k]) <
+                          1e-14);
+            }
+        }
     }
 
     TEST_CASE("mesh: far, tiny, thin and crowded") {

@@ -51,10 +51,52 @@ double length(const RationalVector& v) {
     return std::sqrt(mpq_class(dot(v, v)).get_d());
 }
 
+RationalVector opposite(RationalVector v) {
+    for (mpq_class& x : v) x = -x;
+    return v;
+}
+
+struct FacePart {
+    Corners corners;
+    mpq_class inner, outer;
+};
+
+// Cuts a face by the triangles that meet it, if the mesh bounds it from both sides. Else the whole face has the larger
+// winding number on one side.
+std::vector<FacePart> parts_of(const ExactPolygon& face, const std::vector<Corners>& triangles) {
+    std::vector<FacePart> parts{{face.corners, 0, 0}};
+    std::array<bool, 2> bounded{};
+    std::vector<std::pair<RationalVector, mpq_class>> planes;
+    for (const Corners& t : triangles) {
+        const RationalVector normal = cross(minus(t[1], t[0]), minus(t[2], t[0]));
+        const bool lies_on = std::ranges::all_of(t, [&](const auto& x) { return dot(face.n, x) == face.h; });
+        if (lies_on) bounded[dot(face.n, normal) > 0 ? 1 : 0] = true;
+        for (std::size_t k = 0; k < (lies_on ? 3 : 1); ++k) {
+            const RationalVector n = lies_on ? cross(face.n, minus(t[(k + 1) % 3], t[k])) : normal;
+            planes.emplace_back(n, dot(n, t[k]));
+        }
+    }
+    if (!bounded[0] || !bounded[1]) return parts;
+    for (const auto& [n, h] : planes) {
+        std::vector<FacePart> halves;
+        for (const FacePart& part : parts) {
+            std::array<Corners, 2> half{part.corners, part.corners};
+            clip(half[0], n, h);
+            clip(half[1], opposite(n), -h);
+            for (Corners& corners : half)
+                if (dot(doubled_area(corners), face.n) > 0) halves.push_back({std::move(corners), 0, 0});
+        }
+        parts = std::move(halves);
+    }
+    return parts;
+}
+
 Part exact_part(const std::vector<ExactPolygon>& faces, const std::vector<Corners>& triangles) {
     Part part;
     if (faces.empty()) return part;
-    std::vector<mpq_class> inner(faces.size()), outer(faces.size());  // areas seen from both sides, in units of n
+    // By face: parts with one winding number on each side, and their areas there in units of n.
+    std::vector<std::vector<FacePart>> parts;
+    for (const ExactPolygon& face : faces) parts.push_back(parts_of(face, triangles));
     const RationalVector& apex = triangles[0][0];
     for (const Corners& triangle : triangles) {
         const RationalVector normal = cross(minus(triangle[1], triangle[0]), minus(triangle[2], triangle[0]));
@@ -84,30 +126,39 @@ Part exact_part(const std::vector<ExactPolygon>& faces, const std::vector<Corner
             const bool is_beyond = std::ranges::none_of(sides[f], [](int s) { return s < 0; });
             const bool is_before = std::ranges::none_of(sides[f], [](int s) { return s > 0; });
             if ((is_beyond || is_before) && std::ranges::count(sides[f], 0) < 3) continue;
-            Corners polygon = faces[f].corners;
-            for (std::size_t i = 0; i < 4; ++i) {  // the plane across from corner i
-                const RationalVector &a = corners[(i + 1) % 4], &b = corners[(i + 2) % 4], &c = corners[(i + 3) % 4];
-                RationalVector n = cross(minus(b, a), minus(c, a));
-                if (dot(n, minus(corners[i], a)) > 0)
-                    for (mpq_class& x : n) x = -x;
-                clip(polygon, n, dot(n, a));
-            }
-            const mpq_class area = sign * dot(doubled_area(polygon), faces[f].n) / 2;
-            if (!is_beyond) inner[f] += area;
-            if (!is_before) outer[f] += area;
             const bool holds_triangle = sides[f][0] == 0 && sides[f][1] == 0 && sides[f][2] == 0;  // which is counted
-            if (!beyond_any && !holds_triangle) add_cone(part, apex, polygon, sign);
+            for (FacePart& on_face : parts[f]) {
+                Corners polygon = on_face.corners;
+                for (std::size_t i = 0; i < 4; ++i) {  // the plane across from corner i
+                    const RationalVector &a = corners[(i + 1) % 4], &b = corners[(i + 2) % 4],
+                                         &c = corners[(i + 3) % 4];
+                    RationalVector n = cross(minus(b, a), minus(c, a));
+                    if (dot(n, minus(corners[i], a)) > 0) n = opposite(n);
+                    clip(polygon, n, dot(n, a));
+                }
+                const mpq_class area = sign * dot(doubled_area(polygon), faces[f].n) / 2;
+                if (!is_beyond) on_face.inner += area;
+                if (!is_before) on_face.outer += area;
+                if (!beyond_any && !holds_triangle) add_cone(part, apex, polygon, sign);
+            }
         }
     }
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        const mpq_class& area = inner[f] < outer[f] ? inner[f] : outer[f];
+        mpq_class area;
+        for (const FacePart& on_face : parts[f]) area += std::min(on_face.inner, on_face.outer);
         if (area != 0) part.areas[faces[f].face.id] = area.get_d() / length(faces[f].n);
     }
     return part;
 }
 
 // Compares all cells of a run with volumes, centroids, areas and surfaces; "" if they are equal.
-std::string difference(const std::vector<double>& points, const Solid& solid, const Options& options) {
+std::string difference(const std::vector<double>& points, const Solid& solid, std::span<const double> weights = {}) {
+    Options options = test::all_options(test::cube(-2, 2));
+    options.device = "cpu";
+    options.want.counts = false;
+    options.want.surfaces = true;
+    options.mesh = solid.mesh();
+    options.weights = weights;
     const auto t = votess::tessellate(points, options);
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto relative = [&](const double* x) {
@@ -153,6 +204,30 @@ std::string difference(const std::vector<double>& points, const Solid& solid, co
 }  // namespace
 
 TEST_SUITE("oracle") {
+    // The face z = 0.5 lies in the surface. Below it the mesh is on the left, above it on the right.
+    TEST_CASE("cells in meshes: a face that the mesh bounds from both sides") {
+        for (const double middle : {0.25, 0.5, 0.625, 1.0}) {
+            CAPTURE(middle);
+            Solid solid = test::joined(test::cuboid({0, 0, 0}, {0.5, 1, 0.5}),
+                                       test::cuboid({middle, 0, 0.5}, {middle + 0.5, 1, 1}));
+            std::vector<double> points{0.5, 0.5, 0.25, 0.5, 0.5, 0.75};
+            CHECK(difference(points, solid) == "");
+            solid = solid.reversed();  // mirrored, ties put the triangles into the other cell
+            for (auto* coordinates : {&points, &solid.vertices})
+                for (std::size_t i = 2; i < coordinates->size(); i += 3) (*coordinates)[i] *= -1;
+            CHECK(difference(points, solid) == "");
+        }
+    }
+
+    // The mesh touches an edge of cell 1, at its end.
+    TEST_CASE("cells in meshes: a mesh that touches an edge of a cell") {
+        const std::vector<double> points{1.25, 0.875, -0.25, 0.5,   0.875, -0.25, 0.125, 1.25, 0.5,
+                                         0.5,  0.875, 0.875, 0.125, -0.25, 0.125, -0.25, 1.25, -0.25};
+        const Solid solid = test::joined(test::cuboid({0.5, 0.5, 0.375}, {1.125, 0.875, 0.625}),
+                                         test::cuboid({0.375, 0, 0.125}, {0.875, 0.25, 0.375}));
+        CHECK(difference(points, solid) == "");
+    }
+
     TEST_CASE("cells in meshes: rational tetrahedra") {
         test::Random random(43);
         const auto on_grid = [&](double from, double to) {  // ties abound
@@ -173,10 +248,10 @@ TEST_SUITE("oracle") {
             }
         };
         const Solid unit = test::cuboid(0, 1);
-        for (std::size_t number = 0; number < test::by_size(60, 6); ++number) {
+        for (std::size_t number = 0; number < test::by_size(70, 7); ++number) {
             CAPTURE(number);
             Solid solid;
-            switch (number % 6) {
+            switch (number % 7) {
                 case 0:
                     solid = random_tetrahedron();
                     break;
@@ -192,31 +267,35 @@ TEST_SUITE("oracle") {
                 case 4:
                     solid = test::joined(unit, test::cuboid(0.25, 0.75).reversed());
                     break;
+                case 5:  // below and above z = 0.5, where faces of cells lie
+                    for (std::size_t i = 0; i < 4; ++i) {
+                        std::array<double, 3> lower = place(0, 0.5), upper;
+                        for (std::size_t k = 0; k < 2; ++k) upper[k] = lower[k] + on_grid(0.25, 0.75);
+                        lower[2] = i % 2 == 0 ? 0 : 0.5;
+                        upper[2] = lower[2] + 0.5;
+                        const Solid box = test::cuboid(lower, upper);
+                        solid = i == 0 ? box : test::joined(solid, box);
+                    }
+                    break;
                 default:
                     solid = test::joined(unit, random_tetrahedron());
                     break;
             }
             std::vector<double> points;
             std::vector<double> weights;
-            const std::size_t count = 1 + random.below(6);
-            for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t i = 1 + random.below(6); i > 0; --i)
                 for (const double x : place(-0.25, 1.25)) points.push_back(x);
+            if (number % 7 == 5) points.insert(points.end(), {0.375, 0.5, 0.25, 0.375, 0.5, 0.75});
             if (random.chance(0.3))  // no ties
                 for (double& x : points) x += std::ldexp(static_cast<double>(random.below(1024)), -13);
-            Options options = test::all_options(test::cube(-1, 2));
-            options.device = "cpu";
-            options.want.counts = false;
-            options.want.surfaces = true;
-            options.mesh = solid.mesh();
-            if (random.chance(0.4)) {
+            const std::size_t count = points.size() / 3;
+            if (random.chance(0.4))
                 for (std::size_t i = 0; i < count; ++i) weights.push_back(on_grid(0, 0.25));
-                options.weights = weights;
-            }
             bool repeated = false;
             for (std::size_t i = 0; i < count; ++i)
                 for (std::size_t j = 0; j < i; ++j)
                     repeated |= std::equal(&points[3 * i], &points[3 * i] + 3, &points[3 * j]);
-            if (!repeated) CHECK(difference(points, solid, options) == "");
+            if (!repeated) CHECK(difference(points, solid, weights) == "");
         }
     }
 }

@@ -92,6 +92,26 @@ def ply():
         put("ply", name, head.format(name).encode() + content)
 
 
+def meshes():
+    corners = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    faces = [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)]
+    plain = "".join("{} {} {}\n".format(*x) for x in corners)
+    put("off", "plain", "OFF # c\n4 4 6\n" + plain + "".join("3 {} {} {}\n".format(*f) for f in faces))
+    put("off", "colors", "COFF\n\n4 1 0\n" + plain.replace("\n", " 255 0 0 1\n") + "4 0 1 2 3 0.5 0.5 0.5\n")
+    put("obj", "plain", "# c\ng a\n" + "".join("v {} {} {}\n".format(*x) for x in corners) + "vn 0 0 1\nf 1/1/1 3//1 2\nf -4 -3 -1\n")
+    loops = "".join("facet normal 0 0 0\nouter loop\n" + "".join("vertex {} {} {}\n".format(*corners[v]) for v in f) +
+                    "endloop\nendfacet\n" for f in faces)
+    put("stl", "text", "solid a b\n" + loops + "endsolid a b\nsolid\nendsolid\n")
+    put("stl", "binary", b"solid".ljust(80, b"\0") + struct.pack("<I", 4) + b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(x for v in f for x in corners[v]), 0) for f in faces))
+    head = "ply\nformat {} 1.0\nelement face 4\nproperty uchar red\nproperty list uchar int vertex_indices\nelement vertex 4\n" \
+           "property double x\nproperty double y\nproperty double z\nend_header\n"
+    put("ply_mesh", "ascii", head.format("ascii") + "".join("9 3 {} {} {}\n".format(*f) for f in faces) + plain)
+    for name, order in [("binary_little_endian", "<"), ("binary_big_endian", ">")]:
+        put("ply_mesh", name, head.format(name).encode() + b"".join(struct.pack(order + "BB3i", 9, 3, *f) for f in faces) +
+            b"".join(struct.pack(order + "3d", *x) for x in corners))
+
+
 def npy_of(array):
     file = io.BytesIO()
     np.save(file, array)
@@ -177,5 +197,5 @@ def hdf5():
     save("mdtraj", mdtraj)
 
 
-for make in [number, text, atoms, ply, arrays, hdf5]:
+for make in [number, text, atoms, ply, meshes, arrays, hdf5]:
     make()

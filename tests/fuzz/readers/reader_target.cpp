@@ -18,6 +18,7 @@
 #include "files/text_source.hpp"
 #include "read/frames.hpp"
 #include "read/input.hpp"
+#include "read/surface.hpp"
 
 #if VOTESS_FUZZ_HDF5
 #include "files/formats/hdf5_module.hpp"
@@ -232,6 +233,17 @@ void parse_npy(std::string_view bytes) {
     });
 }
 
+using SurfaceParser = Surface (*)(std::string_view, const std::string&);
+template <SurfaceParser parser>
+void parse_surface(std::string_view bytes) {
+    (void)refusal([&] {
+        const Surface surface = parser(bytes, "file");
+        if (surface.vertices.size() % 3 != 0 || surface.triangles.size() % 3 != 0) complain("no whole triangles");
+        for (const std::int32_t v : surface.triangles)
+            if (v < 0 || static_cast<std::size_t>(v) >= surface.vertices.size() / 3) complain("no such vertex");
+    });
+}
+
 // The C library also rounds correctly, and accepts more texts.
 void read_number(std::string_view bytes) {
     const auto value = read_double(bytes);
@@ -267,7 +279,8 @@ const std::map<std::string, Target>& targets() {
         {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
             {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>}, {"lammps_dump", parse_dump},
             {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>}, {"npy", parse_npy},
-            {"npz", parse<parse_npz>},
+            {"npz", parse<parse_npz>}, {"off", parse_surface<parse_off>}, {"obj", parse_surface<parse_obj>},
+            {"stl", parse_surface<parse_stl>}, {"ply_mesh", parse_surface<parse_ply_surface>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif

@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "failure.hpp"
+#include "files/binary_numbers.hpp"
+#include "files/input_file.hpp"
+#include "files/line_reader.hpp"
+#include "interrupt.hpp"
+#include "read/input.hpp"
+#include "read/surface.hpp"
+
+namespace clvotess {
+namespace {
+
+// Takes the words of the next line that holds some before a comment. Returns false at the end.
+bool next_words(LineReader& lines, Words& words) {
+    std::string_view line;
+    do {
+        if (!lines.next_filled(line)) return false;
+        split_words(line.substr(0, line.find('#')), words);
+    } while (words.empty());
+    return true;
+}
+
+void add_vertex_of(const LineReader& lines, std::span<const std::string_view> words, SurfaceBuilder& builder) {
+    if (words.size() < 3) throw lines.error("a vertex has " + std::to_string(words.size()) + " numbers, not x y z");
+    builder.add_vertex(lines.number(words[0]), lines.number(words[1]), lines.number(words[2]));
+}
+
+class OffReader {
+public:
+    OffReader(std::string_view text, const std::string& name) : lines_(text, name), builder_(name) {}
+
+    Surface read() {
+        read_header();
+        if (words_.size() < 2) throw lines_.error("expected: the numbers of vertices and faces");
+        const auto count = [this](std::size_t k, const char* what) {
+            const std::int64_t number = lines_.whole(words_[k], what);
+            if (number < 0) throw lines_.error(in_quotes(words_[k]) + " is negative, which " + what + " cannot be");
+            return number;
+        };
+        const std::int64_t vertices = count(0, "the number of vertices"), faces = count(1, "the number of faces");
+        for (std::int64_t v = 0; v < vertices; ++v) {
+            need_words(v, vertices, "vertices");
+            add_vertex_of(lines_, words_, builder_);
+        }
+        std::vector<std::int64_t> corners;
+        for (std::int64_t f = 0; f < faces; ++f) {
+            need_words(f, faces, "faces");
+            const std::int64_t size = lines_.whole(words_[0], "the number of corners");
+            if (size < 0 || static_cast<std::uint64_t>(size) >= words_.size())  // colors may follow
+                throw lines_.error("a face of " + std::to_string(size) + " corners, but the line lists " +
+                                   std::to_string(words_.size() - 1));
+            corners.clear();
+            for (std::int64_t k = 1; k <= size; ++k)
+                corners.push_back(lines_.whole(words_[static_cast<std::size_t>(k)], "a vertex of a face"));
+            builder_.add_face(corners);
+        }
+        return builder_.finish();
+    }
+
+private:
+    // Leaves the line with the numbers of vertices and faces.
+    void read_header() {
+        const bool any = next_words(lines_, words_);
+        const std::string_view word = any ? words_[0] : std::string_view();
+        const auto at = word.find("OFF");
+        constexpr std::array<std::string_view, 8> kinds{"", "C", "N", "CN", "ST", "STC", "STN", "STCN"};
+        if (at == std::string_view::npos || std::ranges::find(kinds, word.substr(0, at)) == kinds.end())
+            throw bad_input(lines_.name() + ": not an OFF file of three dimensions: it must begin with \"OFF\"");
+        if (words_.size() > 1 && words_[1] == "BINARY")
+            throw bad_input(lines_.name() + ": binary OFF is not read: convert it to .ply");
+        words_[0] = word.substr(at + 3);
+        if (words_[0].empty()) words_.erase(words_.begin());
+        if (words_.empty() && !next_words(lines_, words_))
+            throw bad_input(lines_.name() + ": the file ends after its header");
+    }
+
+    void need_words(std::int64_t done, std::int64_t count, const char* what) {
+        if (!next_words(lines_, words_))
+            throw bad_input(lines_.name() + ": the file ends after " + std::to_string(done) + " of the " +
+                            std::to_string(count) + " " + what + " that it announces");
+    }
+
+    LineReader lines_;
+    SurfaceBuilder builder_;
+    Words words_;
+};
+
+using Place = std::array<double, 3>;
+
+// Unites equal places, which keep the order of their first ones. Both zeros are equal.
+Surface with_shared_vertices(const std::vector<Place>& corners, const std::string& name) {
+    constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+    if (corners.size() > max)
+        throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
+    std::vector<std::int32_t> order(corners.size()), first(corners.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto place = [&](std::int32_t i) -> const Place& { return corners[static_cast<std::size_t>(i)]; };
+    std::ranges::sort(
+        order, [&](std::int32_t i, std::int32_t j) { return place(i) != place(j) ? place(i) < place(j) : i < j; });
+    for (std::size_t k = 0; k < order.size(); ++k)
+        first[static_cast<std::size_t>(order[k])] =
+            k > 0 && place(order[k]) == place(order[k - 1]) ? first[static_cast<std::size_t>(order[k - 1])] : order[k];
+    Surface surface;
+    std::vector<std::int32_t> number(corners.size());
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        if (first[i] == static_cast<std::int32_t>(i)) {
+            number[i] = static_cast<std::int32_t>(surface.vertices.size() / 3);
+            surface.vertices.insert(surface.vertices.end(), corners[i].begin(), corners[i].end());
+        }
+        surface.triangles.push_back(number[static_cast<std::size_t>(first[i])]);
+    }
+    return surface;
+}
+
+std::vector<Place> text_corners(std::string_view text, const std::string& name) {
+    LineReader lines(text, name);
+    Words words;
+    std::vector<Place> corners;
+    std::size_t in_loop = 0;
+    bool open = false;  // after `solid`
+    for (std::string_view line; lines.next_filled(line);) {
+        split_words(line, words);
+        const std::string word = lower_case(words[0]);
+        if (word == "solid" || word == "endsolid") {
+            if (open == (word == "solid")) throw lines.error("\"" + word + "\" at a wrong place");
+            open = !open;
+            continue;
+        }
+        if (!open) throw lines.error("expected: solid");
+        if (word == "vertex") {
+            if (words.size() != 4) throw lines.error("expected: vertex X Y Z");
+            Place& x = corners.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                x[k] = lines.number(words[k + 1]);
+                if (!std::isfinite(x[k])) throw lines.error(in_quotes(words[k + 1]) + " is not finite");
+            }
+            ++in_loop;
+        } else if (word == "endloop") {
+            if (in_loop != 3) throw lines.error("a facet of " + std::to_string(in_loop) + " corners, not 3");
+            in_loop = 0;
+        } else if ((word != "facet" && word != "outer" && word != "endfacet") || in_loop != 0) {
+            throw lines.error("the word " + in_quotes(words[0]) + " is unknown, or at a wrong place");
+        }
+    }
+    if (open) throw bad_input(name + ": the file ends before \"endsolid\"");
+    return corners;
+}
+
+std::vector<Place> binary_corners(std::string_view bytes, const std::string& name) {
+    constexpr std::size_t head = 84, normal = 12, each = 50;
+    if (bytes.size() < head)
+        throw bad_input(name + ": not an STL file: " + std::to_string(bytes.size()) + " bytes, a header has 84");
+    const auto count = load_number<std::uint32_t>(bytes.data() + head - 4, false);
+    if (bytes.size() != head + std::uint64_t{each} * count)
+        throw bad_input(name + ": " + std::to_string(count) + " triangles are announced, which take " +
+                        std::to_string(head + std::uint64_t{each} * count) + " bytes, but the file has " +
+                        std::to_string(bytes.size()));
+    std::vector<Place> corners;
+    corners.reserve(std::size_t{3} * count);
+    for (std::size_t t = 0; t < count; ++t) {
+        constexpr std::size_t triangles_in_a_round = 4096;
+        if (t % triangles_in_a_round == 0) throw_if_interrupted();
+        const char* at = bytes.data() + head + each * t + normal;
+        for (std::size_t corner = 0; corner < 3; ++corner) {
+            Place& x = corners.emplace_back();
+            for (double& number : x) {
+                number = static_cast<double>(load_number<float>(at, false));
+                if (!std::isfinite(number))
+                    throw bad_input(name + ": triangle " + std::to_string(t) + " has a corner that is not finite");
+                at += sizeof(float);
+            }
+        }
+    }
+    return corners;
+}
+
+}  // namespace
+
+std::string SurfaceBuilder::face_text(std::int64_t face) const {
+    return name_ + ": face " + std::to_string(face + first_);
+}
+
+void SurfaceBuilder::add_face(std::span<const std::int64_t> corners) {
+    if (corners.size() < 3)
+        throw bad_input(face_text(faces_) + " has " + std::to_string(corners.size()) + " corners: give at least 3");
+    for (const std::int64_t v : corners) {
+        if (v < 0 || v > std::numeric_limits<std::int32_t>::max())
+            throw bad_input(face_text(faces_) + " names vertex " + std::to_string(v + first_) + ": give numbers from " +
+                            std::to_string(first_) + " on");
+        if (v > max_vertex_) max_vertex_ = v, face_of_max_ = faces_;
+    }
+    for (std::size_t k = 2; k < corners.size(); ++k)
+        for (const std::int64_t v : {corners[0], corners[k - 1], corners[k]})
+            surface_.triangles.push_back(static_cast<std::int32_t>(v));
+    ++faces_;
+}
+
+Surface SurfaceBuilder::finish() {
+    if (max_vertex_ >= vertices())
+        throw bad_input(face_text(face_of_max_) + " names vertex " + std::to_string(max_vertex_ + first_) +
+                        ", but there are " + std::to_string(vertices()));
+    return std::move(surface_);
+}
+
+Surface parse_off(std::string_view text, const std::string& name) {
+    return OffReader(text, name).read();
+}
+
+Surface parse_obj(std::string_view text, const std::string& name) {
+    LineReader lines(text, name);
+    SurfaceBuilder builder(name, 1);
+    std::vector<std::int64_t> corners;
+    for (Words words; next_words(lines, words);) {
+        if (words[0] == "v") add_vertex_of(lines, std::span(words).subspan(1), builder);
+        if (words[0] != "f") continue;  // nothing else is a part of the surface
+        corners.clear();
+        for (const std::string_view word : std::span(words).subspan(1)) {
+            const std::int64_t v = lines.whole(word.substr(0, word.find('/')), "a vertex of a face");
+            if (v < -builder.vertices()) throw lines.error("vertex " + std::to_string(v) + " is before the first");
+            corners.push_back(v < 0 ? builder.vertices() + v : v - 1);  // -1: the last one so far
+        }
+        builder.add_face(corners);
+    }
+    return builder.finish();
+}
+
+Surface parse_stl(std::string_view bytes, const std::string& name) {
+    constexpr std::size_t head = 84;
+    const bool is_text = bytes.starts_with("solid") && bytes.substr(0, head).find('\0') == std::string_view::npos;
+    return with_shared_vertices(is_text ? text_corners(bytes, name) : binary_corners(bytes, name), name);
+}
+
+Surface read_surface(const std::string& path) {
+    struct Format {
+        std::string_view extension;
+        Surface (*parse)(std::string_view, const std::string&);
+    };
+    constexpr std::array<Format, 4> formats{
+        {{".off", parse_off}, {".obj", parse_obj}, {".stl", parse_stl}, {".ply", parse_ply_surface}}};
+    const auto* const format = std::ranges::find(formats, std::string_view(extension_of(path)), &Format::extension);
+    if (format == formats.end())
+        throw bad_input("--mesh " + in_quotes(path) + ": known are .off .obj .stl .ply: convert it, for example with " +
+                        "trimesh, PyVista or Blender");
+    return format->parse(read_whole(path), path);
+}
+
+}  // namespace clvotess

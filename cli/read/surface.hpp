@@ -1,0 +1,54 @@
+// The triangle mesh of --mesh, from .off, .obj, .stl or .ply.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+#include <votess/votess.hpp>
+
+namespace clvotess {
+
+struct Surface {
+    std::vector<double> vertices;         // 3 each
+    std::vector<std::int32_t> triangles;  // 3 vertices each, from 0
+
+    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles}; }
+};
+
+// Takes the vertices and faces of a file, in any order.
+class SurfaceBuilder {
+public:
+    // name: for messages. first: the number of the first vertex and face in the file.
+    explicit SurfaceBuilder(std::string name, std::int64_t first = 0) : name_(std::move(name)), first_(first) {}
+
+    void add_vertex(double x, double y, double z) { surface_.vertices.insert(surface_.vertices.end(), {x, y, z}); }
+    void set_vertices(std::vector<double> vertices) { surface_.vertices = std::move(vertices); }
+    [[nodiscard]] std::int64_t vertices() const { return static_cast<std::int64_t>(surface_.vertices.size() / 3); }
+    // Adds a polygon as triangles around its first corner. Corners are vertices from 0. Throws Failure.
+    void add_face(std::span<const std::int64_t> corners);
+    // Returns the mesh. Throws Failure if a face names a vertex that was not added.
+    [[nodiscard]] Surface finish();
+
+private:
+    [[nodiscard]] std::string face_text(std::int64_t face) const;
+
+    std::string name_;
+    std::int64_t first_;
+    Surface surface_;
+    std::int64_t faces_ = 0;
+    std::int64_t max_vertex_ = -1, face_of_max_ = 0;  // of all faces
+};
+
+// Returns the mesh of a file with one of these extensions. Throws Failure.
+[[nodiscard]] Surface read_surface(const std::string& path);
+
+// The readers of the formats. Messages begin with `name:`, or `name:line:` where there are lines. They throw Failure.
+[[nodiscard]] Surface parse_off(std::string_view text, const std::string& name);
+[[nodiscard]] Surface parse_obj(std::string_view text, const std::string& name);
+// Makes vertices at equal places one, for the format has no indices.
+[[nodiscard]] Surface parse_stl(std::string_view bytes, const std::string& name);
+[[nodiscard]] Surface parse_ply_surface(std::string_view bytes, const std::string& name);
+
+}  // namespace clvotess

@@ -1,0 +1,155 @@
+"""--mesh: a closed triangle mesh as the domain, from each format."""
+
+import struct
+
+import numpy as np
+
+from cli_test import CliTest
+
+CORNERS = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
+FACES = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+TRIANGLES = [(f[0], f[k], f[k + 1]) for f in FACES for k in (1, 2)]
+
+
+def lines(form, rows):
+    return "".join(form.format(*row) + "\n" for row in rows)
+
+
+def ply(kind, faces_first=False):
+    order = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}[kind]
+    vertex = "element vertex 8\nproperty float x\nproperty uchar red\nproperty double y\nproperty double z\n"
+    face = "element face 6\nproperty list uchar float uv\nproperty list uint8 int32 vertex_indices\nproperty short flag\n"
+    head = f"ply\nformat {kind} 1.0\n{face + vertex if faces_first else vertex + face}end_header\n".encode()
+    if order:
+        vertices = b"".join(struct.pack(order + "fBdd", x, 7, y, z) for x, y, z in CORNERS)
+        faces = b"".join(struct.pack(order + "BffB4ih", 2, 0.5, 0.5, 4, *f, -1) for f in FACES)
+    else:
+        vertices = lines("{} 7 {} {}", CORNERS).encode()
+        faces = lines("2 0.5 0.5 4 {} {} {} {} -1", FACES).encode()
+    return head + (faces + vertices if faces_first else vertices + faces)
+
+
+def stl_text(triangles=TRIANGLES):
+    loop = "outer loop\n{}endloop\n"
+    return "solid a cube\n" + "".join("  FACET normal 0 0 0\n" + loop.format(lines("  vertex {} {} {}e0", (CORNERS[v] for v in t)))
+                                      + "endfacet\n" for t in triangles) + "endsolid a cube\n"
+
+
+def stl_binary():
+    return b"solid, but binary".ljust(80, b"\0") + struct.pack("<I", 12) + b"".join(
+        struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in CORNERS[v]), 0) for t in TRIANGLES)
+
+
+OFF = "OFF # a cube\n\n8 6 12\n" + lines("{} {} {}", CORNERS) + lines("4 {} {} {} {}  255 0 0", FACES)
+OBJ = "mtllib a.mtl\no cube\n" + lines("v {} {} {} 1", CORNERS) + "vt 0 0\n" + "usemtl b\n" + \
+    lines("f {}/1 {}/1/2 {}//3 {}", [[v + 1 if v < 4 else v - 8 for v in f] for f in FACES])
+FILES = {"plain.off": OFF, "glued.off": OFF.replace("OFF # a cube\n\n", "OFF"),
+         "colors.off": OFF.replace("OFF", "COFF", 1).replace("\n1 1 1\n", "\n1 1 1 0 255 0 255 # green\n"), "a.obj": OBJ,
+         "text.stl": stl_text(), "dos.STL": stl_text().replace("\n", "\r\n"), "binary.stl": stl_binary(),
+         "ascii.ply": ply("ascii"), "little.ply": ply("binary_little_endian"), "big.ply": ply("binary_big_endian"),
+         "faces_first.ply": ply("ascii", True), "faces_first_too.ply": ply("binary_big_endian", True)}
+
+
+class Mesh(CliTest):
+    def arrays(self, *arguments):
+        self.run_cli(*arguments, "-o", "out.npz", "-q")
+        with np.load(self.folder / "out.npz") as file:
+            return dict(file)
+
+    def test_formats(self):
+        """A cube in each format has the cells of the box."""
+        want = ["--random", 200, "--want", "neighbors,volumes,areas,surfaces"]
+        box = self.arrays(*want, "--box", "0,0,0,1,1,1")
+        for name, content in FILES.items():
+            with self.subTest(name):
+                mesh = self.arrays(*want, "--mesh", self.put(name, content))
+                for array in ["indptr", "indices"]:
+                    np.testing.assert_array_equal(mesh[array], box[array])
+                for array in ["volumes", "face_areas", "surface_areas"]:
+                    np.testing.assert_allclose(mesh[array], box[array], rtol=0, atol=1e-14)
+                self.assertAlmostEqual(mesh["mesh_areas"].sum(), 6, delta=1e-12)
+
+    def test_outputs(self):
+        self.put("a.off", OFF)
+        points = self.put("points.txt", "0.25 0.5 0.5\n0.75 0.5 0.5\n3 0.5 0.5\n")
+        mesh = [points, "--mesh", "a.off"]
+        self.assertEqual(self.rows(*mesh, "--format", "%i %n"), ["0 1", "1 0", "2 "])
+        np.testing.assert_allclose(np.array(self.rows(*mesh, "--format", "%F"), float), [4, 4, 0], rtol=1e-14)
+        self.run_cli(*mesh, "-o", "a.csv", "-o", "a.xyz", "-o", "a.dump", "-q")
+        head, row = (self.folder / "a.csv").read_text().splitlines()[:2]
+        self.assertEqual(head, "id,x,y,z,volume,neighbors")
+        np.testing.assert_allclose(np.array(row.split(","), float), [0, 0.25, 0.5, 0.5, 0.5, 1], rtol=1e-14)
+        self.run_cli(*mesh, "-o", "a.csv", "--want", "surfaces", "-q")
+        head, row = (self.folder / "a.csv").read_text().splitlines()[:2]
+        self.assertEqual(head, "id,x,y,z,surface_area,mesh_area")
+        np.testing.assert_allclose(np.array(row.split(","), float), [0, 0.25, 0.5, 0.5, 4, 3], rtol=1e-14)
+        areas = self.arrays(*mesh, "--only", "1", "--want", "surfaces")["mesh_areas"]
+        np.testing.assert_allclose(areas, [3], rtol=1e-14)
+        summary = self.run_cli(*mesh).stdout
+        self.assertRegex(summary, r"(?m)^mesh          a.off, 12 triangles$")
+        self.assertRegex(summary, r"(?m)^volume sum    1 of the mesh's 1, relative")
+        self.assertRegex(summary, r"(?m)^domain        box .*, not periodic, around points and mesh; default$")
+        found = self.json(*mesh, "--box", "-1,-1,-1,4,2,2")
+        self.assertEqual((found["mesh"], found["triangles"], found["empty_cells"], found["box_volume"]), ("a.off", 12, 1, 1))
+        self.assertEqual((found["domain"]["kind"], found["domain"]["upper"]), ("mesh", [4, 2, 2]))
+
+    def test_replaces_the_domain_of_the_file(self):
+        self.put("a.off", OFF)
+        frame = '2\nLattice="9 0 0 0 9 0 0 0 9" Properties=pos:R:3\n0.25 0.5 0.5\n0.75 0.5 0.5\n'
+        points = self.put("a.xyz", frame + frame.replace("0.75", "1.25"))
+        run = [points, "--mesh", "a.off", "--format", "%v"]
+        np.testing.assert_allclose(np.array(self.rows(*run), float), [0.5, 0.5], rtol=1e-14)
+        volumes = [row for row in self.rows(*run, "--frames", "all") if row[0] != "#"]
+        np.testing.assert_allclose(np.array(volumes, float), [0.5, 0.5, 0.75, 0.25], rtol=1e-14)
+        self.assertIn("a.off, 12 triangles", self.run_cli(points, "--mesh", "a.off", "--frames", "all").stdout)
+        self.refuse(points, "--mesh", "a.off", "--periodic", says="not periodic")
+
+    def test_refusals(self):
+        self.put("a.off", OFF)
+        run = ["--random", 9, "--mesh"]
+        for more, says in [(["-o", "a.vtu"], "polygons"), (["--verify"], "--verify"), (["--image", "a.png"], "--image"),
+                           (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
+                           (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
+                           (["--wall", "1,0,0,1"], "replaces walls"), (["--outside", "keep"], "outside")]:
+            self.refuse(*run, "a.off", *more, says=says)
+        self.refuse(*run, "", says="--mesh is empty")
+        self.refuse(*run, "none.off", says="'none.off'")
+        for name, content, says in [
+                ("a.step", "x", ["'a.step'", ".off .obj .stl .ply"]),
+                ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 and", "close the hole"]),
+                ("b.off", OFF.replace("4 0 4 6 2", "4 2 6 4 0"), "reverse one of them"),
+                ("b.off", OFF.replace("4 0 4 6 2", "4 0 4 6 8"), "face 4 names vertex 8, but there are 8"),
+                ("b.off", OFF.replace("4 0 4 6 2", "4 0 4 6 -1"), "face 4 names vertex -1: give numbers from 0 on"),
+                ("b.off", OFF.replace("4 0 4 6 2", "2 0 4"), "face 4 has 2 corners"),
+                ("b.off", OFF.replace("4 0 4 6 2", "9 0 4 6 2"), "b.off:16: a face of 9 corners, but the line lists 7"),
+                ("b.off", OFF.replace("8 6 12", "9 6 12"), "after 5 of the 6 faces"),
+                ("b.off", OFF.replace("8 6 12", "8 99999999999999 12"), "after 6 of the 99999999999999 faces"),
+                ("b.off", OFF.replace("8 6 12", "-8 6 12"), "'-8' is negative"), ("b.off", "4OFF\n", "three dimensions"),
+                ("b.off", "OFF BINARY\n", ".ply"), ("b.off", "", "begin with"), ("b.off", "OFF\n", "after its header"),
+                ("b.off", OFF.replace("1 1 1\n", "1 1 nan\n"), "vertex 7: z = nan is not finite"),
+                ("b.off", OFF.replace("1 1 1\n", "1 1\n"), "b.off:11: a vertex has 2 numbers"),
+                ("b.obj", OBJ.replace("f 1/1", "f 0/1"), "face 1 names vertex 0: give numbers from 1 on"),
+                ("b.obj", OBJ.replace("f 1/1", "f -9/1"), "vertex -9 is before the first"),
+                ("b.obj", OBJ.replace("f 1/1", "f x/1"), "'x' is not a whole number"), ("b.obj", "g\n", "no triangles"),
+                ("b.stl", stl_text(TRIANGLES[1:]), "close the hole"), ("b.stl", stl_text().replace("endsolid", "#"), "unknown"), ("b.stl", stl_text().split("endsolid")[0], "endsolid"),
+                ("b.stl", stl_text().replace("endloop\n", "vertex 1 2 3\nendloop\n", 1), "a facet of 4 corners"),
+                ("b.stl", stl_text().replace("1e0", "inf"), "'inf' is not finite"), ("b.stl", "solid\nloop\n", "'loop' is unknown"),
+                ("b.stl", stl_binary()[:-1], ["12 triangles are announced, which take 684 bytes", "has 683"]),
+                ("b.stl", stl_binary()[:80] + b"\xff\xff\xff\xff", "4294967295 triangles"), ("b.stl", b"x", "1 bytes"),
+                ("b.ply", ply("ascii").replace(b"element face", b"element fac"), "no element face"),
+                ("b.ply", ply("ascii").replace(b"vertex_indices", b"indices"), "no list vertex_indices"),
+                ("b.ply", ply("ascii").replace(b"face 6", b"face 6666"), "0 of the 6666 elements face"),
+                ("b.ply", ply("ascii").replace(b"0.5 4 0", b"0.5 40 0"), "ends within 'vertex_indices'"),
+                ("b.ply", ply("ascii").replace(b"-1\n", b"-1 3\n"), "more numbers"),
+                ("b.ply", ply("binary_big_endian").replace(b"face 6", b"face 6666666"), "0 of the 6666666 elements face"),
+                ("b.ply", ply("binary_big_endian")[:-1], "5 of the 6 elements face")]:
+            with self.subTest(name=name, says=says):
+                self.refuse(*run, self.put(name, content), says=says)
+
+    def test_files_that_end_early(self):
+        """Each cut file is refused in one line, or is still a mesh."""
+        for name in ["plain.off", "a.obj", "text.stl", "binary.stl", "little.ply", "ascii.ply"]:
+            content = FILES[name] if isinstance(FILES[name], bytes) else FILES[name].encode()
+            for cut in range(0, len(content) - 20, len(content) // 12):
+                with self.subTest(name=name, cut=cut):
+                    self.refuse("--random", 9, "--mesh", self.put(name, content[:cut]))
