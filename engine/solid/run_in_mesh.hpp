@@ -1,15 +1,9 @@
 // A run in a closed triangle mesh.
 #pragma once
 
-#include <functional>
-
-#include "input/job.hpp"
-#include "result/result.hpp"
+#include "input/run_in_box.hpp"
 
 namespace votess::solid {
-
-// Runs points in a box; weights or radii are those of the options.
-using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
 
 // Returns the parts of the cells in options.mesh. Makes the cells in a box around the mesh, on any device. Then the CPU
 // cuts those that triangles come near. The others are inside or outside as a whole: one ray decides for all of them

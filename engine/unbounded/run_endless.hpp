@@ -1,15 +1,9 @@
 // A run in a domain without end.
 #pragma once
 
-#include <functional>
-
-#include "input/job.hpp"
-#include "result/result.hpp"
+#include "input/run_in_box.hpp"
 
 namespace votess {
-
-// Runs points in a box with ends; weights or radii are those of the options.
-using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
 
 // Returns the cells of the points in options.box, some of whose bounds are infinite. Most cells of many points end
 // in near_box(), on any device. The CPU makes the others again in far_box(), among themselves and their near neighbors.

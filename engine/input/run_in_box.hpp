@@ -1,0 +1,14 @@
+// A run as a part of another.
+#pragma once
+
+#include <functional>
+
+#include "input/job.hpp"
+#include "result/result.hpp"
+
+namespace votess {
+
+// Runs points in a box with ends; weights or radii are those of the options. open_walls: see Job.
+using RunInBox = std::function<detail::Result(const Points&, const Options&, unsigned open_walls)>;
+
+}  // namespace votess
