@@ -71,7 +71,7 @@ std::string message(const auto& work) {
 
 TEST_CASE("stream: seeds outside that are kept") {
     test::Scattered s;
-    for (int kind = 0; kind < test::kinds_of_scattered; ++kind) {
+    for (int kind = 0; kind < test::kinds_of_scattered; kind += test::reduced() ? 3 : 1) {
         CAPTURE(kind);
         test::scatter(kind, test::by_size(4000, 2000), 0.2, kind % 2 == 1, 21, s);
         check_stream({"scattered", s.points, s.options.box}, s.options);
@@ -85,7 +85,7 @@ TEST_CASE("stream: the families have the lists of all seeds at once") {
           test::bcc(11), test::fcc(9), test::far_from_origin(3000, 4), test::on_walls(3000, 5),
           test::with_duplicates(2500, 500, 6), test::on_axis_plane(3000, 7), test::on_oblique_line(3000, 8),
           test::near_duplicates(3000, 9), test::reordered(test::clustered(3000, 2), test::Order::reversed)})
-        if (number++ % test::by_size(1, 3) == 0) check_stream(set, stream_options(set));
+        if (number++ % test::by_size(1, 6) == 0) check_stream(set, stream_options(set));
     check_stream({"three", {0.1, 0.2, 0.3, 0.5, 0.5, 0.4, 0.9, 0.1, 0.8}, test::unit_box()},
                  stream_options({"", {}, test::unit_box()}));
     votess::Options options = stream_options({"", {}, test::unit_box()});
@@ -217,6 +217,7 @@ TEST_CASE("stream: pieces and memory of any size, and seeds that come once, give
     const auto whole = votess::tessellate(set.points, options);
     for (const std::size_t piece : {1, 100, 100000})
         for (const std::uint64_t memory : {little, 9 * little, 1000 * little}) {
+            if (test::reduced() && piece != 100) continue;
             CAPTURE(piece);
             CAPTURE(memory);
             const bool once = memory == 9 * little;
@@ -287,7 +288,7 @@ TEST_CASE("stream: log, progress, and stops") {
     CHECK(fractions.back() == 1);
     CHECK(found.result.stats.volume_sum == doctest::Approx(1).epsilon(1e-12));
     // After a stop at any call of progress the run ends with an error.
-    for (std::size_t calls = 0; calls < fractions.size(); calls += test::by_size(2, 9)) {
+    for (std::size_t calls = 0; calls < fractions.size(); calls += test::by_size(2, 19)) {
         std::size_t left = calls;
         options.progress = [&](double) { return left-- > 0; };
         CHECK(message([&] { test::streamed(set.points, options, little); }) == "cancelled by the progress callback");
