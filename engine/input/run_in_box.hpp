@@ -4,7 +4,6 @@
 #include <functional>
 
 #include "input/job.hpp"
-#include "result/result.hpp"
 
 namespace votess {
 

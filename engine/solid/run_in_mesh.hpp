@@ -2,6 +2,7 @@
 #pragma once
 
 #include "input/run_in_box.hpp"
+#include "result/result.hpp"
 
 namespace votess::solid {
 
