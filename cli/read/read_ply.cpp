@@ -91,7 +91,7 @@ public:
 
 private:
     [[nodiscard]] Failure lacks(const char* element) const {
-        return bad_input(lines_.name() + ": there is no element " + element);
+        return bad_input(lines_.name() + ": the header has no element " + element);
     }
 
     void read_header() {

@@ -64,9 +64,6 @@ struct Job {
     std::span<const std::int32_t> row_order;
     // Number of seeds if the points are queries among them; their cells do not form a diagram.
     std::optional<std::int32_t> probes_of;
-    // Walls of the box where cells are open: their measures are infinite, and their centroids NaN. Bit k is wall -1 -
-    // k.
-    unsigned open_walls = 0;
     // Arrays of an earlier run; ResultBuilder::begin() takes their memory. May be null.
     detail::Result* arrays = nullptr;
     // Owner of the points. An engine that needs them no more may call release_pages(). May be null.

@@ -7,7 +7,7 @@
 
 namespace votess {
 
-// Runs points in a box with ends; weights or radii are those of the options. open_walls: see Job.
-using RunInBox = std::function<detail::Result(const Points&, const Options&, unsigned open_walls)>;
+// Runs points in a box with ends; weights or radii are those of the options.
+using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
 
 }  // namespace votess

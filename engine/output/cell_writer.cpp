@@ -45,7 +45,6 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     out_ = &out;
     want_ = job.options.want;
     walls_ = job.options.list_walls;
-    open_walls_ = job.open_walls;
     domain_ = job.domain.get();
     only_ = job.only.get();
     probe_number_ = job.probes_of.value_or(0);
@@ -92,7 +91,7 @@ bool CellWriter::write(Star& star) {
     face_shifts_.clear();
     if (moved_) find_shifts(faces);
     if (ranked_) rank_faces(faces);
-    if (measured_ && !write_open(faces)) {
+    if (measured_) {
         CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
         if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
         face_areas_ = std::span(measures_.areas).first(faces.size());
@@ -140,27 +139,13 @@ void CellWriter::write(Cell& cell) {
     }
     if (moved_) count_from_domain(ids_);
     if (ranked_) rank_faces(ids_);
-    if (measured_ && !write_open(ids_)) measure(cell);
+    if (measured_) measure(cell);
     if (want_.neighbors) write_row();
     if (want_.vertices) {
         read_polygons(cell, faces_, std::span(ranks_).first(ranked_ids_.size()), polygons_);
         write_polygons();
     }
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
-}
-
-bool CellWriter::write_open(std::span<const std::int32_t> faces) {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    constexpr std::int32_t last_of_box = -6;
-    if (open_walls_ == 0 || std::ranges::none_of(faces, [&](std::int32_t id) {
-            return id >= last_of_box && id < 0 && (open_walls_ >> (-1 - id) & 1) != 0;
-        }))
-        return false;
-    if (want_.volumes) out_->volumes()[output_] = infinity;
-    if (want_.centroids) std::fill_n(&out_->centroids()[3 * output_], 3, std::numeric_limits<double>::quiet_NaN());
-    if (want_.surfaces) out_->surface_areas()[output_] = infinity;
-    if (want_.radii) out_->security_radii()[output_] = infinity;
-    return true;
 }
 
 // Measures as the walk does, so that results do not depend on how a cell was found; else from exact corners.

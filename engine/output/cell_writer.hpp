@@ -82,8 +82,6 @@ private:
     void count_from_domain(std::span<const std::int32_t> ids);
     [[nodiscard]] exact::Shift shift_in_domain(std::int32_t id) const;
     [[nodiscard]] exact::Point place() const;
-    // Writes the measures of a cell that is open at one of these walls, if it is. Returns whether it is.
-    bool write_open(std::span<const std::int32_t> faces);
     void measure(const Cell& cell);
     void write_measures();
     void write_counts(std::size_t faces, std::uint32_t edges, std::uint32_t vertices);
@@ -107,7 +105,6 @@ private:
     bool moved_ = false;                            // shifts count from the domain, not from its reduced cell
     Want want_;
     bool walls_ = false, periodic_ = false, placed_ = false, measured_ = false, ranked_ = false;
-    unsigned open_walls_ = 0;                  // see Job
     std::span<const std::int32_t> row_order_;  // see Job
     double unscale_ = 1;
     CellCounters counters_;

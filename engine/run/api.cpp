@@ -182,8 +182,8 @@ detail::Result run_in_space(Engines& engines, const Points& points, const Option
     check_shape(points);
     std::vector<double> copy(points.coordinates());
     for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = points[i];
-    const auto run = [&](const Points& some, const Options& in_box, unsigned open_walls) {
-        return run_on(engines, some, in_box, std::exchange(arrays, {}), open_walls);
+    const auto run = [&](const Points& some, const Options& in_box) {
+        return run_on(engines, some, in_box, std::exchange(arrays, {}));
     };
     return options.mesh ? solid::run_in_mesh({copy, {}}, options, run) : run_endless({copy, {}}, options, run);
 }

@@ -146,8 +146,7 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays,
-                      unsigned open_walls) {
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
     StageClock clock;
     Progress progress(options.progress);
     progress.postpone();  // a refusal of short input comes before any report
@@ -156,7 +155,6 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     check_shape(points);
     Job job = validate(engines.take(points, options.threads), options);
     stoppable.reset();  // an engine has its own
-    job.open_walls = open_walls;
     job.arrays = &arrays;
     job.snapshot = &engines.snapshot();
     detail::Result result;

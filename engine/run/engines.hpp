@@ -39,8 +39,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Checks the input and runs it. arrays: memory of an earlier result to use again. open_walls: see Job; for the CPU.
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {},
-                      unsigned open_walls = 0);
+// Checks the input and runs it. arrays: memory of an earlier result to use again.
+detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
 
 }  // namespace votess

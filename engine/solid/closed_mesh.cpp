@@ -79,17 +79,17 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
                        std::to_string(vertices_.size()) + ": give indices from 0 on");
             include(bounds_, vertex(v));
         }
-    check_closed(given_);
-    find_volume(given_);
+    check_closed();
+    find_volume();
 }
 
 // Each edge must be run along as often in one direction as in the other.
-void ClosedMesh::check_closed(const std::vector<std::array<std::int32_t, 3>>& triangles) const {
+void ClosedMesh::check_closed() const {
     std::vector<Edge> edges;
-    edges.reserve(3 * triangles.size());
-    for (std::size_t t = 0; t < triangles.size(); ++t)
+    edges.reserve(3 * given_.size());
+    for (std::size_t t = 0; t < given_.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::int32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            const std::int32_t a = given_[t][k], b = given_[t][(k + 1) % 3];
             if (a != b) edges.push_back({std::min(a, b), std::max(a, b), static_cast<std::int32_t>(t), a > b});
         }
     check_stop();
@@ -107,7 +107,7 @@ void ClosedMesh::check_closed(const std::vector<std::array<std::int32_t, 3>>& tr
             for (std::size_t j = i + 1; j < end; ++j) {
                 const auto s = static_cast<std::size_t>(edges[i].triangle);
                 const auto t = static_cast<std::size_t>(edges[j].triangle);
-                if (s != t && sorted(triangles[s]) == sorted(triangles[t]) && edges[i].reversed == edges[j].reversed)
+                if (s != t && sorted(given_[s]) == sorted(given_[t]) && edges[i].reversed == edges[j].reversed)
                     refuse("triangles " + std::to_string(s) + " and " + std::to_string(t) +
                            " are the same: remove one of them");
             }
@@ -118,11 +118,11 @@ void ClosedMesh::check_closed(const std::vector<std::array<std::int32_t, 3>>& tr
                    ": reverse one of them, or those around it");
         refuse(between(first) + " belongs to " + std::to_string(end - begin) + " triangles, " +
                std::to_string(std::abs(turns)) +
-               " more in one direction than in the other: remove some, or add those " + "that are missing");
+               " more in one direction than in the other: remove some, or add those that are missing");
     }
 }
 
-void ClosedMesh::find_volume(const std::vector<std::array<std::int32_t, 3>>& triangles) {
+void ClosedMesh::find_volume() {
     exact::Point middle;
     double length = 0;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -134,7 +134,7 @@ void ClosedMesh::find_volume(const std::vector<std::array<std::int32_t, 3>>& tri
     // In units of the length, so that no product leaves the range.
     Sum sum;
     double size = 0;
-    for (const auto& t : triangles) {
+    for (const auto& t : given_) {
         std::array<Vector3, 3> x;
         for (std::size_t i = 0; i < 3; ++i)
             for (std::size_t k = 0; k < 3; ++k) x[i][k] = (vertex(t[i])[k] - middle[k]) / length;

@@ -62,8 +62,8 @@ private:
         return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
                b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
     }
-    void check_closed(const std::vector<std::array<std::int32_t, 3>>& triangles) const;
-    void find_volume(const std::vector<std::array<std::int32_t, 3>>& triangles);
+    void check_closed() const;
+    void find_volume();
     void make_tree();
     void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
                const std::vector<Box>& boxes);

@@ -105,7 +105,7 @@ public:
         in_box.progress = progress_.within({0, 0.5});
         job_ = validate(points_, in_box);
         mesh_.scale_by(job_.scale);
-        result_ = run_(points_, in_box, 0);
+        result_ = run_(points_, in_box);
         const Stoppable stoppable(progress_);
         if (progress_) Stoppable::enter_stage({0.5, 0.95});
         cut_cells();

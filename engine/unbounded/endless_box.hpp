@@ -18,8 +18,6 @@ public:
     [[nodiscard]] bool any() const { return sides_ != 0; }
     // Whether the wall of this id, -1 to -6, is at infinity.
     [[nodiscard]] bool has(std::int32_t id) const { return id >= -6 && id < 0 && (sides_ >> (-1 - id) & 1) != 0; }
-    // Bit k is wall -1 - k.
-    [[nodiscard]] unsigned bits() const { return sides_; }
     // The id of infinity in rows: of the sides that are there, the one nearest to -1.
     [[nodiscard]] std::int32_t id() const;
     // Whether a side of this axis has an end.

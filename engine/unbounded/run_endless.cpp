@@ -87,7 +87,7 @@ private:
         Options options = part(far(points_, weights_), {0, 1});
         options.device = "cpu";  // no device clips so large a box
         options.want.faces |= needs_polygons();
-        Result result = run_(points_, options, 0);
+        Result result = run_(points_, options);
         open_cells(result, *options_.box);
         return result;
     }
@@ -95,7 +95,7 @@ private:
     Result in_both_boxes() {
         Options options = part(near_box(points_, *options_.box), {0, 0.7});
         if (needs_polygons()) options.want.faces = true;
-        Result near = run_(points_, options, 0);
+        Result near = run_(points_, options);
         const EndlessSides sides(options_.box);
         std::vector<bool> taken(points_.count()), needed(points_.count());
         bool some_empty = false;
@@ -132,7 +132,7 @@ private:
             options.want.faces = true;
         else
             options.only = only;
-        Result far = run_({some_points, {}}, options, needs_polygons() ? 0 : sides.bits());
+        Result far = run_({some_points, {}}, options);
         open_cells(far, *options_.box);
         return join_cells(std::move(near), far, options.only ? taken_seeds : seeds, taken, seeds, *options_.box);
     }

@@ -1588,7 +1588,7 @@ void StarWalk<Isa>::collect_near_walls(const Box& home, double reach) {
     }
 }
 
-// Of many walls only the nearest, as most of the others bound other cells. close() then adds those that cut a vertex.
+// Adds only the nearest of many walls, as most of the others bound other cells. close() adds those that cut a vertex.
 template <class Isa>
 bool StarWalk<Isa>::add_near_walls() {
     const double reach = longest_;  // before the walls lengthen it
@@ -1602,9 +1602,7 @@ bool StarWalk<Isa>::add_near_walls() {
         const bool in_reach = 2 * near.distance * scale_ * (1 - margin) < reach;
         if (near.wall < few) {
             if (in_reach && !add_wall(wall)) return false;
-        } else if (!in_reach) {
-            next = std::min(next, near.distance);
-        } else if (near.distance < nearest) {
+        } else if (in_reach && near.distance < nearest) {
             next = std::exchange(nearest, near.distance);
             at = &wall;
         } else {

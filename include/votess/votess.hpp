@@ -89,7 +89,7 @@ struct Wall {
     double offset = 0;
 };
 
-// A closed surface of triangles: the domain is what it encloses. The surface may have several parts, holes through it,
+// A closed surface of triangles, which encloses the domain. The surface may have several parts, holes through it,
 // and parts inside each other, and may intersect itself. Vertices of a triangle are counterclockwise seen from outside.
 // Triangles may have no area.
 struct TriangleMesh {
