@@ -15,6 +15,7 @@
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/votess.hpp>
+#include <votess/zones.hpp>
 
 struct votess_tessellator {
     votess::Tessellator tessellator;
@@ -44,6 +45,10 @@ struct votess_natural {
 struct votess_fit {
     votess::VolumeFit fit;
     bool converged = false;  // false: weights, but no tessellation
+};
+
+struct votess_zones {
+    votess::Zones zones;
 };
 
 namespace votess::c {

@@ -157,6 +157,7 @@ typedef struct votess_hull votess_hull;
 typedef struct votess_diagram votess_diagram;
 typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
+typedef struct votess_zones votess_zones;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -331,6 +332,24 @@ VOTESS_API const double* votess_fit_weights(const votess_fit* fit, size_t* lengt
 VOTESS_API votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats);
 // Sets *out to a new handle of the tessellation, which does not need the fit, or to NULL after a failure.
 VOTESS_API votess_status votess_fit_result(const votess_fit* fit, votess_result** out);
+
+// Zones of a watershed, see watershed() in zones.hpp. values: count numbers, one for each cell of the result. maxima:
+// nonzero for true. On success *out is new, else NULL; the result may be freed afterwards. Arrays as those of a result;
+// orders as in struct Zones.
+VOTESS_API votess_status votess_zones_new(const votess_result* result, const double* values, size_t count,
+                                          int32_t maxima, votess_zones** out);
+// Sets *out to the zones that remain when those of at most this persistence join their parents, or to NULL after a
+// failure; see Zones::merge in zones.hpp.
+VOTESS_API votess_status votess_zones_merge(const votess_zones* zones, double threshold, votess_zones** out);
+VOTESS_API void votess_zones_free(votess_zones* zones);
+VOTESS_API const int32_t* votess_zones_labels(const votess_zones* zones, size_t* length);
+VOTESS_API const int32_t* votess_zones_cores(const votess_zones* zones, size_t* length);
+VOTESS_API const int32_t* votess_zones_pairs(const votess_zones* zones, size_t* length);
+VOTESS_API const double* votess_zones_saddles(const votess_zones* zones, size_t* length);
+VOTESS_API const int32_t* votess_zones_passes(const votess_zones* zones, size_t* length);
+VOTESS_API const int32_t* votess_zones_parents(const votess_zones* zones, size_t* length);
+VOTESS_API const double* votess_zones_persistence(const votess_zones* zones, size_t* length);
+VOTESS_API const uint8_t* votess_zones_at_walls(const votess_zones* zones, size_t* length);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number

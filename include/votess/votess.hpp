@@ -163,8 +163,9 @@ struct Options {
     // that is missing. Infinity has an empty polygon, an infinite area and no normal. In other polygons -1 follows the
     // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
     // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
-    // all functions except tessellate(), verify(), delaunay() and Diagram. Throws `unsupported` where vertices may
-    // leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with weights.
+    // all functions except tessellate(), verify(), delaunay(), watershed() and Diagram. Throws `unsupported` where
+    // vertices may leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with
+    // weights.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
@@ -201,8 +202,8 @@ struct Options {
     // `surface_areas` perimeters and `face_areas` lengths of edges; min_area is a length. Centroids, normals, vertices
     // and shifts have two components. All counts are the number of edges. The corners of a cell, cell_vertex_indices,
     // are counterclockwise; face_vertices holds two for each edge, in that order. Leave z 0 in box, walls and cell, and
-    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only tessellate(), verify() and wrapped_points()
-    // work in two dimensions; other functions throw invalid_argument.
+    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only tessellate(), verify(), watershed() and
+    // wrapped_points() work in two dimensions; other functions throw invalid_argument.
     bool planar = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi

@@ -340,6 +340,17 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_fit_weights": _ARRAY,  # float64
     "votess_fit_get_stats": (c_int, (_HANDLE, POINTER(FitStats))),
     "votess_fit_result": (c_int, (_HANDLE, POINTER(_HANDLE))),
+    "votess_zones_new": (c_int, (_HANDLE, c_void_p, c_size_t, c_int32, POINTER(_HANDLE))),
+    "votess_zones_merge": (c_int, (_HANDLE, c_double, POINTER(_HANDLE))),
+    "votess_zones_free": (None, (_HANDLE,)),
+    "votess_zones_labels": _ARRAY,  # int32
+    "votess_zones_cores": _ARRAY,  # int32
+    "votess_zones_pairs": _ARRAY,  # int32
+    "votess_zones_saddles": _ARRAY,  # float64
+    "votess_zones_passes": _ARRAY,  # int32
+    "votess_zones_parents": _ARRAY,  # int32
+    "votess_zones_persistence": _ARRAY,  # float64
+    "votess_zones_at_walls": _ARRAY,  # uint8
     "votess_verify": (
         c_int,
         (
