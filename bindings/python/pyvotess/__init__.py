@@ -23,6 +23,7 @@ from .stats import StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
+from .zones import Zones
 
 __all__ = [
     "CellStatus",
@@ -49,6 +50,7 @@ __all__ = [
     "VerifyReport",
     "VolumeFit",
     "VotessError",
+    "Zones",
     "__version__",
     "devices",
     "fit_volumes",

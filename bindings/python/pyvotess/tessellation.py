@@ -11,12 +11,14 @@ import numpy as np
 
 from ._c_api import CellStatus, ErrorCode
 from ._call import Handle, VotessError, array_of, raise_on_failure
+from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
 from .mesh import Delaunay, make_delaunay
 from .pairs import Pairs, make_derivatives, make_pairs
 from .stats import VerifyReport, verify
+from .zones import Zones, read_zones
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -91,6 +93,25 @@ class Tessellation(SeedCells):
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
         self._check_whole()
         return make_pairs(self)
+
+    def watershed(self, values: npt.ArrayLike, maxima: bool = False) -> Zones:
+        """Returns the zones of values of the cells, as ZOBOV makes them from densities. Needs "neighbors" in want.
+
+        Steps from each cell lead to its lowest neighbor until they reach a minimum. The cells that reach the same one are a
+        zone. Of equal values that of the lower seed counts as lower, so threads never change the answer.
+
+        values : (N,) numbers. Infinity keeps a cell from being a minimum, unless all of its neighbors have it too. Values
+            of seeds without a cell are ignored.
+        maxima : steps lead to the highest neighbor.
+
+        Raises ValueError for NaN, which names its row, for another number of values, and with ``only``.
+        """
+        self._check_wanted("neighbors")
+        array = as_one_each(values, "values", len(self), "cells")
+        handle = Handle(lib.votess_zones_free)
+        arguments = (array.ctypes.data, len(array), bool(maxima), ctypes.byref(handle.pointer))
+        raise_on_failure(lib.votess_zones_new(self._handle().pointer, *arguments))
+        return read_zones(handle, self.lists_walls, bool(maxima))
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.

@@ -1,0 +1,77 @@
+"""Zones of a watershed over the cells, see :meth:`pyvotess.Tessellation.watershed`."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Dict, Optional
+
+import numpy as np
+
+from ._call import Handle, array_of, raise_on_failure
+from ._library import lib
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    BoolArray = npt.NDArray[np.bool_]
+    Float64Array = npt.NDArray[np.float64]
+    Int32Array = npt.NDArray[np.int32]
+
+
+@dataclass(frozen=True)
+class Zones:
+    """Z zones of N cells, with P pairs of adjacent zones. With ``maxima`` read "highest" for lowest, "falls" for rises."""
+
+    labels: Int32Array  #: (N,) the zone of each cell; -1 for seeds without a cell
+    cores: Int32Array  #: (Z,) seeds, ascending: the minimum of each zone
+    pairs: Int32Array  #: (P, 2) adjacent zones, the lower number first; in the order of ascending saddles
+    saddles: Float64Array  #: (P,) value to which a path from one zone into the other rises at least
+    passes: Int32Array  #: (P, 2) seeds: the neighbors across which that path steps, the higher one first
+    parents: Int32Array  #: (Z,) the zone across the saddle where each ends in the merge tree; -1 if it never ends
+    persistence: Float64Array  #: (Z,) that saddle less the minimum, at least 0; infinity if the zone never ends
+    #: (N,) True for a cell with a wall, and for one that reaches infinity; None unless the rows list walls
+    at_walls: Optional[BoolArray]
+    maxima: bool  #: whether the zones are those of maxima
+    _handle: Optional[Handle] = field(repr=False, compare=False)
+
+    def __len__(self) -> int:
+        """Z, the number of zones."""
+        return len(self.cores)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Zones: {len(self)} zones of {len(self.labels)} cells>"
+
+    def __getstate__(self) -> Dict[str, Any]:
+        """Returns the arrays without the library's object."""
+        return dict(self.__dict__, _handle=None)
+
+    def merge(self, threshold: float) -> Zones:
+        """Returns the zones that remain when each zone with ``persistence <= threshold`` joins its parent.
+
+        ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins what
+        only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
+        """
+        if self._handle is None:
+            raise ValueError("a pickle holds no merge tree of the library: merge the zones that watershed() returned")
+        handle = Handle(lib.votess_zones_free)
+        raise_on_failure(lib.votess_zones_merge(self._handle.pointer, float(threshold), ctypes.byref(handle.pointer)))
+        return read_zones(handle, self.at_walls is not None, self.maxima)
+
+
+def read_zones(handle: Handle, lists_walls: bool, maxima: bool) -> Zones:
+    def array(name: str, dtype: Any, columns: int = 0) -> Any:
+        return array_of(handle, name, dtype, columns, prefix="votess_zones_")
+
+    return Zones(
+        labels=array("labels", np.int32),
+        cores=array("cores", np.int32),
+        pairs=array("pairs", np.int32, 2),
+        saddles=array("saddles", np.float64),
+        passes=array("passes", np.int32, 2),
+        parents=array("parents", np.int32),
+        persistence=array("persistence", np.float64),
+        at_walls=array("at_walls", np.uint8).view(np.bool_) if lists_walls else None,
+        maxima=maxima,
+        _handle=handle,
+    )
