@@ -1,0 +1,120 @@
+"""watershed(): plain code, merging, walls, views and pickles, bad input."""
+
+import copy
+import gc
+import pickle
+import unittest
+
+import numpy as np
+from helpers import UNIT_BOX, cells, lattice, uniform
+
+import pyvotess as vt
+
+
+def plain_labels(t, values, maxima=False):
+    """Returns the seed at the end of the steps from each cell."""
+    height = -values if maxima else values
+    order = np.lexsort((np.arange(len(t)), height))
+    rank = np.argsort(order)
+    ends = np.arange(len(t))
+    for i in order:
+        row = t.neighbors[i]
+        near = np.append(row[row >= 0], i)
+        lowest = near[rank[near].argmin()]
+        ends[i] = i if lowest == i else ends[lowest]
+    return ends
+
+
+class Zones(unittest.TestCase):
+    def test_plain_code(self):
+        points = uniform(400, seed=5)
+        for domain in ({"box": UNIT_BOX}, {"box": UNIT_BOX, "periodic": True}, {"box": "none"}):
+            t = vt.tessellate(points, list_walls=True, **domain)
+            for values in (1 / t.volumes, np.arange(400) % 3, uniform(400, seed=6)[:, 0].astype(np.float32)):
+                for maxima in (False, True):
+                    zones = t.watershed(values, maxima=maxima)
+                    ends = plain_labels(t, np.asarray(values, float), maxima)
+                    np.testing.assert_array_equal(zones.cores[zones.labels], ends)
+                    np.testing.assert_array_equal(zones.cores, np.unique(ends))
+                    self.assertEqual(zones.maxima, maxima)
+                    crossing = zones.labels[zones.passes]
+                    np.testing.assert_array_equal(np.sort(crossing, axis=1), zones.pairs)
+                    np.testing.assert_array_equal(zones.saddles, values[zones.passes[:, 0]])
+                    steps = np.diff(zones.saddles)
+                    self.assertTrue(np.all(steps <= 0 if maxima else steps >= 0))
+                    self.assertEqual(np.sum(zones.parents < 0), 1)
+                    np.testing.assert_array_equal(zones.at_walls, [len(r) > 0 and r[0] < 0 for r in t.neighbors])
+
+    def test_merge(self):
+        t = vt.tessellate(uniform(2000, seed=7), box=UNIT_BOX, periodic=True)
+        values = np.log(1 / t.volumes)
+        zones = t.watershed(values)
+        self.assertIsNone(zones.at_walls)
+        for threshold in (-1, 0.1, 1, np.inf):
+            merged = zones.merge(threshold)
+            kept = (zones.persistence > threshold) | (zones.parents < 0)
+            np.testing.assert_array_equal(merged.cores, zones.cores[kept])
+            np.testing.assert_array_equal(merged.persistence, zones.persistence[kept])
+            root = np.arange(len(zones))
+            while (joins := ~kept[root]).any():
+                root[joins] = zones.parents[root[joins]]
+            np.testing.assert_array_equal(merged.cores[merged.labels], zones.cores[root[zones.labels]])
+        self.assertEqual(len(merged), 1)
+        self.assertEqual(merged.pairs.shape, (0, 2))
+        self.assertEqual(repr(merged), "<pyvotess.Zones: 1 zones of 2000 cells>")
+
+    def test_lattice_is_one_zone_after_merging_ties(self):
+        t = vt.tessellate(lattice(6), box=(0, 0, 0, 6, 6, 6), periodic=True)
+        zones = t.watershed(np.ones(len(t)))
+        self.assertEqual(len(zones.merge(0)), 1)
+
+    def test_seeds_without_a_cell(self):
+        t = cells()
+        values = np.append(uniform(60, seed=8)[:, 0], (np.nan, np.inf))
+        labels = t.watershed(values).labels
+        np.testing.assert_array_equal(labels < 0, np.isin(np.arange(62), (60, 61)))
+        self.assertEqual(len(vt.tessellate(np.empty((0, 3))).watershed([])), 0)
+
+    def test_two_dimensions(self):
+        t = vt.tessellate(uniform(300)[:, :2], box=(0, 0, 1, 1))
+        zones = t.watershed(1 / t.volumes)
+        np.testing.assert_array_equal(zones.cores[zones.labels], plain_labels(t, 1 / t.volumes))
+
+    def test_arrays_live_and_are_read_only(self):
+        labels = vt.tessellate(uniform(3000)).watershed(np.arange(3000)).merge(np.inf).labels
+        gc.collect()
+        self.assertEqual((labels.min(), labels.max(), labels.dtype), (0, 0, np.int32))
+        with self.assertRaises(ValueError):
+            labels[0] = 1
+
+    def test_pickles(self):
+        t = vt.tessellate(uniform(500), list_walls=True)
+        zones = t.watershed(1 / t.volumes)
+        for other in (pickle.loads(pickle.dumps(zones)), copy.deepcopy(zones)):
+            for name in ("labels", "cores", "pairs", "saddles", "passes", "parents", "persistence", "at_walls"):
+                np.testing.assert_array_equal(getattr(other, name), getattr(zones, name), name)
+            self.assertEqual((len(other), other.maxima), (len(zones), False))
+            with self.assertRaisesRegex(ValueError, "pickle"):
+                other.merge(1)
+        again = pickle.loads(pickle.dumps(t)).watershed(1 / t.volumes)
+        np.testing.assert_array_equal(again.labels, zones.labels)
+
+    def test_refusals(self):
+        t = vt.tessellate(uniform(50))
+        values = np.ones(50)
+        values[17] = np.nan
+        for call, message in (
+            (lambda: t.watershed(values), "value of seed 17 is nan"),
+            (lambda: t.watershed(np.ones(49)), r"values has shape \(49,\) for 50 cells"),
+            (lambda: t.watershed(np.ones((50, 2))), "shape"),
+            (lambda: t.watershed(np.ones(50)).merge(np.nan), "threshold is nan"),
+            (lambda: vt.tessellate(uniform(50), only=[1, 2]).watershed([1, 2]), "only"),
+        ):
+            with self.assertRaisesRegex(ValueError, message):
+                call()
+        with self.assertRaisesRegex(AttributeError, "neighbors"):
+            vt.tessellate(uniform(50), want="volumes").watershed(np.ones(50))
+
+
+if __name__ == "__main__":
+    unittest.main()
