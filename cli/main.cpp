@@ -157,6 +157,7 @@ int run(Arguments& arguments) {
     std::vector<double> masses = masses_of(arguments, input);
     merge_masses(tessellation.duplicate_of(), masses);
     fill_density(arguments, masses, tessellation.volumes(), carried);
+    fill_zones(arguments, input, tessellation, carried);
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);

@@ -157,6 +157,11 @@ may hold words; `species` is that of elements or types, whatever its name)",
          R"(write the array `density`: COL divided by the volume. A duplicate adds its
 number to the point that keeps the cell; without a cell density is nan)",
          {.needs = Needs::cells}},
+        {"--watershed COL",
+         R"(write the array `zone`: the number of the minimum of COL that steps to the
+lowest neighbor reach from each cell, -1 without a cell. Minima are numbered
+in the order of the points. `density` is that of --density, if given)",
+         {.needs = Needs::all_cells}},
         {"--duplicates merge|error",
          R"(points of equal coordinates: the lowest index keeps the cell and the others
 get an empty one, or the input is refused)",

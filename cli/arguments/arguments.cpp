@@ -203,6 +203,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     arguments.has_weights = typed.has("--weights") || arguments.has_radii;
     arguments.has_volumes = typed.has("--volumes");
     arguments.has_density = typed.has("--density");
+    arguments.has_zones = typed.has("--watershed");
     if (const std::string* text = typed.value("--tolerance"))
         arguments.fit.tolerance = read_numbers<1>("--tolerance", *text)[0];
     if (const std::string* text = typed.value("--max-steps"))
@@ -213,7 +214,8 @@ void read_source(const Typed& typed, Arguments& arguments) {
     const std::string* copy = typed.value("--copy");
     arguments.read.all_columns = copy && *copy == "all" && !random;  // else refused below
     arguments.read.columns_may_lack = arguments.read.all_columns && arguments.points_alone;
-    for (const std::string option : {"--weights", "--radii", "--volumes", "--density", "--values", "--copy"}) {
+    for (const std::string option :
+         {"--weights", "--radii", "--volumes", "--density", "--watershed", "--values", "--copy"}) {
         const std::string* columns = typed.value(option);
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
         if (random) throw bad_input(option + " goes with INPUT, not with --random");
@@ -222,6 +224,10 @@ void read_source(const Typed& typed, Arguments& arguments) {
             if (column.empty()) throw bad_input(option + " is empty: give the name or number of a column");
             if (option == "--radii" && column == "covalent") {
                 arguments.covalent = arguments.read.species = true;
+                continue;
+            }
+            if (option == "--watershed" && column == "density" && arguments.has_density) {
+                arguments.zones_of_density = true;
                 continue;
             }
             if (option == "--copy") {
@@ -266,12 +272,13 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     for (const std::string& path : arguments.outputs)
         if (is_mesh_output(path)) need_space("output " + in_quotes(path), arguments);
-    if ((typed.has("--copy") || typed.has("--density")) && !typed.has("--image") && !arguments.points_alone &&
+    if ((typed.has("--copy") || typed.has("--density") || arguments.has_zones) && !typed.has("--image") &&
+        !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
-            "--copy and --density need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb or --image: "
-            "add "
-            "-o FILE");
+            "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb "
+            "or "
+            "--image: add -o FILE");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
@@ -455,6 +462,7 @@ Arguments read_arguments(int count, const char* const* values) {
     to_write.min_face = to_write.min_area = 0;  // they imply areas, which a file holds only by --want
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
+    options.want.neighbors |= arguments.has_zones;
     if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
     if (arguments.memory > 0) {
         check_streamed(arguments);

@@ -30,10 +30,11 @@ struct Arguments {
     Surface mesh;                      // once load_mesh() has read it
     bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent
-    // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, then carried columns or field
-    // values.
-    bool has_weights = false, has_radii = false, has_volumes = false, has_density = false;
-    votess::FitOptions fit;  // with --volumes
+    // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, values for --watershed, then
+    // carried columns or field values.
+    bool has_weights = false, has_radii = false, has_volumes = false, has_density = false, has_zones = false;
+    bool zones_of_density = false;  // --watershed density: no column
+    votess::FitOptions fit;         // with --volumes
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 

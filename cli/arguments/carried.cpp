@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <utility>
+#include <votess/zones.hpp>
 
 #include "arguments/elements.hpp"
 #include "failure.hpp"
@@ -12,6 +13,10 @@ namespace {
 
 std::size_t first_mass(const Arguments& arguments) {
     return (arguments.has_weights ? 1 : 0) + (arguments.has_volumes ? 1 : 0);
+}
+
+std::size_t first_value(const Arguments& arguments) {
+    return first_mass(arguments) + (arguments.has_density ? 1 : 0);
 }
 
 }  // namespace
@@ -35,7 +40,7 @@ std::span<const double> targets_of(const Arguments& arguments, const Input& inpu
 }
 
 std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) {
-    const std::size_t named = first_mass(arguments) + (arguments.has_density ? 1 : 0);
+    const std::size_t named = first_value(arguments) + (arguments.has_zones && !arguments.zones_of_density ? 1 : 0);
     std::vector<InputColumn> carried;
     for (std::size_t c = arguments.read.all_columns ? 0 : named; c < input.columns.size(); ++c) {
         if (c < named) {
@@ -44,6 +49,7 @@ std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input) 
             carried.push_back(std::move(input.columns[c]));
         }
     }
+    if (arguments.has_zones) carried.push_back({"zone", 1, {}});
     if (arguments.has_volumes) carried.push_back({"weights", 1, {}});
     if (arguments.has_density) carried.push_back({"density", 1, {}});
     return carried_columns(arguments.outputs, std::move(carried), input.planar());
@@ -71,6 +77,17 @@ void fill_weights(const Arguments& arguments, std::span<const double> weights, s
 void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,
                   std::vector<InputColumn>& carried) {
     if (arguments.has_density) carried.back().values = densities(masses, volumes);
+}
+
+void fill_zones(const Arguments& arguments, const Input& input, const votess::Tessellation& tessellation,
+                std::vector<InputColumn>& carried) {
+    if (!arguments.has_zones) return;
+    const std::span<const double> values = arguments.zones_of_density
+                                               ? std::span<const double>(carried.back().values)
+                                               : one_each(input.columns.at(first_value(arguments)));
+    const auto column = carried.end() - 1 - (arguments.has_volumes ? 1 : 0) - (arguments.has_density ? 1 : 0);
+    const std::vector<std::int32_t> labels = votess::watershed(tessellation, values).labels;
+    column->values.assign(labels.begin(), labels.end());
 }
 
 }  // namespace clvotess

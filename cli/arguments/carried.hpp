@@ -20,8 +20,8 @@ void take_weights(const Arguments& arguments, const Input& input, votess::Option
 // Returns the target volumes of --volumes, a view into the input.
 [[nodiscard]] std::span<const double> targets_of(const Arguments& arguments, const Input& input);
 
-// Moves the carried columns out of the input. With --volumes an empty column `weights` follows, and with --density an
-// empty column of that name comes last.
+// Moves the carried columns out of the input. Empty columns follow: `zone` with --watershed, `weights` with --volumes,
+// and last `density` with that option.
 [[nodiscard]] std::vector<InputColumn> take_carried(const Arguments& arguments, Input& input);
 
 // Returns a copy of the masses of --density; empty without that option.
@@ -44,5 +44,9 @@ void fill_weights(const Arguments& arguments, std::span<const double> weights, s
 // Fills the last column with --density.
 void fill_density(const Arguments& arguments, std::span<const double> masses, std::span<const double> volumes,
                   std::vector<InputColumn>& carried);
+
+// Fills the column `zone` with --watershed, after fill_density().
+void fill_zones(const Arguments& arguments, const Input& input, const votess::Tessellation& tessellation,
+                std::vector<InputColumn>& carried);
 
 }  // namespace clvotess

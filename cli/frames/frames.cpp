@@ -259,15 +259,16 @@ private:
             frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options, arguments_.hull);
             if (arguments_.hull) set_hull(frame.input.points, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
+            std::vector<double> masses = masses_of(arguments_, frame.input);
+            merge_masses(frame.cells.duplicate_of(), masses);
+            fill_density(arguments_, masses, frame.cells.volumes(), frame.carried);
+            fill_zones(arguments_, frame.input, frame.cells, frame.carried);
         } catch (const Failure& failure) {
             throw Failure(failure.code(), "frame " + std::to_string(number) + ": " + failure.what());
         } catch (const votess::Error& error) {
             if (error.code() == votess::ErrorCode::cancelled) throw;
             throw votess::Error(error.code(), "frame " + std::to_string(number) + ": " + error.what());
         }
-        std::vector<double> masses = masses_of(arguments_, frame.input);
-        merge_masses(frame.cells.duplicate_of(), masses);
-        fill_density(arguments_, masses, frame.cells.volumes(), frame.carried);
         add_to_summary(frame, number);
         return frame;
     }

@@ -391,6 +391,40 @@ class Columns(ReaderTest):
         self.refuse("a.npy", "--columns", "1,2,3", says=["--columns", "'a.npy'"])
         self.refuse("--random", "5", "--columns", "1,2,3", says="--columns")
 
+    def test_watershed(self):
+        """`zone` is the number of the minimum that steps to the lowest neighbor reach; here one cell at a time."""
+        points, rng = random_points(60), np.random.default_rng(4)
+        mass, value = rng.random(60) + 0.5, rng.integers(0, 9, 60)
+        rows = [f"{row.replace(' ', ',')},{m!r},{v}\n" for row, m, v in zip(text_of(points).splitlines(), mass.tolist(), value)]
+        self.put("a.csv", "x,y,z,mass,value\n" + "".join(rows + rows[:1]))
+
+        def zones(values, arrays):
+            ends = []
+            for i in range(60):
+                while True:
+                    row = arrays["indices"][arrays["indptr"][i]:arrays["indptr"][i + 1]]
+                    lowest = min([i, *row[row >= 0]], key=lambda j: (values[j], j))
+                    if lowest == i:
+                        break
+                    i = lowest
+                ends.append(i)
+            return [*np.unique(ends, return_inverse=True)[1], -1]
+
+        for more, names in ((("--copy", "value,mass", "--list-walls"), {"value", "mass"}), (("--density", "mass"), {"density"})):
+            got, _ = self.carried("a.csv", "--watershed", "value", *more)
+            self.assertEqual(set(got), {*names, "zone", "duplicate_of"})
+            with np.load(self.folder / "out.npz") as arrays:
+                np.testing.assert_array_equal(got["zone"], zones(value, arrays))
+        got, _ = self.carried("a.csv", "--density", "mass", "--watershed", "density")
+        with np.load(self.folder / "out.npz") as arrays:
+            np.testing.assert_array_equal(got["zone"], zones(got["density"], arrays))
+        self.refuse("a.csv", "--watershed", "density", "-o", "out.npz", says="'density'")
+        self.refuse("a.csv", "--watershed", "value", says="-o FILE")
+        self.refuse("a.csv", "--watershed", "value", "--only", "3", "-o", "out.npz", says="--only")
+        self.refuse("a.csv", "--watershed", "value", "--memory", "1G", "-o", "out.npz", says="--watershed")
+        self.put("b.csv", "x,y,z,value\n0.1,0.2,0.3,1\n0.4,0.5,0.6,nan\n")
+        self.refuse("b.csv", "--watershed", "value", "-o", "out.npz", says="value of seed 1 is nan")
+
     def test_words(self):
         """Named columns may hold words; `species` has other names in other formats."""
         words = [["Cu", "Zr", "Al13+"][i % 3] for i in range(30)]
