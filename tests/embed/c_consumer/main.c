@@ -369,6 +369,35 @@ static void check_fit(void) {
     votess_fit_free(NULL);
 }
 
+static void check_zones(void) {
+    const votess_options options = options_with_box(2);
+    const double values[8] = {1, 4, 5, 6, 7, 8, 3, 2};  // minima at the opposite corners 0 and 7
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+    votess_zones *zones = NULL, *merged = NULL;
+    CHECK_REFUSES(votess_zones_new(result, NULL, 8, 0, &zones), "values");
+    CHECK_REFUSES(votess_zones_new(result, values, 7, 0, &zones), "7 values for 8 seeds");
+    CHECK_REFUSES(votess_zones_new(NULL, values, 8, 0, &zones), "result");
+    CHECK(votess_zones_new(result, values, 8, 0, &zones) == VOTESS_OK);
+    votess_result_free(result);
+    size_t length = 0;
+    const int32_t expected[8] = {0, 0, 0, 1, 0, 1, 1, 1};
+    CHECK(memcmp(votess_zones_labels(zones, &length), expected, sizeof expected) == 0 && length == 8);
+    CHECK(votess_zones_cores(zones, &length)[1] == 7 && length == 2);
+    CHECK(votess_zones_saddles(zones, &length)[0] == 5 && length == 1);
+    CHECK(votess_zones_pairs(zones, &length)[1] == 1 && length == 2);
+    CHECK(votess_zones_passes(zones, &length)[0] == 2 && length == 2);
+    CHECK(votess_zones_parents(zones, NULL)[1] == 0 && votess_zones_persistence(zones, NULL)[1] == 3);
+    CHECK(votess_zones_at_walls(zones, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_zones_merge(zones, NAN, &merged), "threshold");
+    CHECK(merged == NULL && votess_zones_merge(zones, 3, &merged) == VOTESS_OK);
+    votess_zones_free(zones);
+    CHECK(votess_zones_cores(merged, &length)[0] == 0 && length == 1);
+    votess_zones_free(merged);
+    votess_zones_free(NULL);
+    CHECK(votess_zones_labels(NULL, &length) == NULL && length == 0);
+}
+
 #define SEEDS 3000
 
 struct stream {
@@ -453,6 +482,7 @@ int main(void) {
     check_devices();
     check_diagram();
     check_fit();
+    check_zones();
     check_stream();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);
