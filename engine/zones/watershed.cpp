@@ -8,7 +8,6 @@
 #include <tuple>
 #include <vector>
 
-#include "core/text.hpp"
 #include "votess/zones.hpp"
 
 namespace votess {
@@ -84,7 +83,7 @@ void descend(const Tessellation& t, const Order& order, Zones& out) {
         out.labels[i] = static_cast<std::int32_t>(out.cores.size());
         out.cores.push_back(static_cast<std::int32_t>(i));
     }
-    for (const std::int32_t seed : order.seeds)  // what a cell leads to comes before it
+    for (const std::int32_t seed : order.seeds)  // a step leads to a cell that comes before
         if (out.labels[at(seed)] == none) out.labels[at(seed)] = out.labels[at(order.seeds[lowest[at(seed)]])];
 }
 
@@ -159,8 +158,8 @@ std::int32_t root_of(std::vector<std::int32_t>& up, std::int32_t zone) {
 
 // Fills parents and persistence. Zones that have met are a tree whose root has their lowest minimum.
 //
-// The parent is the zone across the saddle, not that root. So a zone touches what it joins. merge() may follow parents
-// in any order, because each zone that met the younger root before has at most its persistence.
+// The parent is the zone across the saddle, not that root: a zone touches its parent. merge() may follow parents in any
+// order. Zones that met the younger root before have at most its persistence.
 void build_tree(const Order& order, std::span<const double> values, Zones& out) {
     out.parents.assign(out.size(), none);
     out.persistence.assign(out.size(), std::numeric_limits<double>::infinity());

@@ -6,8 +6,8 @@
 //
 // Method: zones as in ZOBOV (Neyrinck: ZOBOV: a parameter-free void-finding algorithm, MNRAS 386, 2008). They are
 // joined by persistence (Edelsbrunner, Letscher, Zomorodian: Topological persistence and simplification, Discrete
-// Comput. Geom. 28, 2002). Of equal values that of the lower seed counts as lower. So the answer depends on rows and
-// values alone. It does not depend on the order of the seeds either if no two values are equal.
+// Comput. Geom. 28, 2002). Equal values are ordered by seed: the lower seed counts as lower. So the answer depends on
+// rows and values alone. If no two values are equal, it does not depend on the order of the seeds either.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,7 @@
 
 namespace votess {
 
-// N seeds, Z zones, P pairs of adjacent zones. With `maxima` read "highest" for lowest and "falls" for rises.
+// N seeds, Z zones, P pairs of adjacent zones. If `maxima` is set, read "highest" for lowest and "falls" for rises.
 struct Zones {
     bool maxima = false;
     std::vector<std::int32_t> labels;  // N: the zone of each cell; -1 for seeds without a cell
@@ -37,16 +37,15 @@ struct Zones {
 
     [[nodiscard]] std::size_t size() const noexcept { return cores.size(); }  // Z
     // Returns the zones that remain when each zone of at most this persistence joins its parent. The threshold has the
-    // unit of the values; 0 joins what only equal values divide. Zones keep their persistence. Throws invalid_argument
-    // for NaN.
+    // unit of the values; 0 joins zones that only equal values divide. Zones keep their persistence. Throws
+    // invalid_argument for NaN.
     [[nodiscard]] VOTESS_API Zones merge(double threshold) const;
 };
 
 // Returns the zones of N values, one for each cell. Infinite values are allowed: infinity keeps a cell from being a
-// minimum unless all of its neighbors have it too. Walls are no neighbors. Values of seeds without a cell are ignored.
-// maxima: steps lead to the highest neighbor.
-// Throws invalid_argument for NaN, another number of values, and cells without neighbors in Want, of a subset, of
-// probes.
+// minimum unless all of its neighbors have it too. Walls do not count as neighbors. Values of seeds without a cell are
+// ignored. maxima: steps lead to the highest neighbor. Throws invalid_argument for NaN, another number of values, and
+// cells without neighbors in Want, of a subset, of probes.
 [[nodiscard]] VOTESS_API Zones watershed(const Tessellation& tessellation, std::span<const double> values,
                                          bool maxima = false);
 

@@ -98,7 +98,7 @@ class Tessellation(SeedCells):
         """Returns the zones of values of the cells, as ZOBOV makes them from densities. Needs "neighbors" in want.
 
         Steps from each cell lead to its lowest neighbor until they reach a minimum. The cells that reach the same one are a
-        zone. Of equal values that of the lower seed counts as lower, so threads never change the answer.
+        zone. Equal values are ordered by seed, so threads never change the answer.
 
         values : (N,) numbers. Infinity keeps a cell from being a minimum, unless all of its neighbors have it too. Values
             of seeds without a cell are ignored.

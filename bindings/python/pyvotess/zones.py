@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Zones:
-    """Z zones of N cells, with P pairs of adjacent zones. With ``maxima`` read "highest" for lowest, "falls" for rises."""
+    """Z zones of N cells, with P pairs of adjacent zones. For ``maxima`` read "highest" for lowest, "falls" for rises."""
 
     labels: Int32Array  #: (N,) the zone of each cell; -1 for seeds without a cell
     cores: Int32Array  #: (Z,) seeds, ascending: the minimum of each zone
@@ -49,8 +49,8 @@ class Zones:
     def merge(self, threshold: float) -> Zones:
         """Returns the zones that remain when each zone with ``persistence <= threshold`` joins its parent.
 
-        ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins what
-        only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
+        ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins zones
+        that only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
         """
         if self._handle is None:
             raise ValueError("a pickle holds no merge tree of the library: merge the zones that watershed() returned")
