@@ -159,8 +159,8 @@ number to the point that keeps the cell; without a cell density is nan)",
          {.needs = Needs::cells}},
         {"--watershed COL",
          R"(write the array `zone`: the number of the minimum of COL that steps to the
-lowest neighbor reach from each cell, -1 without a cell. Minima are numbered
-in the order of the points. `density` is that of --density, if given)",
+lowest neighbor reach from each cell; -1 without a cell. Minima are in the
+order of the points. COL may be `density`, if --density is given)",
          {.needs = Needs::all_cells}},
         {"--duplicates merge|error",
          R"(points of equal coordinates: the lowest index keeps the cell and the others
