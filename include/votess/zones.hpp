@@ -19,7 +19,7 @@
 namespace votess {
 
 // N seeds, Z zones, P pairs of adjacent zones. If `maxima` is set, read "highest" for lowest and "falls" for rises.
-struct Zones {
+struct VOTESS_API Zones {
     bool maxima = false;
     std::vector<std::int32_t> labels;  // N: the zone of each cell; -1 for seeds without a cell
     std::vector<std::int32_t> cores;   // Z seeds, ascending: the minimum of each zone
@@ -39,7 +39,7 @@ struct Zones {
     // Returns the zones that remain when each zone of at most this persistence joins its parent. The threshold has the
     // unit of the values; 0 joins zones that only equal values divide. Zones keep their persistence. Throws
     // invalid_argument for NaN.
-    [[nodiscard]] VOTESS_API Zones merge(double threshold) const;
+    [[nodiscard]] Zones merge(double threshold) const;
 };
 
 // Returns the zones of N values, one for each cell. Infinite values are allowed: infinity keeps a cell from being a

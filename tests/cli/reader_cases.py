@@ -424,6 +424,14 @@ class Columns(ReaderTest):
         self.refuse("a.csv", "--watershed", "value", "--memory", "1G", "-o", "out.npz", says="--watershed")
         self.put("b.csv", "x,y,z,value\n0.1,0.2,0.3,1\n0.4,0.5,0.6,nan\n")
         self.refuse("b.csv", "--watershed", "value", "-o", "out.npz", says="value of seed 1 is nan")
+        frames = ["60\n\n" + "".join(f"A {row} {v}\n" for row, v in zip(text_of(points).splitlines(), values)) for values in (value, mass)]
+        self.put("c.xyz", "".join(frames))
+        each = [self.rows("c.xyz", "--frame", frame, "--watershed", "5", "--format", "%i") for frame in "01"]
+        self.assertNotEqual(each[0], each[1])
+        got = self.rows("c.xyz", "--frames", "all", "--watershed", "5", "--format", "%i")
+        self.assertEqual([row for row in got if len(row.split()) == 2 and row[0] != "#"], each[0] + each[1])
+        self.put("c.xyz", frames[0] + "1\n\nA 0.1 0.2 0.3 nan\n")
+        self.refuse("c.xyz", "--frames", "all", "--watershed", "5", "-o", "out.csv", says=["frame 1:", "seed 0 is nan"])
 
     def test_words(self):
         """Named columns may hold words; `species` has other names in other formats."""
