@@ -105,6 +105,7 @@ are counterclockwise. Seeds may lie outside of the mesh. It replaces the
 domain that INPUT states; --box must hold it. Into text without polygons,
 .csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas)",
          {.needs = Needs::all_cells, .solid = true}},
+        {"--mesh-repair merge", R"(make vertices of the mesh at equal places one, as for .stl)", {.with = "--mesh"}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell

@@ -174,6 +174,10 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         if (file->empty()) throw bad_input("--mesh is empty: give the file of a triangle mesh");
         arguments.mesh_file = *file;
     }
+    if (const std::string* repair = typed.value("--mesh-repair")) {
+        if (*repair != "merge") throw bad_input("--mesh-repair is " + in_quotes(*repair) + ": give merge");
+        arguments.mesh.merge = true;
+    }
     const bool bounded = !options.walls.empty() || !arguments.mesh_file.empty();
     if (bounded && typed.has("--random") && !typed.has("--box")) options.box.reset();
 }
@@ -407,7 +411,9 @@ const Option* Arguments::find_needing(std::initializer_list<Needs> needs,
 
 void load_mesh(Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
+    const bool merge = arguments.mesh.merge;
     arguments.mesh = read_surface(arguments.mesh_file);
+    arguments.mesh.merge = arguments.mesh.merge || merge;
     arguments.options.mesh = arguments.mesh.view();
 }
 

@@ -90,37 +90,10 @@ private:
     Words words_;
 };
 
-using Place = std::array<double, 3>;
-
-// Unites equal places, which keep the order of their first ones. Both zeros are equal.
-Surface with_shared_vertices(const std::vector<Place>& corners, const std::string& name) {
-    constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
-    if (corners.size() > max)
-        throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
-    std::vector<std::int32_t> order(corners.size()), first(corners.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto place = [&](std::int32_t i) -> const Place& { return corners[static_cast<std::size_t>(i)]; };
-    std::ranges::sort(
-        order, [&](std::int32_t i, std::int32_t j) { return place(i) != place(j) ? place(i) < place(j) : i < j; });
-    for (std::size_t k = 0; k < order.size(); ++k)
-        first[static_cast<std::size_t>(order[k])] =
-            k > 0 && place(order[k]) == place(order[k - 1]) ? first[static_cast<std::size_t>(order[k - 1])] : order[k];
-    Surface surface;
-    std::vector<std::int32_t> number(corners.size());
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (first[i] == static_cast<std::int32_t>(i)) {
-            number[i] = static_cast<std::int32_t>(surface.vertices.size() / 3);
-            surface.vertices.insert(surface.vertices.end(), corners[i].begin(), corners[i].end());
-        }
-        surface.triangles.push_back(number[static_cast<std::size_t>(first[i])]);
-    }
-    return surface;
-}
-
-std::vector<Place> text_corners(std::string_view text, const std::string& name) {
+std::vector<double> text_corners(std::string_view text, const std::string& name) {
     LineReader lines(text, name);
     Words words;
-    std::vector<Place> corners;
+    std::vector<double> corners;
     std::size_t in_loop = 0;
     bool open = false;  // after `solid`
     for (std::string_view line; lines.next_filled(line);) {
@@ -134,10 +107,9 @@ std::vector<Place> text_corners(std::string_view text, const std::string& name) 
         if (!open) throw lines.error("expected: solid");
         if (word == "vertex") {
             if (words.size() != 4) throw lines.error("expected: vertex X Y Z");
-            Place& x = corners.emplace_back();
-            for (std::size_t k = 0; k < 3; ++k) {
-                x[k] = lines.number(words[k + 1]);
-                if (!std::isfinite(x[k])) throw lines.error(in_quotes(words[k + 1]) + " is not finite");
+            for (const std::string_view text_of_number : std::span(words).subspan(1)) {
+                corners.push_back(lines.number(text_of_number));
+                if (!std::isfinite(corners.back())) throw lines.error(in_quotes(text_of_number) + " is not finite");
             }
             ++in_loop;
         } else if (word == "endloop") {
@@ -151,7 +123,7 @@ std::vector<Place> text_corners(std::string_view text, const std::string& name) 
     return corners;
 }
 
-std::vector<Place> binary_corners(std::string_view bytes, const std::string& name) {
+std::vector<double> binary_corners(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84, normal = 12, each = 50;
     if (bytes.size() < head)
         throw bad_input(name + ": not an STL file: " + std::to_string(bytes.size()) + " bytes, a header has 84");
@@ -160,20 +132,16 @@ std::vector<Place> binary_corners(std::string_view bytes, const std::string& nam
         throw bad_input(name + ": " + std::to_string(count) + " triangles are announced, which take " +
                         std::to_string(head + std::uint64_t{each} * count) + " bytes, but the file has " +
                         std::to_string(bytes.size()));
-    std::vector<Place> corners;
-    corners.reserve(std::size_t{3} * count);
+    std::vector<double> corners;
+    corners.reserve(std::size_t{9} * count);
     for (std::size_t t = 0; t < count; ++t) {
         constexpr std::size_t triangles_in_a_round = 4096;
         if (t % triangles_in_a_round == 0) throw_if_interrupted();
         const char* at = bytes.data() + head + each * t + normal;
-        for (std::size_t corner = 0; corner < 3; ++corner) {
-            Place& x = corners.emplace_back();
-            for (double& number : x) {
-                number = static_cast<double>(load_number<float>(at, false));
-                if (!std::isfinite(number))
-                    throw bad_input(name + ": triangle " + std::to_string(t) + " has a corner that is not finite");
-                at += sizeof(float);
-            }
+        for (std::size_t k = 0; k < 9; ++k, at += sizeof(float)) {
+            corners.push_back(static_cast<double>(load_number<float>(at, false)));
+            if (!std::isfinite(corners.back()))
+                throw bad_input(name + ": triangle " + std::to_string(t) + " has a corner that is not finite");
         }
     }
     return corners;
@@ -232,7 +200,13 @@ Surface parse_obj(std::string_view text, const std::string& name) {
 Surface parse_stl(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84;
     const bool is_text = bytes.starts_with("solid") && bytes.substr(0, head).find('\0') == std::string_view::npos;
-    return with_shared_vertices(is_text ? text_corners(bytes, name) : binary_corners(bytes, name), name);
+    Surface surface{is_text ? text_corners(bytes, name) : binary_corners(bytes, name), {}, true};
+    constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
+    if (surface.vertices.size() / 3 > max)
+        throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
+    surface.triangles.resize(surface.vertices.size() / 3);
+    std::iota(surface.triangles.begin(), surface.triangles.end(), 0);
+    return surface;
 }
 
 Surface read_surface(const std::string& path) {

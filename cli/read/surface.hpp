@@ -13,8 +13,9 @@ namespace clvotess {
 struct Surface {
     std::vector<double> vertices;         // 3 each
     std::vector<std::int32_t> triangles;  // 3 vertices each, from 0
+    bool merge = false;                   // vertices at equal places are one
 
-    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles}; }
+    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles, merge}; }
 };
 
 // Takes the vertices and faces of a file, in any order.
@@ -47,7 +48,7 @@ private:
 // The readers of the formats. Messages begin with `name:`, or `name:line:` where there are lines. They throw Failure.
 [[nodiscard]] Surface parse_off(std::string_view text, const std::string& name);
 [[nodiscard]] Surface parse_obj(std::string_view text, const std::string& name);
-// Makes vertices at equal places one, for the format has no indices.
+// The format has no indices, so each corner is a vertex, and those at equal places are to be one.
 [[nodiscard]] Surface parse_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Surface parse_ply_surface(std::string_view bytes, const std::string& name);
 

@@ -79,8 +79,25 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
                        std::to_string(vertices_.size()) + ": give indices from 0 on");
             include(bounds_, vertex(v));
         }
+    merged_ = given.merge;
+    if (merged_) merge_vertices();
     check_closed();
     find_volume();
+}
+
+// Triangles name the first of all vertices at a place.
+void ClosedMesh::merge_vertices() {
+    const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
+    std::vector<std::int32_t> order(vertices_.size()), first(vertices_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::sort(
+        order, [&](std::int32_t i, std::int32_t j) { return vertex(i) != vertex(j) ? vertex(i) < vertex(j) : i < j; });
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        const bool repeats = k > 0 && vertex(order[k]) == vertex(order[k - 1]);
+        first[index(order[k])] = repeats ? first[index(order[k - 1])] : order[k];
+    }
+    for (auto& triangle : given_)
+        for (std::int32_t& v : triangle) v = first[index(v)];
 }
 
 // Each edge must be run along as often in one direction as in the other.
@@ -102,7 +119,7 @@ void ClosedMesh::check_closed() const {
         if (turns == 0) continue;
         if (end - begin == 1)
             refuse(between(first) + " belongs to triangle " + std::to_string(first.triangle) +
-                   " alone: close the hole, or merge vertices at equal places");
+                   " alone: close the hole" + (merged_ ? "" : ", or merge vertices at equal places"));
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t j = i + 1; j < end; ++j) {
                 const auto s = static_cast<std::size_t>(edges[i].triangle);

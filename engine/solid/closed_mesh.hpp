@@ -62,6 +62,7 @@ private:
         return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
                b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
     }
+    void merge_vertices();
     void check_closed() const;
     void find_volume();
     void make_tree();
@@ -75,6 +76,7 @@ private:
     std::vector<Node> nodes_;
     Box bounds_;
     double volume_ = 0;
+    bool merged_ = false;
 };
 
 }  // namespace votess::solid

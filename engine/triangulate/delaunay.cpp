@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "core/progress.hpp"
+#include "core/scrambled.hpp"
 #include "exact/insphere.hpp"
 
 namespace votess::cpu {
@@ -17,19 +18,11 @@ namespace {
 constexpr std::size_t max_cells_per_seed = 64, max_cells_of_few = 4'000'000;
 constexpr int first_round_bits = 8;
 
-// Finalizer of SplitMix64 (Steele, Lea, Flood 2014): the same order everywhere.
-std::uint64_t scramble(std::uint64_t x) {
-    x += 0x9e3779b97f4a7c15;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-    return x ^ (x >> 31);
-}
-
 // Rounds of twice as many random seeds as before, each in spatial order (Amenta, Choi, Rote, Incremental constructions
 // con BRIO, SoCG 2003). So successive seeds are near each other, yet the inserted seeds are always spread everywhere.
 std::vector<std::int32_t> insertion_order(std::size_t count) {
     const int rounds = std::max(0, static_cast<int>(std::bit_width(count)) - first_round_bits) + 1;
-    auto round_of = [&](std::size_t i) { return rounds - 1 - std::min(rounds - 1, std::countr_zero(scramble(i))); };
+    auto round_of = [&](std::size_t i) { return rounds - 1 - std::min(rounds - 1, std::countr_zero(scrambled(i))); };
     std::vector<std::size_t> begin(static_cast<std::size_t>(rounds) + 1);
     in_pieces(count, [&](std::size_t first, std::size_t end) {
         for (std::size_t i = first; i < end; ++i) ++begin[round_of(i) + 1];

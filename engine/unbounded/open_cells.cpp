@@ -8,6 +8,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "core/scrambled.hpp"
 #include "core/vector3.hpp"
 
 namespace votess {
@@ -255,9 +256,10 @@ public:
         std::vector<bool> far_taken(far_number_.size()), far_other(far_number_.size());
         for (std::size_t k = 0; k < rows.size(); ++k) {
             const std::size_t i = at(rows[k]);
-            for (const std::int32_t v : vertices_of(near, i)) near_key[at(v)] += sign(i);
+            for (const std::int32_t v : vertices_of(near, i))
+                near_key[at(v)] += scrambled(i);  // so that sums of few differ
             for (const std::int32_t v : vertices_of(far, k)) {
-                far_key[at(v)] += sign(i);
+                far_key[at(v)] += scrambled(i);
                 (taken[i] ? far_taken : far_other)[at(v)] = true;
             }
         }
@@ -301,14 +303,6 @@ public:
     }
 
 private:
-    // Pseudo-random (the finalizer of SplitMix64: Steele, Lea, Flood 2014), so that sums of few differ.
-    static std::uint64_t sign(std::size_t i) {
-        std::uint64_t x = (i + 1) * 0x9e3779b97f4a7c15;
-        x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
-        x = (x ^ x >> 27) * 0x94d049bb133111eb;
-        return x ^ x >> 31;
-    }
-
     std::vector<std::int32_t> near_number_, far_number_;  // -1: not in the joined result
     std::vector<std::int32_t> new_vertices_;              // of `far`, in the order of their numbers
     std::int32_t count_ = 0;

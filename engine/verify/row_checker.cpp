@@ -4,19 +4,12 @@
 #include <cmath>
 #include <tuple>
 
+#include "core/scrambled.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 
 namespace votess {
 namespace {
-
-// splitmix64 (Steele, Lea, Flood 2014): the same on all machines.
-std::uint64_t mixed(std::uint64_t x) {
-    std::uint64_t z = x + 0x9e3779b97f4a7c15ull;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-    return z ^ (z >> 31);
-}
 
 // An entry of a row: seed i lists j.
 struct Entry {
@@ -46,10 +39,10 @@ void add(std::array<std::uint64_t, 2>& sums, const Entry& entry) {
     const std::uint64_t tags = static_cast<std::uint64_t>(first.tag_i) << 32 | static_cast<std::uint32_t>(first.tag_j);
     constexpr std::array<std::uint64_t, 2> starts{0x243f6a8885a308d3, 0x13198a2e03707344};  // digits of pi
     for (std::size_t s = 0; s < sums.size(); ++s) {
-        std::uint64_t h = mixed(starts[s] + static_cast<std::uint64_t>(first.i));
-        h = mixed(h + static_cast<std::uint64_t>(first.j));
-        h = mixed(h + shift);
-        h = mixed(h + tags);
+        std::uint64_t h = scrambled(starts[s] + static_cast<std::uint64_t>(first.i));
+        h = scrambled(h + static_cast<std::uint64_t>(first.j));
+        h = scrambled(h + shift);
+        h = scrambled(h + tags);
         sums[s] += adds ? h : -h;
     }
 }
@@ -177,7 +170,7 @@ void RowChecker::take_row(const StreamRows& rows, std::size_t k, std::int64_t id
 }
 
 void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
-    const std::uint64_t key = mixed(mixed(sample_.rng_seed) + static_cast<std::uint64_t>(id));
+    const std::uint64_t key = scrambled(scrambled(sample_.rng_seed) + static_cast<std::uint64_t>(id));
     if (kept_.size() == sample_.max_cells) {
         if (sample_.max_cells == 0 || key >= kept_.front().key) return;
         std::ranges::pop_heap(kept_, before);
@@ -271,7 +264,7 @@ std::string RowChecker::check_symmetry(std::size_t ranks) {
                         const Entry one = entry_of(id_of(rows, k, names), face_at(rows, entry), entry, names);
                         const auto [low, high] = std::minmax(one.i, one.j);
                         const std::uint64_t h =
-                            mixed(mixed(static_cast<std::uint64_t>(low)) + static_cast<std::uint64_t>(high));
+                            scrambled(scrambled(static_cast<std::uint64_t>(low)) + static_cast<std::uint64_t>(high));
                         if (one.j >= 0 && h % parts == part) to[h / parts % ranks].push_back(one);
                     }
             });

@@ -133,6 +133,7 @@ typedef struct votess_options {
     const double* mesh_vertices;  // 3 * mesh_vertex_count
     uint64_t mesh_triangle_count;
     const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
+    int32_t mesh_merge;             // nonzero: vertices at equal places are one
 } votess_options;
 
 // The fields of Stats in votess.hpp.

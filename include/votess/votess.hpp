@@ -95,6 +95,7 @@ struct Wall {
 struct TriangleMesh {
     std::span<const double> vertices;         // 3V coordinates
     std::span<const std::int32_t> triangles;  // 3T indices of vertices
+    bool merge = false;                       // vertices at equal places are one; both zeros are equal
 };
 
 // Return walls around round bodies: polyhedra of planes that touch the body, and so enclose it. Throw invalid_argument

@@ -275,6 +275,15 @@ uint list_vertices() {
     return listed;
 }
 
+// Gives each lane its planes, each a set of its own.
+void take_planes(out PlaneSet own[planes_of_lane], out PlaneSet ends[planes_of_lane]) {
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint mine = uint(i * lanes) + lane;
+        own[i] = mine < max_planes ? set_of(mine) : no_planes;
+        ends[i] = no_planes;
+    }
+}
+
 // Adds four sets of KILLED to the symmetric differences of the planes that are in them.
 void add_killed(uint first, PlaneSet own[planes_of_lane], inout PlaneSet ends[planes_of_lane]) {
     [[unroll]] for (uint k = 0u; k < 4u; ++k) {
@@ -284,35 +293,40 @@ void add_killed(uint first, PlaneSet own[planes_of_lane], inout PlaneSet ends[pl
     }
 }
 
+// Lists the sets of planes of killed vertices, at most one a lane, and adds them.
+void add_killed_of(bool is_killed, uint planes, PlaneSet own[planes_of_lane], inout PlaneSet ends[planes_of_lane]) {
+    uint length;
+    const uint at = rank_among(is_killed, length), end = max((length + 3u) & ~3u, 4u);
+    if (is_killed) put_killed(at, set_of_vertex(planes));
+    if (length + lane < end) put_killed(length + lane, no_planes);
+    share();
+    add_killed(0u, own, ends);
+    if (end > 4u)  // rare
+        for (uint first = 4u; alike(first < end); first += 4u) add_killed(first, own, ends);
+}
+
 // Removes the killed vertices and writes the edges of the horizon to HORIZON: two planes each, 16 bits apart. Returns
 // their number. The killed vertices on a plane are a chain along its face, and each edge within the chain joins two of
 // them. So in the symmetric difference of their sets the plane's two neighbors on the horizon remain. The lower plane
 // of an edge writes it.
 uint find_horizon() {
     PlaneSet own[planes_of_lane], ends[planes_of_lane];
-    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
-        const uint mine = uint(i * lanes) + lane;
-        own[i] = mine < max_planes ? set_of(mine) : no_planes;
-        ends[i] = no_planes;
-    }
-    [[unroll]] for (int s = 0; s < slots; ++s)
-        if (s == 0 || any_lane(killed[s])) {                 // rare except in the first slot
-            if (s > 0 || killed_overlap_horizon) share();  // the sets replace others, or edges
-            uint length;
-            const uint at = rank_among(killed[s], length), end = max((length + 3u) & ~3u, 4u);
-            if (killed[s]) put_killed(at, set_of_vertex(vertex_planes[s]));
-            if (length + lane < end) put_killed(length + lane, no_planes);
-            const real kept = killed[s] ? real(0) : real(1);
-            vertex_x[s] *= kept;
-            vertex_y[s] *= kept;
-            vertex_z[s] *= kept;
-            vertex_error[s] *= kept;
-            vertex_planes[s] = killed[s] ? 0u : vertex_planes[s];
-            share();
-            add_killed(0u, own, ends);
-            if (end > 4u)  // rare
-                for (uint first = 4u; first < end; first += 4u) add_killed(first, own, ends);
+    take_planes(own, ends);
+    if (killed_overlap_horizon) share();  // the sets replace edges
+    add_killed_of(killed[0], vertex_planes[0], own, ends);
+    [[unroll]] for (int s = 1; s < slots; ++s)
+        if (any_lane(killed[s])) {  // rare
+            share();                // the sets replace others
+            add_killed_of(killed[s], vertex_planes[s], own, ends);
         }
+    [[unroll]] for (int s = 0; s < slots; ++s) {
+        const real kept = killed[s] ? real(0) : real(1);
+        vertex_x[s] *= kept;
+        vertex_y[s] *= kept;
+        vertex_z[s] *= kept;
+        vertex_error[s] *= kept;
+        vertex_planes[s] = killed[s] ? 0u : vertex_planes[s];
+    }
     if (killed_overlap_horizon) share();
     uint count = 0u;
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {

@@ -276,6 +276,32 @@ TEST_SUITE("cases") {
         CHECK(votess::tessellate(Coordinates{}, options_in(odd)).size() == 0);
     }
 
+    TEST_CASE("mesh: vertices at equal places are one on demand") {
+        const Solid unit = test::cuboid(0, 1);
+        Solid corners;  // each triangle has vertices of its own
+        for (const std::int32_t v : unit.triangles) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double x = unit.vertices[3 * static_cast<std::size_t>(v) + k];
+                corners.vertices.push_back(x == 0 && corners.triangles.size() % 2 == 0 ? -0.0 : x);
+            }
+            corners.triangles.push_back(static_cast<std::int32_t>(corners.triangles.size()));
+        }
+        const Coordinates points = random_seeds(50, 0.1, 0.9, 2);
+        Options options = options_in(corners);
+        CHECK(test::has(test::refusal(points, options), "merge vertices at equal places"));
+        options.mesh->merge = true;
+        const Tessellation ours = votess::tessellate(points, options),
+                           plain = votess::tessellate(points, options_in(unit));
+        CHECK(std::ranges::equal(ours.indices(), plain.indices()));
+        for (std::size_t i = 0; i < points.size() / 3; ++i)
+            CHECK(ours.volumes()[i] == doctest::Approx(plain.volumes()[i]).epsilon(1e-13));
+        corners.triangles.erase(corners.triangles.begin(), corners.triangles.begin() + 3);
+        options.mesh->triangles = corners.triangles;
+        const std::string message = test::refusal(points, options);
+        CHECK(test::has(message, "close the hole"));
+        CHECK_FALSE(test::has(message, "merge"));
+    }
+
     TEST_CASE("mesh: refusals name the first edge, triangle or vertex") {
         const Coordinates points = random_seeds(5, 0.1, 0.9, 1);
         const Solid unit = test::cuboid(0, 1);

@@ -69,6 +69,17 @@ class Mesh(CliTest):
                     np.testing.assert_allclose(mesh[array], box[array], rtol=0, atol=1e-14)
                 self.assertAlmostEqual(mesh["mesh_areas"].sum(), 6, delta=1e-12)
 
+    def test_repair(self):
+        """Triangles with vertices of their own are a cube once these are merged, as an .stl is."""
+        content = f"OFF\n36 12 0\n{lines('{} {} {}', (CORNERS[v] for t in TRIANGLES for v in t))}" + \
+            lines("3 {} {} {}", [range(3 * t, 3 * t + 3) for t in range(12)])
+        run = ["--random", 50, "--want", "neighbors,volumes", "--mesh"]
+        self.refuse(*run, self.put("open.off", content), says="merge vertices at equal places")
+        whole, merged = self.arrays(*run, self.put("a.stl", stl_text())), self.arrays(*run, "open.off", "--mesh-repair", "merge")
+        for array in ["indptr", "indices", "volumes"]:
+            np.testing.assert_array_equal(merged[array], whole[array])
+        self.refuse("--random", 9, "--mesh-repair", "merge", says="--mesh")
+
     def test_outputs(self):
         self.put("a.off", OFF)
         points = self.put("points.txt", "0.25 0.5 0.5\n0.75 0.5 0.5\n3 0.5 0.5\n")
@@ -110,6 +121,7 @@ class Mesh(CliTest):
         for more, says in [(["-o", "a.vtu"], "polygons"), (["--verify"], "--verify"), (["--image", "a.png"], "--image"),
                            (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
+                           (["--mesh-repair", "holes"], "'holes': give merge"),
                            (["--wall", "1,0,0,1"], "replaces walls"), (["--outside", "keep"], "outside")]:
             self.refuse(*run, "a.off", *more, says=says)
         self.refuse(*run, "", says="--mesh is empty")

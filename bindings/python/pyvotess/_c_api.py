@@ -84,6 +84,7 @@ WantName = Literal[
 ]  # fmt: skip
 DuplicatesWord = Literal["merge", "error"]
 OutsideWord = Literal["error", "drop", "keep"]
+RepairWord = Literal["merge"]
 PrecisionWord = Literal["single", "double"]
 NaturalWord = Literal["sibson", "laplace"]
 BeyondWord = Literal["nan", "nearest"]
@@ -141,6 +142,7 @@ class Options(ctypes.Structure):
         ("mesh_vertices", c_void_p),
         ("mesh_triangle_count", c_uint64),
         ("mesh_triangles", c_void_p),
+        ("mesh_merge", c_int32),
     ]
 
 

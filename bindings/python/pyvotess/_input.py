@@ -224,6 +224,7 @@ class Domain:
     origin: Any = None
     walls: Any = ()
     mesh: Any = None
+    mesh_repair: Optional[str] = None
 
     @property
     def is_given(self) -> bool:
@@ -273,11 +274,16 @@ class Domain:
             walls = np.ascontiguousarray(rows)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)
+        if self.mesh_repair not in (None, "merge"):
+            raise ValueError(f'mesh_repair is {self.mesh_repair!r}: give "merge" or None')
+        if self.mesh_repair is not None and self.mesh is None:
+            raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
         if self.mesh is not None:
             vertices, triangles = as_mesh(self.mesh)
             options.has_mesh = 1
             options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
             options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
+            options.mesh_merge = int(self.mesh_repair is not None)
             kept += [vertices, triangles]
         if is_hull and points is not None:
             walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)

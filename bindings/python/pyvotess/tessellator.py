@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
 
 from . import _c_api
-from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, WantName
+from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, RepairWord, WantName
 from ._call import Handle, Progress, VotessError, raise_on_failure
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -46,6 +46,7 @@ def tessellate(
     instructions: str = "",
     only: Optional[npt.ArrayLike] = None,
     mesh: Any = None,
+    mesh_repair: Optional[RepairWord] = None,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -103,6 +104,7 @@ def tessellate(
     mesh : a closed triangle mesh as the domain: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell
         is its part inside, see the page "Domains". Points may lie outside. Refused with periodic, cell, walls, outside,
         min_face and min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
+    mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -181,6 +183,7 @@ class Tessellator:
         min_area: float = 0.0,
         only: Optional[npt.ArrayLike] = None,
         mesh: Any = None,
+        mesh_repair: Optional[RepairWord] = None,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())

@@ -235,6 +235,13 @@ class Domains(unittest.TestCase):
             np.testing.assert_array_equal(vt.tessellate(p, mesh=kind, device="cpu").volumes, t.volumes)
         some = vt.tessellate(p, mesh=(vertices, triangles), want=want, device="cpu", only=[7, 3])
         np.testing.assert_array_equal(some.volumes, t.volumes[[7, 3]])
+        corners = vertices[triangles.ravel()], np.arange(36).reshape(12, 3)
+        merged = vt.tessellate(p, mesh=corners, mesh_repair="merge", want=want, device="cpu")
+        np.testing.assert_array_equal(merged.indices, t.indices)
+        np.testing.assert_allclose(merged.volumes, t.volumes, rtol=1e-13)
+        for repair, message in ((None, "merge vertices at equal places"), ("holes", "'holes': give \"merge\"")):
+            with self.assertRaisesRegex((ValueError, vt.VotessError), message):
+                vt.tessellate(p, mesh=corners, mesh_repair=repair)
         again = pickle.loads(pickle.dumps(t))
         np.testing.assert_array_equal(again.mesh_areas, t.mesh_areas)
         with tempfile.TemporaryDirectory() as folder:

@@ -123,7 +123,6 @@ TEST_SUITE("cases") {
         vary("grid_resolution 1025", [](Options& o) { o.grid_resolution = 1025; });
         vary("grid_resolution 2^20", [](Options& o) { o.grid_resolution = 1u << 20; });
         vary_subgroup("", [](Options&) {});
-        vary_subgroup(", k_init 1", [](Options& o) { o.k_init = 1; });
         vary_subgroup(", precision double", [](Options& o) { o.precision = test::double_precision(); });
         vary_subgroup(", chunk_size 7", [](Options& o) { o.chunk_size = 7; });
         vary("3 threads", [](Options& o) { o.threads = 3, o.chunk_size = 64; });
@@ -234,9 +233,11 @@ TEST_SUITE("cases") {
             options.want = {random.chance(0.8), random.chance(0.8), random.chance(0.5), random.chance(0.5),
                             random.chance(0.5)};
             options.threads = 1 + static_cast<unsigned>(random.below(3));
-            options.k_init = random.chance(0.3) ? 12 : 0;
             options.chunk_size = random.chance(0.3) ? 300 : 0;
-            if (random.chance(0.3)) options.precision = test::double_precision();
+            if (random.chance(0.3)) {
+                options.precision = test::double_precision();
+                options.want = test::all_options().want;  // fewer kernels to compile
+            }
             const test::UseKernel chosen(random.chance(0.5) ? test::by_subgroup() : votess::gpu::Kernel::automatic);
             CAPTURE(n);
             CHECK(compare(tessellator, random.chance(0.5) ? test::uniform(n, n) : test::clustered(n, n), options) ==

@@ -67,6 +67,7 @@ public:
         o.has_mesh = any(0, {1, -1});
         o.mesh_vertices = pointer<const double>(numbers);
         o.mesh_vertex_count = any<std::uint64_t>(4, {0, 3, 1ull << 31, 1ull << 61, ~0ull});
+        o.mesh_merge = any(0, {1});
         o.mesh_triangles = any<const std::int32_t*>(nullptr, {triangles});
         o.mesh_triangle_count = any<std::uint64_t>(4, {0, 1, 1ull << 32, 1ull << 61, ~0ull / 3 + 1});
         o.min_face = real(0);
