@@ -15,10 +15,12 @@ constexpr std::uint32_t row_windows[ROW_WINDOWS]{BINDING_ROWS_OUT, BINDING_ROWS_
 constexpr std::uint32_t shift_windows[ROW_WINDOWS]{BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2,
                                                    BINDING_SHIFTS_OUT_3};
 
-// Returns how many cells of a tile the second tier takes. Small lists leave nearly all cells to it.
+// Returns how many cells of a tile the second tier takes. Small lists leave nearly all cells to it, and so do lattices
+// in frames, where the first tier decides no ties.
 std::uint32_t max_of_tile(std::uint32_t cells, const PassSettings& settings) {
     constexpr std::uint32_t ordinary_k = 64;
-    return settings.k < ordinary_k || cells <= TILE_ITEMS ? TILE_ITEMS : TILE_ITEMS / 2;
+    const bool all = settings.frames || settings.k < ordinary_k || cells <= TILE_ITEMS;
+    return all ? TILE_ITEMS : TILE_ITEMS / 2;
 }
 
 std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& settings) {

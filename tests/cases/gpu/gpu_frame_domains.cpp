@@ -139,6 +139,11 @@ TEST_SUITE("cases") {
         options.box = test::cube(0, 4);
         options.periodic = {true, true, true};
         CHECK(check(host, lattice, options) == "");
+        // The first tier leaves all cells of a lattice, more than a tile has.
+        const PointSet large = test::cubic(11);
+        const OneFrame whole(host, options_for(large), large.points);
+        CHECK(whole.head().unresolved == 0);
+        CHECK(compare(whole.rows(), on_cpu(large, options_for(large))) == "");
         // Farther away than a side, or along an axis that is not periodic.
         Coordinates far = set.points;
         far[0] = std::numeric_limits<double>::quiet_NaN();
