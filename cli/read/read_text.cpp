@@ -197,9 +197,11 @@ private:
             if (named(axis) || (!request_.coordinates.empty() && read_uint64(axis))) continue;
             std::string list;
             for (const std::string& name : names_) list += (list.empty() ? "" : ", ") + in_quotes(name);
-            throw lines_.error("the line of names lacks " + in_quotes(axis) +
-                               ": name the columns of the coordinates by --columns" +
-                               (axis == "z" ? ", or add --2d for x and y alone" : "") + "; there are " + list);
+            std::string why = " of --columns";
+            if (request_.coordinates.empty())
+                why = std::string(": name the columns of the coordinates by --columns") +
+                      (axis == "z" ? ", or add --2d for x and y alone" : "");
+            throw lines_.error("the line of names lacks " + in_quotes(axis) + why + "; there are " + list);
         }
         used.emplace_back("id");
         used.insert(used.end(), request_.columns.begin(), request_.columns.end());

@@ -370,6 +370,7 @@ class Columns(ReaderTest):
         self.assert_column("a.csv", np.arange(20) / 4, "mass", "--columns", "2,3,4")
         self.refuse("a.csv", says=["a.csv:1:", "'x'", "--columns", "'points:0'", "'mass'"])
         self.refuse("a.csv", "--columns", "Points:0,Points:1,Points:3", says=["'points:3'", "'points:2'"])
+        self.refuse("a.csv", "--columns", "x,y,z", says="a.csv:1: the line of names lacks 'x' of --columns; there are 'mass'")
         for columns in ["x,y", "x,y,z,w", "x,,z", ""]:
             self.refuse("a.csv", f"--columns={columns}", says="--columns")
         self.put("a.txt", "x [Mpc];y [Mpc];z [Mpc]\n" + "".join(";".join(row) + "\n" for row in rows))

@@ -162,9 +162,12 @@ void IntegerDomain::reduce() {
                 }
         }
     }
+    // The other vectors stand across the lattice, so coordinates along it are those of the projection on it.
+    for (std::size_t j = 0; j < 3; ++j)
+        if (!active_[j]) short_[j] = cross(short_[(j + 1) % 3], short_[(j + 2) % 3]);
     for (std::size_t j = 0; j < 3; ++j) {
         short_dual_[j] = cross(short_[(j + 1) % 3], short_[(j + 2) % 3]);
-        for (std::size_t k = 0; k < 3; ++k) rounded_short_[j][k] = short_[j][k].get_d();
+        for (std::size_t k = 0; k < 3 && active_[j]; ++k) rounded_short_[j][k] = short_[j][k].get_d();
     }
     determinant_ = dot(short_[0], short_dual_[0]);
     for (int a = -1; a <= 1; ++a)
@@ -188,11 +191,10 @@ std::vector<std::array<int, 3>> IntegerDomain::near_shifts(std::size_t i, std::s
     double rest[3]{};
     int reach[3]{};
     for (std::size_t k = 0; k < 3; ++k) {
+        if (!active_[k]) continue;
         const mpz_class at = dot(d, short_dual_[k]);
-        if (active_[k]) {
-            begin[k] = -nearest(at, determinant_);
-            reach[k] = 3;
-        }
+        begin[k] = -nearest(at, determinant_);
+        reach[k] = 3;
         mpq_class fraction(at + begin[k] * determinant_, determinant_);
         fraction.canonicalize();
         rest[k] = fraction.get_d();

@@ -57,12 +57,12 @@ private:
     bool has_cell_ = false;
     Integers lower_, upper_;
     std::array<Integers, 3> vector_;
-    std::array<Integers, 3> short_;       // reduced basis of the lattice; along other axes the box's
+    std::array<Integers, 3> short_;       // reduced basis of the lattice, and vectors across it
     std::array<Integers, 3> short_dual_;  // dual_[k] . short_[j] = determinant_ when k = j, else 0
     mpz_class determinant_;
     std::array<std::array<long, 3>, 3> short_shift_{};
-    std::array<std::array<double, 3>, 3> rounded_short_{};
-    std::vector<std::array<double, 3>> relevant_;  // lattice vectors whose slabs hold the lattice's cell
+    std::array<std::array<double, 3>, 3> rounded_short_{};  // 0 across
+    std::vector<std::array<double, 3>> relevant_;           // lattice vectors whose slabs hold the lattice's cell
     std::vector<Integers> place_;
     std::vector<mpz_class> weight_;
     std::vector<char> outside_;

@@ -7,6 +7,7 @@
 #include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
+#include "support/scattered.hpp"
 
 TEST_SUITE("oracle") {
     TEST_CASE("oracles: the certificate refutes the diagram of other seeds") {
@@ -42,5 +43,17 @@ TEST_SUITE("oracle") {
         CHECK(row(0) == std::vector<std::int32_t>{-6, -5, -3, -1, 1, 2, 3});
         CHECK(test::check_certificate(touching, square.points, options) != "");
         CHECK(test::check_certificate(test::run(square), square.points, options) == "");
+    }
+
+    TEST_CASE("oracles: seeds far outside of an oblique cell have all images that touch") {
+        test::Scattered s;
+        for (std::uint64_t seed = 52; seed < 58; ++seed) {
+            test::scatter(5, 12, 5, true, seed, s);
+            for (std::size_t i = 0; i < 12; ++i) {
+                CAPTURE(seed);
+                CHECK(test::exact_cell(s.points, s.options, i).faces ==
+                      test::exact_cell(s.points, s.options, i, 9).faces);
+            }
+        }
     }
 }

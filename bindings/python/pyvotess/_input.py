@@ -195,7 +195,7 @@ def _as_periodic(periodic: Any, planar: bool) -> Tuple[bool, bool, bool]:
             periodic = (*periodic, False)
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
-            raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy'")
+            raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy', or False")
         return ("x" in periodic, "y" in periodic, "z" in periodic)
     if np.ndim(periodic) == 0:
         return (bool(periodic),) * 3

@@ -273,6 +273,7 @@ class Domains(unittest.TestCase):
     def test_what_is_refused(self):
         for message, arguments in [
             ("periodic is 'xx'", {"periodic": "xx"}),
+            ("periodic is 'none': give axes, such as 'xyz' or 'xy', or False", {"periodic": "none"}),
             ("one for each axis", {"periodic": (True, False)}),
             ("cell has shape", {"cell": (1, 2, 3)}),
             ("one plane", {"cell": ((1, 0, 0), (2, 0, 0), (0, 0, 1))}),
