@@ -1,0 +1,261 @@
+#include "query/ray_tracer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/progress.hpp"
+#include "core/vector3.hpp"
+#include "index/seed_images.hpp"
+
+namespace votess::cpu {
+namespace {
+
+constexpr double unit_roundoff = 0x1p-53;
+constexpr double never = std::numeric_limits<double>::infinity();
+constexpr double smallest = 1e-290;  // above the underflow of a product
+constexpr std::int32_t farthest_shift = exact::max_shift / 2;
+constexpr std::size_t steps_per_look = 1024;  // after which the user may stop
+
+exact::Shift sum(const exact::Shift& a, const std::array<std::int8_t, 3>& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+
+RayTracer::Image follow(const RayTracer::Image& from, const CellGraph::Link& link) {
+    return {static_cast<std::size_t>(link.seed), sum(from.shift, link.shift)};
+}
+
+double size_of(const std::array<double, 3>& x) {
+    return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
+}
+
+}  // namespace
+
+CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tessellation& t) {
+    std::vector<std::int32_t> sorted(t.size(), -1);
+    for (std::size_t i = 0; i < seeds.size(); ++i)
+        sorted[static_cast<std::size_t>(seeds.input[i])] = static_cast<std::int32_t>(i);
+    const std::span<const std::int8_t> shifts = t.shifts();
+    begin_.push_back(0);
+    for (std::size_t i = 0; i < seeds.size(); ++i) {
+        const auto input = static_cast<std::size_t>(seeds.input[i]);
+        const exact::Point at = seeds.images == nullptr ? exact::Point{seeds.x[i], seeds.y[i], seeds.z[i]}
+                                                        : seeds.images->place_in_domain(i);
+        places_.push_back({at[0], at[1], at[2], seeds.weights.empty() ? 0 : seeds.weights[i]});
+        size_ = std::max(size_, size_of(at));
+        has_cell_.push_back(t.status()[input] == CellStatus::certified);
+        if (has_cell_.back() && first_cell_ == none) first_cell_ = i;
+        auto entry = static_cast<std::size_t>(t.indptr()[input]);
+        for (const std::int32_t neighbor : t.neighbors(input)) {
+            Link link{sorted[static_cast<std::size_t>(neighbor)], {}, false};
+            for (std::size_t j = 0; j < 3 && !shifts.empty(); ++j) {
+                link.shift[j] = shifts[3 * entry + j];
+                max_shift_ = std::max(max_shift_, std::abs(int{link.shift[j]}));
+                link.is_shifted = link.is_shifted || link.shift[j] != 0;
+            }
+            links_.push_back(link);
+            ++entry;
+        }
+        begin_.push_back(links_.size());
+    }
+    for (const auto& vector : domain.vector) period_ = std::max(period_, size_of(vector));
+}
+
+RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box)
+    : domain_(domain), seeds_(seeds), graph_(graph), walls_(domain.walls) {
+    for (int wall = 0; wall < 6 && has_box; ++wall)
+        if (domain.has_box_wall(wall)) walls_.push_back(domain.box_wall(wall));
+    if (seeds.images == nullptr) return;
+    if (seeds.images->any_wrapped()) place_error_ = 2 * unit_roundoff * graph.size();
+    shift_error_ = 8 * unit_roundoff * (graph.size() + 3 * graph.max_shift() * graph.period());
+}
+
+exact::Plane RayTracer::plane_of(const Image& image) const {
+    exact::Plane plane;
+    if (seeds_.images == nullptr) {
+        const CellGraph::Place& place = graph_.place(image.seed);
+        plane = exact::Plane::bisector({place.x, place.y, place.z});
+    } else {
+        SeedImages::Base base = seeds_.images->base(image.seed);
+        const exact::Shift moved = seeds_.images->shift_in_domain(static_cast<std::int32_t>(image.seed), exact::Shift{});
+        for (std::size_t j = 0; j < 3; ++j) base.shift[j] += image.shift[j] - moved[j];
+        plane = exact::Plane::bisector(base.point, base.shift, domain_.lattice);
+    }
+    if (!seeds_.weights.empty()) plane.power = {-seeds_.weights[image.seed], 0};
+    return plane;
+}
+
+void RayTracer::add_shift(const exact::Shift& shift, std::array<double, 3>& x) const {
+    for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) x[k] += shift[j] * domain_.vector[j][k];
+}
+
+// Relative to the origin.
+std::array<double, 3> RayTracer::position(const Image& image) const {
+    const CellGraph::Place& place = graph_.place(image.seed);
+    std::array<double, 3> x{place.x, place.y, place.z};
+    if (image.shift != exact::Shift{}) add_shift(image.shift, x);
+    return minus(x, ray_.origin);
+}
+
+bool RayTracer::later(const Event& a, const Event& b) const {
+    if (a.least > b.most) return true;
+    if (a.most < b.least) return false;
+    return exact::later(ray_, a.exact, b.exact) > 0;
+}
+
+RayTracer::Event RayTracer::event_at(const exact::Crossing& crossing) const {
+    const double time = 2 * exact::time_of(ray_, crossing), error = 16 * unit_roundoff * std::abs(time) + smallest;
+    return {time, time - error, time + error, crossing};
+}
+
+// Finds the earliest of the end and all walls. Returns false when that is never.
+bool RayTracer::find_stop(double end) {
+    stop_ = {never, never, never, exact::Crossing::at(end)};
+    if (end != never) stop_ = event_at(stop_.exact);
+    for (const exact::Plane& wall : walls_) {
+        const exact::Crossing crossing = exact::Crossing::through(wall);
+        if (exact::approach(ray_, crossing) <= 0) continue;
+        const Event event = event_at(crossing);
+        if (stop_.time == never || later(stop_, event)) stop_ = event;
+    }
+    return stop_.time != never;
+}
+
+// Walks downhill to an image with a cell that holds the origin.
+RayTracer::Image RayTracer::walk_to_origin(Image from) const {
+    for (bool moved = true; moved;) {
+        moved = false;
+        check_stop();
+        for (const CellGraph::Link& link : graph_.links(from.seed)) {
+            const Image to = follow(from, link);
+            if (exact::farther(ray_.origin, plane_of(from), plane_of(to)) <= 0) continue;
+            from = to;
+            moved = true;
+            break;
+        }
+    }
+    return from;
+}
+
+// Finds where the ray leaves a cell. Returns false when it never does. Fills ties_ with neighbors of the same line.
+bool RayTracer::find_next(const Image& from, Event& event, Image& to) {
+    const CellGraph::Place& here = graph_.place(from.seed);
+    const std::array<double, 3> p = position(from);
+    const Vector3& d = ray_.direction;
+    candidates_.clear();
+    ties_.clear();
+    double bound = never;
+    for (const CellGraph::Link& link : graph_.links(from.seed)) {
+        const CellGraph::Place& place = graph_.place(static_cast<std::size_t>(link.seed));
+        Vector3 n{place.x - here.x, place.y - here.y, place.z - here.z};
+        double delta = place_error_;
+        if (link.is_shifted) {
+            add_shift({link.shift[0], link.shift[1], link.shift[2]}, n);
+            delta += shift_error_;
+        }
+        const double length = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
+        const double slope = dot(n, d), slope_error = 8 * unit_roundoff * length + 4 * delta;
+        if (slope < -slope_error) continue;
+        if (slope <= slope_error) {
+            const Image image = follow(from, link);
+            const int approach = exact::approach(ray_, between(from, image));
+            if (approach > 0) candidates_.push_back({0, -never, never, image});
+            if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0)
+                ties_.push_back(image);
+            continue;
+        }
+        const Vector3 m{n[0] + 2 * p[0], n[1] + 2 * p[1], n[2] + 2 * p[2]};
+        const double rise = dot(n, m) - (place.weight - here.weight);
+        const double rise_error = 5 * error_ * (length + 3 * delta) +
+                                  2 * delta * (std::abs(m[0]) + std::abs(m[1]) + std::abs(m[2])) +
+                                  4 * unit_roundoff * (std::abs(place.weight) + std::abs(here.weight)) + smallest;
+        const double time = rise / slope;
+        const double error =
+            (rise_error + std::abs(time) * slope_error) / (slope - slope_error) + 4 * unit_roundoff * std::abs(time);
+        if (time - error > bound) continue;
+        bound = std::min(bound, time + error);
+        candidates_.push_back({time, time - error, time + error, follow(from, link)});
+    }
+    if (candidates_.empty()) return false;
+    const Candidate* next = nullptr;
+    for (const Candidate& c : candidates_) {
+        if (c.least > bound) continue;
+        if (next == nullptr) {
+            next = &c;
+            continue;
+        }
+        const exact::Crossing a = between(from, c.to), b = between(from, next->to);
+        const int order = exact::later(ray_, a, b);
+        if (order < 0 || (order == 0 && exact::approach(ray_, between(next->to, c.to)) > 0)) next = &c;
+    }
+    to = next->to;
+    // A grazing crossing is computed again, so that all lengths have the accuracy of the longest.
+    const double sharp = 256 * error_ + 64 * unit_roundoff * std::abs(next->time);
+    if (next->most - next->least <= sharp)
+        event = {next->time, next->least, next->most, {}};
+    else
+        event = event_at(between(from, to));
+    event.exact.kind = exact::Crossing::Kind::bisector;
+    return true;
+}
+
+bool RayTracer::is_same_line(const Image& a, const Image& b) const {
+    return exact::approach(ray_, between(a, b)) == 0 &&
+           exact::farther(ray_.origin, plane_of(a), plane_of(b)) == 0;
+}
+
+// Returns the seed of lowest index among those whose cells share the ray. ties_: those that are neighbors of `of`.
+std::size_t RayTracer::lowest_of_ties(const Image& of) {
+    ties_.insert(ties_.begin(), of);
+    std::size_t lowest = of.seed;
+    for (std::size_t t = 0; t < ties_.size(); ++t) {
+        const Image from = ties_[t];
+        if (seeds_.input[from.seed] < seeds_.input[lowest]) lowest = from.seed;
+        for (const CellGraph::Link& link : graph_.links(from.seed)) {
+            const Image to = follow(from, link);
+            const bool known = std::ranges::any_of(
+                ties_, [&](const Image& i) { return i.seed == to.seed && i.shift == to.shift; });
+            if (!known && is_same_line(of, to)) ties_.push_back(to);
+        }
+    }
+    return lowest;
+}
+
+bool RayTracer::trace(const exact::Ray& ray, double end, const Image& start, std::vector<Piece>& out) {
+    ray_ = ray;
+    if (!find_stop(end)) return false;
+    Image at = start;
+    if (!graph_.has_cell(at.seed)) {
+        if (graph_.first_cell() == CellGraph::none) return true;
+        at = walk_to_origin({graph_.first_cell(), {}});
+    }
+    const double size = graph_.size() + size_of(ray.origin);
+    Event from{0, 0, 0, exact::Crossing::at(0)};
+    for (std::size_t step = 1; later(stop_, from); ++step) {
+        if (step % steps_per_look == 0) check_stop();
+        double shifts = 0;
+        for (const std::int32_t s : at.shift) {
+            if (std::abs(s) > farthest_shift)
+                throw Error(ErrorCode::unsupported, "a ray passes more than 500 million periods: make it shorter");
+            shifts += std::abs(s);
+        }
+        error_ = 16 * unit_roundoff * (size + (shifts + 3 * graph_.max_shift()) * graph_.period());
+        Event next = stop_;
+        Image to = at;
+        const bool leaves = find_next(at, next, to);
+        if (leaves) next.exact = between(at, to);
+        const bool stops = !leaves || !later(stop_, next);
+        if (stops) next = stop_;
+        if (later(next, from)) {
+            const std::size_t seed = ties_.empty() ? at.seed : lowest_of_ties(at);
+            next.time = std::clamp(next.time, from.time, std::max(from.time, stop_.time));
+            out.push_back({seed, 0.5 * from.time, 0.5 * next.time});
+            from = next;
+        }
+        if (stops) break;
+        at = to;
+    }
+    return true;
+}
+
+}  // namespace votess::cpu
