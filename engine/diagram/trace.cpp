@@ -41,9 +41,7 @@ struct Rays {
 // Refuses bad directions and lengths.
 Rays check_rays(const DiagramState& state, std::span<const double> origins, std::span<const double> directions,
                 std::span<const double> lengths) {
-    Rays rays{check_queries(state, origins),
-              {directions.begin(), directions.end()},
-              {lengths.begin(), lengths.end()}};
+    Rays rays{check_queries(state, origins), {directions.begin(), directions.end()}, {lengths.begin(), lengths.end()}};
     const std::size_t count = rays.origins.count();
     if (rays.directions.size() != 3 * count || rays.lengths.size() != count)
         throw Error(ErrorCode::invalid_argument,
@@ -59,8 +57,8 @@ Rays check_rays(const DiagramState& state, std::span<const double> origins, std:
         if (d[0] == 0 && d[1] == 0 && d[2] == 0)
             throw Error(ErrorCode::invalid_argument, name_of(r) + ": its direction is 0: give another vector");
         if (!(rays.lengths[r] >= 0))
-            throw Error(ErrorCode::invalid_argument, name_of(r) + ": its length " + number(rays.lengths[r]) +
-                                                         " is not 0 or more");
+            throw Error(ErrorCode::invalid_argument,
+                        name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more");
     }
     return rays;
 }
@@ -152,8 +150,9 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             const double speed = length3(ray.direction[0], ray.direction[1], ray.direction[2]) / state.job.scale;
             pieces.clear();
             if (start.seed != cpu::CellGraph::none && !tracer.trace(ray, rays.lengths[r] / speed, start, pieces))
-                throw Error(ErrorCode::invalid_argument, name_of(r) + ": its length is infinite, and no wall ends it: "
-                                                                      "give a finite length");
+                throw Error(ErrorCode::invalid_argument, name_of(r) +
+                                                             ": its length is infinite, and no wall ends it: "
+                                                             "give a finite length");
             for (const cpu::RayTracer::Piece& piece : pieces) {
                 batch.seeds.push_back(seeds.input[piece.seed]);
                 batch.lengths.push_back((piece.end - piece.begin) * speed);

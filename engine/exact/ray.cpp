@@ -66,15 +66,14 @@ auto decide_on_fractions(const Ray& ray, Decide decide, const Crossings&... cros
 }  // namespace
 
 int approach(const Ray& ray, const Crossing& crossing) {
-    return decide_on_fractions(ray, [](const auto& f) { return f.denominator.sign(); }, crossing);
+    return decide_on_fractions(
+        ray, [](const auto& f) { return f.denominator.sign(); }, crossing);
 }
 
 int later(const Ray& ray, const Crossing& a, const Crossing& b) {
     return decide_on_fractions(
         ray,
-        [](const auto& u, const auto& v) {
-            return (u.numerator * v.denominator - v.numerator * u.denominator).sign();
-        },
+        [](const auto& u, const auto& v) { return (u.numerator * v.denominator - v.numerator * u.denominator).sign(); },
         a, b);
 }
 

@@ -14,7 +14,7 @@ struct Ray {
 struct Crossing {
     enum class Kind : std::uint8_t { time, wall, bisector };
     Kind kind = Kind::time;
-    double time = 0;   // as it is
+    double time = 0;     // as it is
     Plane to{}, from{};  // where the ray crosses the wall `to`; from the cell of one seed into that of another
 
     static Crossing at(double time) {

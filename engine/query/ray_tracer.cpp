@@ -76,7 +76,8 @@ exact::Plane RayTracer::plane_of(const Image& image) const {
         plane = exact::Plane::bisector({place.x, place.y, place.z});
     } else {
         SeedImages::Base base = seeds_.images->base(image.seed);
-        const exact::Shift moved = seeds_.images->shift_in_domain(static_cast<std::int32_t>(image.seed), exact::Shift{});
+        const exact::Shift moved =
+            seeds_.images->shift_in_domain(static_cast<std::int32_t>(image.seed), exact::Shift{});
         for (std::size_t j = 0; j < 3; ++j) base.shift[j] += image.shift[j] - moved[j];
         plane = exact::Plane::bisector(base.point, base.shift, domain_.lattice);
     }
@@ -200,8 +201,7 @@ bool RayTracer::find_next(const Image& from, Event& event, Image& to) {
 }
 
 bool RayTracer::is_same_line(const Image& a, const Image& b) const {
-    return exact::approach(ray_, between(a, b)) == 0 &&
-           exact::farther(ray_.origin, plane_of(a), plane_of(b)) == 0;
+    return exact::approach(ray_, between(a, b)) == 0 && exact::farther(ray_.origin, plane_of(a), plane_of(b)) == 0;
 }
 
 // Returns the seed of lowest index among those whose cells share the ray. ties_: those that are neighbors of `of`.
@@ -213,8 +213,8 @@ std::size_t RayTracer::lowest_of_ties(const Image& of) {
         if (seeds_.input[from.seed] < seeds_.input[lowest]) lowest = from.seed;
         for (const CellGraph::Link& link : graph_.links(from.seed)) {
             const Image to = follow(from, link);
-            const bool known = std::ranges::any_of(
-                ties_, [&](const Image& i) { return i.seed == to.seed && i.shift == to.shift; });
+            const bool known =
+                std::ranges::any_of(ties_, [&](const Image& i) { return i.seed == to.seed && i.shift == to.shift; });
             if (!known && is_same_line(of, to)) ties_.push_back(to);
         }
     }

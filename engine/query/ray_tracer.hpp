@@ -112,7 +112,7 @@ private:
     std::vector<exact::Plane> walls_;
     exact::Ray ray_;
     Event stop_;
-    double error_ = 0;                   // of a position
+    double error_ = 0;                          // of a position
     double place_error_ = 0, shift_error_ = 0;  // of the way to a neighbor, and more of one that is shifted
     std::vector<Candidate> candidates_;
     std::vector<Image> ties_;
