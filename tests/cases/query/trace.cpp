@@ -69,7 +69,7 @@ Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double
             for (shift[1] = -reach[1]; shift[1] <= reach[1]; ++shift[1])
                 for (shift[2] = -reach[2]; shift[2] <= reach[2]; ++shift[2]) {
                     const test::IntegerPlane plane = domain.bisector(q, i, shift);
-                    lines.push_back({plane.h, dot(plane.n, d), static_cast<std::int32_t>(i)});
+                    lines.push_back({plane.h, test::dot(plane.n, d), static_cast<std::int32_t>(i)});
                 }
     }
     // A time of 1 is 2^-quantum of length over 2^-direction_quantum.
@@ -80,7 +80,7 @@ Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double
     else
         stop.denominator <<= static_cast<unsigned>(-shift_of_unit);
     for (const test::IntegerPlane& wall : domain.walls(q)) {
-        const mpz_class slope = dot(wall.n, d);
+        const mpz_class slope = test::dot(wall.n, d);
         if (slope > 0) stop = std::min(stop, Time{wall.h, slope});
     }
     if (lines.empty()) return row;
@@ -274,9 +274,9 @@ TEST_SUITE("query") {
     }
 
     TEST_CASE("trace: along planes, edges and diagonals of a lattice") {
-        const test::PointSet set = test::cubic(4);  // seed (x, y, z) is 16 x + 4 y + z or the reverse
+        const test::PointSet set = test::cubic(4);
         votess::Options options;
-        options.box = set.options.box;
+        options.box = set.box;
         const votess::Diagram diagram(set.points, options);
         const votess::Box box = *options.box;
         const double corner = box.lower[0], far = std::numeric_limits<double>::infinity();
