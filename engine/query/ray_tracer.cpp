@@ -55,13 +55,19 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
             links_.push_back(link);
             ++entry;
         }
+        max_links_ = std::max(max_links_, links_.size() - begin_.back());
         begin_.push_back(links_.size());
     }
     for (const auto& vector : domain.vector) period_ = std::max(period_, size_of(vector));
 }
 
 RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box)
-    : domain_(domain), seeds_(seeds), graph_(graph), walls_(domain.walls) {
+    : domain_(domain),
+      seeds_(seeds),
+      graph_(graph),
+      walls_(domain.walls),
+      least_(graph.max_links()),
+      most_(graph.max_links()) {
     for (int wall = 0; wall < 6 && has_box; ++wall)
         if (domain.has_box_wall(wall)) walls_.push_back(domain.box_wall(wall));
     if (seeds.images == nullptr) return;
@@ -98,25 +104,40 @@ std::array<double, 3> RayTracer::position(const Image& image) const {
     return minus(x, ray_.origin);
 }
 
+exact::Crossing RayTracer::exact_of(const Event& event) const {
+    if (event.kind == exact::Crossing::Kind::time) return exact::Crossing::at(event.end);
+    if (event.kind == exact::Crossing::Kind::wall) return exact::Crossing::through(*event.wall);
+    return between(event.from, event.to);
+}
+
 bool RayTracer::later(const Event& a, const Event& b) const {
     if (a.least > b.most) return true;
     if (a.most < b.least) return false;
-    return exact::later(ray_, a.exact, b.exact) > 0;
+    return exact::later(ray_, exact_of(a), exact_of(b)) > 0;
 }
 
-RayTracer::Event RayTracer::event_at(const exact::Crossing& crossing) const {
-    const double time = 2 * exact::time_of(ray_, crossing), error = 16 * unit_roundoff * std::abs(time) + smallest;
-    return {time, time - error, time + error, crossing};
+// Fills the time and its bounds from integers.
+void RayTracer::find_time(Event& event) const {
+    event.time = 2 * exact::time_of(ray_, exact_of(event));
+    const double error = 16 * unit_roundoff * std::abs(event.time) + smallest;
+    event.least = event.time - error;
+    event.most = event.time + error;
 }
 
 // Finds the earliest of the end and all walls. Returns false when that is never.
 bool RayTracer::find_stop(double end) {
-    stop_ = {never, never, never, exact::Crossing::at(end)};
-    if (end != never) stop_ = event_at(stop_.exact);
+    stop_ = {};
+    stop_.end = end;
+    if (end == never)
+        stop_.time = stop_.least = stop_.most = never;
+    else
+        find_time(stop_);
     for (const exact::Plane& wall : walls_) {
-        const exact::Crossing crossing = exact::Crossing::through(wall);
-        if (exact::approach(ray_, crossing) <= 0) continue;
-        const Event event = event_at(crossing);
+        Event event;
+        event.kind = exact::Crossing::Kind::wall;
+        event.wall = &wall;
+        if (exact::approach(ray_, exact_of(event)) <= 0) continue;
+        find_time(event);
         if (stop_.time == never || later(stop_, event)) stop_ = event;
     }
     return stop_.time != never;
@@ -139,14 +160,17 @@ RayTracer::Image RayTracer::walk_to_origin(Image from) const {
 }
 
 // Finds where the ray leaves a cell. Returns false when it never does. Fills ties_ with neighbors of the same line.
-bool RayTracer::find_next(const Image& from, Event& event, Image& to) {
+bool RayTracer::find_next(const Image& from, Event& event) {
+    constexpr double sure = 64;
     const CellGraph::Place& here = graph_.place(from.seed);
     const std::array<double, 3> p = position(from);
     const Vector3& d = ray_.direction;
+    const std::span<const CellGraph::Link> links = graph_.links(from.seed);
     candidates_.clear();
     ties_.clear();
     double bound = never;
-    for (const CellGraph::Link& link : graph_.links(from.seed)) {
+    for (std::size_t i = 0; i < links.size(); ++i) {
+        const CellGraph::Link& link = links[i];
         const CellGraph::Place& place = graph_.place(static_cast<std::size_t>(link.seed));
         Vector3 n{place.x - here.x, place.y - here.y, place.z - here.z};
         double delta = place_error_;
@@ -156,47 +180,46 @@ bool RayTracer::find_next(const Image& from, Event& event, Image& to) {
         }
         const double length = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
         const double slope = dot(n, d), slope_error = 8 * unit_roundoff * length + 4 * delta;
-        if (slope < -slope_error) continue;
-        if (slope <= slope_error) {
-            const Image image = follow(from, link);
-            const int approach = exact::approach(ray_, between(from, image));
-            if (approach > 0) candidates_.push_back({0, -never, never, image});
-            if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0)
-                ties_.push_back(image);
-            continue;
-        }
         const Vector3 m{n[0] + 2 * p[0], n[1] + 2 * p[1], n[2] + 2 * p[2]};
         const double rise = dot(n, m) - (place.weight - here.weight);
         const double rise_error = 5 * error_ * (length + 3 * delta) +
                                   2 * delta * (std::abs(m[0]) + std::abs(m[1]) + std::abs(m[2])) +
                                   4 * unit_roundoff * (std::abs(place.weight) + std::abs(here.weight)) + smallest;
-        const double time = rise / slope;
+        const double inverse = 1 / slope, time = rise * inverse;
         const double error =
-            (rise_error + std::abs(time) * slope_error) / (slope - slope_error) + 4 * unit_roundoff * std::abs(time);
-        if (time - error > bound) continue;
-        bound = std::min(bound, time + error);
-        candidates_.push_back({time, time - error, time + error, follow(from, link)});
+            1.1 * (rise_error + std::abs(time) * slope_error) * inverse + 4 * unit_roundoff * std::abs(time);
+        const bool approaches = slope > sure * slope_error;
+        least_[i] = approaches ? time - error : never;
+        most_[i] = approaches ? time + error : never;
+        bound = std::min(bound, most_[i]);
+        if (std::abs(slope) > sure * slope_error) continue;
+        const Image image = follow(from, link);
+        const int approach = exact::approach(ray_, between(from, image));
+        if (approach > 0) candidates_.push_back(image);
+        if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0) ties_.push_back(image);
+    }
+    std::size_t last = 0;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+        if (!(least_[i] <= bound) || least_[i] == never) continue;
+        candidates_.push_back(follow(from, links[i]));
+        last = i;
     }
     if (candidates_.empty()) return false;
-    const Candidate* next = nullptr;
-    for (const Candidate& c : candidates_) {
-        if (c.least > bound) continue;
-        if (next == nullptr) {
-            next = &c;
-            continue;
-        }
-        const exact::Crossing a = between(from, c.to), b = between(from, next->to);
-        const int order = exact::later(ray_, a, b);
-        if (order < 0 || (order == 0 && exact::approach(ray_, between(next->to, c.to)) > 0)) next = &c;
+    event.kind = exact::Crossing::Kind::bisector;
+    event.from = from;
+    event.to = candidates_.front();
+    for (std::size_t c = 1; c < candidates_.size(); ++c) {
+        const Image& to = candidates_[c];
+        const int order = exact::later(ray_, between(from, to), exact_of(event));
+        if (order < 0 || (order == 0 && exact::approach(ray_, between(event.to, to)) > 0)) event.to = to;
     }
-    to = next->to;
-    // A grazing crossing is computed again, so that all lengths have the accuracy of the longest.
-    const double sharp = 256 * error_ + 64 * unit_roundoff * std::abs(next->time);
-    if (next->most - next->least <= sharp)
-        event = {next->time, next->least, next->most, {}};
-    else
-        event = event_at(between(from, to));
-    event.exact.kind = exact::Crossing::Kind::bisector;
+    // A time among several candidates, or of a grazing crossing, is computed again.
+    event.least = least_[last];
+    event.most = most_[last];
+    event.time = 0.5 * (event.least + event.most);
+    if (candidates_.size() > 1 || bound == never ||
+        event.most - event.least > 256 * error_ + 64 * unit_roundoff * std::abs(event.time))
+        find_time(event);
     return true;
 }
 
@@ -230,7 +253,7 @@ bool RayTracer::trace(const exact::Ray& ray, double end, const Image& start, std
         at = walk_to_origin({graph_.first_cell(), {}});
     }
     const double size = graph_.size() + size_of(ray.origin);
-    Event from{0, 0, 0, exact::Crossing::at(0)};
+    Event from;  // time 0
     for (std::size_t step = 1; later(stop_, from); ++step) {
         if (step % steps_per_look == 0) check_stop();
         double shifts = 0;
@@ -240,11 +263,9 @@ bool RayTracer::trace(const exact::Ray& ray, double end, const Image& start, std
             shifts += std::abs(s);
         }
         error_ = 16 * unit_roundoff * (size + (shifts + 3 * graph_.max_shift()) * graph_.period());
-        Event next = stop_;
-        Image to = at;
-        const bool leaves = find_next(at, next, to);
-        if (leaves) next.exact = between(at, to);
-        const bool stops = !leaves || !later(stop_, next);
+        Event next;
+        const bool stops = !find_next(at, next) || !later(stop_, next);
+        const Image to = next.to;
         if (stops) next = stop_;
         if (later(next, from)) {
             const std::size_t seed = ties_.empty() ? at.seed : lowest_of_ties(at);

@@ -9,8 +9,9 @@
 // Twice the time of the crossing is A / B, with A = N.M - (w_q - w_p) and B = N.d. No |d_k| exceeds 1, and u = 2^-53.
 // N errs by u |N_k| and, where places are rounded or shifted, by `delta`. p errs by less than e = error_, which is at
 // least 16 u times the sum of coordinates that make it. Then M errs by less than 3 e + delta. |M_k| is below e / (4 u).
-// So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u |N|_1 + 4 delta.
-// Candidates that these bounds do not separate are compared in integers.
+// So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u |N|_1 + 4 delta. Where B
+// is below 64 times its bound, its sign is decided in integers. Elsewhere A / B errs by 1.1 (bound of A + bound of B
+// |A / B|) / B at most. Candidates that these bounds do not separate are compared in integers.
 #pragma once
 
 #include <array>
@@ -31,7 +32,7 @@ public:
     // t: cells of the seeds in input order, with neighbors.
     CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tessellation& t);
 
-    struct Place {  // in the domain, rounded
+    struct alignas(32) Place {  // in the domain, rounded
         double x, y, z, weight;
     };
     struct Link {
@@ -50,6 +51,7 @@ public:
     [[nodiscard]] double size() const { return size_; }                   // largest coordinate of a place
     [[nodiscard]] double period() const { return period_; }               // largest coordinate of a lattice vector
     [[nodiscard]] int max_shift() const { return max_shift_; }            // of a link
+    [[nodiscard]] std::size_t max_links() const { return max_links_; }    // of a seed
 
 private:
     std::vector<std::size_t> begin_;  // M + 1
@@ -59,6 +61,7 @@ private:
     std::size_t first_cell_ = none;
     double size_ = 0, period_ = 0;
     int max_shift_ = 0;
+    std::size_t max_links_ = 0;
 };
 
 // One per thread. All arguments stay with the caller.
@@ -83,14 +86,13 @@ public:
     [[nodiscard]] bool trace(const exact::Ray& ray, double end, const Image& start, std::vector<Piece>& out);
 
 private:
-    // A crossing, between bounds of twice its time; `exact` decides where they overlap another's.
+    // A crossing, between bounds of twice its time; exact_of() decides where they overlap another's.
     struct Event {
         double time = 0, least = 0, most = 0;
-        exact::Crossing exact;
-    };
-    struct Candidate {
-        double time, least, most;
-        Image to;
+        exact::Crossing::Kind kind = exact::Crossing::Kind::time;
+        double end = 0;                      // of kind time
+        const exact::Plane* wall = nullptr;  // of kind wall
+        Image from{}, to{};                  // of kind bisector
     };
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
     void add_shift(const exact::Shift& shift, std::array<double, 3>& x) const;
@@ -99,10 +101,11 @@ private:
         return exact::Crossing::between(plane_of(from), plane_of(to));
     }
     [[nodiscard]] bool later(const Event& a, const Event& b) const;
-    [[nodiscard]] Event event_at(const exact::Crossing& crossing) const;
+    [[nodiscard]] exact::Crossing exact_of(const Event& event) const;
+    void find_time(Event& event) const;
     [[nodiscard]] bool find_stop(double end);
     [[nodiscard]] Image walk_to_origin(Image from) const;
-    [[nodiscard]] bool find_next(const Image& from, Event& event, Image& to);
+    [[nodiscard]] bool find_next(const Image& from, Event& event);
     [[nodiscard]] bool is_same_line(const Image& a, const Image& b) const;
     [[nodiscard]] std::size_t lowest_of_ties(const Image& of);
 
@@ -114,7 +117,8 @@ private:
     Event stop_;
     double error_ = 0;                          // of a position
     double place_error_ = 0, shift_error_ = 0;  // of the way to a neighbor, and more of one that is shifted
-    std::vector<Candidate> candidates_;
+    std::vector<double> least_, most_;          // of the times of neighbors, as of an event; never: it does not come
+    std::vector<Image> candidates_;
     std::vector<Image> ties_;
 };
 

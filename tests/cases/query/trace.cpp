@@ -137,7 +137,8 @@ void check_march(const votess::Diagram& diagram, const RaySet& rays, const votes
                 queries.push_back(rays.origins[3 * r + k] + along / length_of(d) * d[k]);
             expected.push_back(seed);
         };
-        const auto begin = static_cast<std::size_t>(cells.offsets[r]), end = static_cast<std::size_t>(cells.offsets[r + 1]);
+        const auto begin = static_cast<std::size_t>(cells.offsets[r]),
+                   end = static_cast<std::size_t>(cells.offsets[r + 1]);
         double from = 0;
         for (std::size_t e = begin; e < end; ++e) {
             const double to = from + cells.lengths[e];
@@ -189,7 +190,8 @@ TEST_SUITE("query") {
                 CAPTURE(r);
                 const double* d = &rays.directions[3 * r];
                 const Row row = envelope(c, has_cell, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
-                const auto begin = cells.seeds.begin() + cells.offsets[r], end = cells.seeds.begin() + cells.offsets[r + 1];
+                const auto begin = cells.seeds.begin() + cells.offsets[r],
+                           end = cells.seeds.begin() + cells.offsets[r + 1];
                 REQUIRE(std::vector<std::int32_t>(begin, end) == row.seeds);
                 double along = 0;
                 for (std::size_t e = 0; e < row.seeds.size(); ++e, ++pieces) {
