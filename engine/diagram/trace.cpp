@@ -98,6 +98,7 @@ using Image = cpu::RayTracer::Image;
 // Returns the image whose cell holds the origin, counted from the seed's place in the domain.
 Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x, const cpu::Place& place) {
     const cpu::Locator::Nearest nearest = locator.nearest(x, place);
+    if (nearest.home < 0) return {cpu::CellGraph::none, {}};
     Image image{static_cast<std::size_t>(nearest.home), nearest.shift};
     if (const cpu::SeedImages* images = state.clipper.seeds().images)
         for (std::size_t j = 0; j < 3; ++j)

@@ -35,12 +35,16 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
     for (std::size_t i = 0; i < seeds.size(); ++i)
         sorted[static_cast<std::size_t>(seeds.input[i])] = static_cast<std::int32_t>(i);
     const std::span<const std::int8_t> shifts = t.shifts();
-    begin_.push_back(0);
+    begin_.resize_uninitialized(seeds.size() + 1);
+    places_.resize_uninitialized(seeds.size());
+    links_.resize_uninitialized(t.indices().size());
+    std::size_t end = 0;
     for (std::size_t i = 0; i < seeds.size(); ++i) {
         const auto input = static_cast<std::size_t>(seeds.input[i]);
         const exact::Point at = seeds.images == nullptr ? exact::Point{seeds.x[i], seeds.y[i], seeds.z[i]}
                                                         : seeds.images->place_in_domain(i);
-        places_.push_back({at[0], at[1], at[2], seeds.weights.empty() ? 0 : seeds.weights[i]});
+        places_[i] = {at[0], at[1], at[2], seeds.weights.empty() ? 0 : seeds.weights[i]};
+        begin_[i] = end;
         size_ = std::max(size_, size_of(at));
         has_cell_.push_back(t.status()[input] == CellStatus::certified);
         if (has_cell_.back() && first_cell_ == none) first_cell_ = i;
@@ -52,12 +56,12 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
                 max_shift_ = std::max(max_shift_, std::abs(int{link.shift[j]}));
                 link.is_shifted = link.is_shifted || link.shift[j] != 0;
             }
-            links_.push_back(link);
+            links_[end++] = link;
             ++entry;
         }
-        max_links_ = std::max(max_links_, links_.size() - begin_.back());
-        begin_.push_back(links_.size());
+        max_links_ = std::max(max_links_, end - begin_[i]);
     }
+    begin_[seeds.size()] = end;
     for (const auto& vector : domain.vector) period_ = std::max(period_, size_of(vector));
 }
 
@@ -166,6 +170,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
     const std::array<double, 3> p = position(from);
     const Vector3& d = ray_.direction;
     const std::span<const CellGraph::Link> links = graph_.links(from.seed);
+    for (const CellGraph::Link& link : links) __builtin_prefetch(&graph_.place(static_cast<std::size_t>(link.seed)));
     candidates_.clear();
     ties_.clear();
     double bound = never;

@@ -19,6 +19,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/buffer.hpp"
 #include "exact/ray.hpp"
 #include "index/sorted_seeds.hpp"
 #include "input/job.hpp"
@@ -32,7 +33,7 @@ public:
     // t: cells of the seeds in input order, with neighbors.
     CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tessellation& t);
 
-    struct alignas(32) Place {  // in the domain, rounded
+    struct Place {  // in the domain, rounded
         double x, y, z, weight;
     };
     struct Link {
@@ -43,7 +44,7 @@ public:
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
     [[nodiscard]] std::span<const Link> links(std::size_t seed) const {
-        return {&links_[begin_[seed]], begin_[seed + 1] - begin_[seed]};
+        return {links_.data() + begin_[seed], begin_[seed + 1] - begin_[seed]};
     }
     [[nodiscard]] const Place& place(std::size_t seed) const { return places_[seed]; }
     [[nodiscard]] bool has_cell(std::size_t seed) const { return has_cell_[seed]; }
@@ -54,9 +55,10 @@ public:
     [[nodiscard]] std::size_t max_links() const { return max_links_; }    // of a seed
 
 private:
-    std::vector<std::size_t> begin_;  // M + 1
-    std::vector<Link> links_;
-    std::vector<Place> places_;
+    // Accessed at random, hence huge pages.
+    Buffer<std::size_t> begin_{Buffer<std::size_t>::Pages::huge};  // M + 1
+    Buffer<Link> links_{Buffer<Link>::Pages::huge};
+    Buffer<Place> places_{Buffer<Place>::Pages::huge};
     std::vector<bool> has_cell_;
     std::size_t first_cell_ = none;
     double size_ = 0, period_ = 0;
