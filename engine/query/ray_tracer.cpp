@@ -1,6 +1,7 @@
 #include "query/ray_tracer.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "core/progress.hpp"
@@ -24,6 +25,11 @@ RayTracer::Image follow(const RayTracer::Image& from, const CellGraph::Link& lin
     return {static_cast<std::size_t>(link.seed), sum(from.shift, link.shift)};
 }
 
+void add_shift(const Domain& domain, const exact::Shift& shift, std::array<double, 3>& x) {
+    for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t k = 0; k < 3; ++k) x[k] += shift[j] * domain.vector[j][k];
+}
+
 double size_of(const std::array<double, 3>& x) {
     return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
 }
@@ -35,7 +41,6 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
     for (std::size_t i = 0; i < seeds.size(); ++i)
         sorted[static_cast<std::size_t>(seeds.input[i])] = static_cast<std::int32_t>(i);
     const std::span<const std::int8_t> shifts = t.shifts();
-    begin_.resize_uninitialized(seeds.size() + 1);
     places_.resize_uninitialized(seeds.size());
     links_.resize_uninitialized(t.indices().size());
     std::size_t end = 0;
@@ -43,8 +48,8 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
         const auto input = static_cast<std::size_t>(seeds.input[i]);
         const exact::Point at = seeds.images == nullptr ? exact::Point{seeds.x[i], seeds.y[i], seeds.z[i]}
                                                         : seeds.images->place_in_domain(i);
-        places_[i] = {at[0], at[1], at[2], seeds.weights.empty() ? 0 : seeds.weights[i]};
-        begin_[i] = end;
+        places_[i] = {at[0], at[1], at[2], seeds.weights.empty() ? 0 : seeds.weights[i], end, 0, 0, 0};
+        max_weight_ = std::max(max_weight_, std::abs(places_[i].weight));
         size_ = std::max(size_, size_of(at));
         has_cell_.push_back(t.status()[input] == CellStatus::certified);
         if (has_cell_.back() && first_cell_ == none) first_cell_ = i;
@@ -59,10 +64,22 @@ CellGraph::CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tesse
             links_[end++] = link;
             ++entry;
         }
-        max_links_ = std::max(max_links_, end - begin_[i]);
+        places_[i].count = static_cast<std::uint32_t>(end - places_[i].begin) & 0x7fffffff;
+        max_links_ = std::max(max_links_, end - places_[i].begin);
     }
-    begin_[seeds.size()] = end;
     for (const auto& vector : domain.vector) period_ = std::max(period_, size_of(vector));
+    for (Place& place : places_) {
+        double reach = 0;
+        for (std::size_t k = 0; k < place.count; ++k) {
+            const Link& link = links_[place.begin + k];
+            const Place& to = places_[static_cast<std::size_t>(link.seed)];
+            Vector3 n{to.x - place.x, to.y - place.y, to.z - place.z};
+            if (link.is_shifted) add_shift(domain, {link.shift[0], link.shift[1], link.shift[2]}, n);
+            if (link.is_shifted) place.has_shifts = 1;
+            reach = std::max(reach, std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]));
+        }
+        place.reach = static_cast<float>(reach * (1 + 0x1p-20)) + std::numeric_limits<float>::min();
+    }
 }
 
 RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box)
@@ -70,8 +87,8 @@ RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellG
       seeds_(seeds),
       graph_(graph),
       walls_(domain.walls),
-      least_(graph.max_links()),
-      most_(graph.max_links()) {
+      slopes_(graph.max_links()),
+      times_(graph.max_links()) {
     for (int wall = 0; wall < 6 && has_box; ++wall)
         if (domain.has_box_wall(wall)) walls_.push_back(domain.box_wall(wall));
     if (seeds.images == nullptr) return;
@@ -95,16 +112,11 @@ exact::Plane RayTracer::plane_of(const Image& image) const {
     return plane;
 }
 
-void RayTracer::add_shift(const exact::Shift& shift, std::array<double, 3>& x) const {
-    for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t k = 0; k < 3; ++k) x[k] += shift[j] * domain_.vector[j][k];
-}
-
 // Relative to the origin.
 std::array<double, 3> RayTracer::position(const Image& image) const {
     const CellGraph::Place& place = graph_.place(image.seed);
     std::array<double, 3> x{place.x, place.y, place.z};
-    if (image.shift != exact::Shift{}) add_shift(image.shift, x);
+    if (image.shift != exact::Shift{}) add_shift(domain_, image.shift, x);
     return minus(x, ray_.origin);
 }
 
@@ -163,49 +175,61 @@ RayTracer::Image RayTracer::walk_to_origin(Image from) const {
     return from;
 }
 
+RayTracer::Errors RayTracer::errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const {
+    const double delta = place_error_ + (here.has_shifts != 0 ? shift_error_ : 0), reach = here.reach + 3 * delta;
+    const double middle = reach + 2 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
+    Errors errors;
+    errors.rise =
+        5 * error_ * (reach + 3 * delta) + 2 * delta * middle + 8 * unit_roundoff * graph_.max_weight() + smallest;
+    errors.slope = 8 * unit_roundoff * reach + 4 * delta;
+    errors.min_slope = std::max(64 * errors.slope, 0x1p-16 * reach);
+    errors.constant = 1.1 * errors.rise / errors.min_slope;
+    errors.relative = 1.1 * errors.slope / errors.min_slope + 4 * unit_roundoff;
+    return errors;
+}
+
 // Finds where the ray leaves a cell. Returns false when it never does. Fills ties_ with neighbors of the same line.
 bool RayTracer::find_next(const Image& from, Event& event) {
-    constexpr double sure = 64;
     const CellGraph::Place& here = graph_.place(from.seed);
     const std::array<double, 3> p = position(from);
-    const Vector3& d = ray_.direction;
+    const Vector3 d = ray_.direction, twice{2 * p[0], 2 * p[1], 2 * p[2]};
     const std::span<const CellGraph::Link> links = graph_.links(from.seed);
     for (const CellGraph::Link& link : links) __builtin_prefetch(&graph_.place(static_cast<std::size_t>(link.seed)));
-    candidates_.clear();
-    ties_.clear();
-    double bound = never;
-    for (std::size_t i = 0; i < links.size(); ++i) {
+    const Errors errors = errors_of(here, p);
+    double* const slopes = slopes_.data();
+    double* const times = times_.data();
+    double best = never;
+    std::uint64_t any_grazes = 0;
+    for (std::size_t i = 0; i < links.size(); ++i) {  // branches would be mispredicted
         const CellGraph::Link& link = links[i];
         const CellGraph::Place& place = graph_.place(static_cast<std::size_t>(link.seed));
         Vector3 n{place.x - here.x, place.y - here.y, place.z - here.z};
-        double delta = place_error_;
-        if (link.is_shifted) {
-            add_shift({link.shift[0], link.shift[1], link.shift[2]}, n);
-            delta += shift_error_;
-        }
-        const double length = std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2]);
-        const double slope = dot(n, d), slope_error = 8 * unit_roundoff * length + 4 * delta;
-        const Vector3 m{n[0] + 2 * p[0], n[1] + 2 * p[1], n[2] + 2 * p[2]};
-        const double rise = dot(n, m) - (place.weight - here.weight);
-        const double rise_error = 5 * error_ * (length + 3 * delta) +
-                                  2 * delta * (std::abs(m[0]) + std::abs(m[1]) + std::abs(m[2])) +
-                                  4 * unit_roundoff * (std::abs(place.weight) + std::abs(here.weight)) + smallest;
-        const double inverse = 1 / slope, time = rise * inverse;
-        const double error =
-            1.1 * (rise_error + std::abs(time) * slope_error) * inverse + 4 * unit_roundoff * std::abs(time);
-        const bool approaches = slope > sure * slope_error;
-        least_[i] = approaches ? time - error : never;
-        most_[i] = approaches ? time + error : never;
-        bound = std::min(bound, most_[i]);
-        if (std::abs(slope) > sure * slope_error) continue;
-        const Image image = follow(from, link);
+        if (link.is_shifted) add_shift(domain_, {link.shift[0], link.shift[1], link.shift[2]}, n);
+        const double slope = dot(n, d);
+        const double rise =
+            dot(n, Vector3{n[0] + twice[0], n[1] + twice[1], n[2] + twice[2]}) - (place.weight - here.weight);
+        const std::uint64_t approaches = slope > errors.min_slope;
+        const auto bits = std::bit_cast<std::uint64_t>(rise / slope), other = std::bit_cast<std::uint64_t>(never);
+        const auto time = std::bit_cast<double>(other ^ ((other ^ bits) & (0 - approaches)));
+        any_grazes |= static_cast<std::uint64_t>(std::abs(slope) <= errors.min_slope);
+        slopes[i] = slope;
+        times[i] = time;
+        best = std::min(best, time);
+    }
+    candidates_.clear();
+    ties_.clear();
+    for (std::size_t i = 0; i < links.size() && any_grazes != 0; ++i) {
+        if (std::abs(slopes[i]) > errors.min_slope) continue;
+        const Image image = follow(from, links[i]);
         const int approach = exact::approach(ray_, between(from, image));
         if (approach > 0) candidates_.push_back(image);
         if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0) ties_.push_back(image);
     }
     std::size_t last = 0;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-        if (!(least_[i] <= bound) || least_[i] == never) continue;
+    // A time t comes first only if t - a - b |t| <= best + a + b |best|.
+    const double bound = best + 2.2 * (errors.constant + errors.relative * std::abs(best));
+    for (std::size_t i = 0; i < links.size() && best != never; ++i) {
+        if (times[i] > bound) continue;
         candidates_.push_back(follow(from, links[i]));
         last = i;
     }
@@ -219,11 +243,13 @@ bool RayTracer::find_next(const Image& from, Event& event) {
         if (order < 0 || (order == 0 && exact::approach(ray_, between(event.to, to)) > 0)) event.to = to;
     }
     // A time among several candidates, or of a grazing crossing, is computed again.
-    event.least = least_[last];
-    event.most = most_[last];
-    event.time = 0.5 * (event.least + event.most);
-    if (candidates_.size() > 1 || bound == never ||
-        event.most - event.least > 256 * error_ + 64 * unit_roundoff * std::abs(event.time))
+    event.time = times[last];
+    const double error = best == never ? never
+                                       : 1.1 * (errors.rise + errors.slope * std::abs(event.time)) / slopes[last] +
+                                             4 * unit_roundoff * std::abs(event.time);
+    event.least = event.time - error;
+    event.most = event.time + error;
+    if (candidates_.size() > 1 || !(error <= 128 * error_ + 32 * unit_roundoff * std::abs(event.time)))
         find_time(event);
     return true;
 }

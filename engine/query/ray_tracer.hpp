@@ -9,9 +9,11 @@
 // Twice the time of the crossing is A / B, with A = N.M - (w_q - w_p) and B = N.d. No |d_k| exceeds 1, and u = 2^-53.
 // N errs by u |N_k| and, where places are rounded or shifted, by `delta`. p errs by less than e = error_, which is at
 // least 16 u times the sum of coordinates that make it. Then M errs by less than 3 e + delta. |M_k| is below e / (4 u).
-// So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u |N|_1 + 4 delta. Where B
-// is below 64 times its bound, its sign is decided in integers. Elsewhere A / B errs by 1.1 (bound of A + bound of B
-// |A / B|) / B at most. Candidates that these bounds do not separate are compared in integers.
+// So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u |N|_1 + 4 delta.
+//
+// One bound on |N|_1 serves a whole cell. Where B is below 64 times its bound, or 2^-16 of that length, integers decide
+// its sign. Elsewhere A / B errs by a + b |A / B| at most, see Errors. Candidates that these bounds do not separate are
+// compared in integers.
 #pragma once
 
 #include <array>
@@ -33,8 +35,11 @@ public:
     // t: cells of the seeds in input order, with neighbors.
     CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tessellation& t);
 
-    struct Place {  // in the domain, rounded
-        double x, y, z, weight;
+    struct Place {
+        double x, y, z, weight;  // in the domain, rounded
+        std::size_t begin;       // of its links
+        float reach;             // at least the sum |dx| + |dy| + |dz| of the way to any neighbor
+        std::uint32_t count : 31, has_shifts : 1;
     };
     struct Link {
         std::int32_t seed;
@@ -44,24 +49,24 @@ public:
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
     [[nodiscard]] std::span<const Link> links(std::size_t seed) const {
-        return {links_.data() + begin_[seed], begin_[seed + 1] - begin_[seed]};
+        return {links_.data() + places_[seed].begin, places_[seed].count};
     }
     [[nodiscard]] const Place& place(std::size_t seed) const { return places_[seed]; }
     [[nodiscard]] bool has_cell(std::size_t seed) const { return has_cell_[seed]; }
     [[nodiscard]] std::size_t first_cell() const { return first_cell_; }  // none: no seed has one
     [[nodiscard]] double size() const { return size_; }                   // largest coordinate of a place
+    [[nodiscard]] double max_weight() const { return max_weight_; }       // by its size
     [[nodiscard]] double period() const { return period_; }               // largest coordinate of a lattice vector
     [[nodiscard]] int max_shift() const { return max_shift_; }            // of a link
     [[nodiscard]] std::size_t max_links() const { return max_links_; }    // of a seed
 
 private:
     // Accessed at random, hence huge pages.
-    Buffer<std::size_t> begin_{Buffer<std::size_t>::Pages::huge};  // M + 1
     Buffer<Link> links_{Buffer<Link>::Pages::huge};
     Buffer<Place> places_{Buffer<Place>::Pages::huge};
     std::vector<bool> has_cell_;
     std::size_t first_cell_ = none;
-    double size_ = 0, period_ = 0;
+    double size_ = 0, period_ = 0, max_weight_ = 0;
     int max_shift_ = 0;
     std::size_t max_links_ = 0;
 };
@@ -96,8 +101,12 @@ private:
         const exact::Plane* wall = nullptr;  // of kind wall
         Image from{}, to{};                  // of kind bisector
     };
+    // Bounds for the neighbors of one cell, on the errors of A and B; then a and b.
+    struct Errors {
+        double rise, slope, min_slope, constant, relative;
+    };
+    [[nodiscard]] Errors errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const;
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
-    void add_shift(const exact::Shift& shift, std::array<double, 3>& x) const;
     [[nodiscard]] std::array<double, 3> position(const Image& image) const;
     [[nodiscard]] exact::Crossing between(const Image& from, const Image& to) const {
         return exact::Crossing::between(plane_of(from), plane_of(to));
@@ -119,7 +128,7 @@ private:
     Event stop_;
     double error_ = 0;                          // of a position
     double place_error_ = 0, shift_error_ = 0;  // of the way to a neighbor, and more of one that is shifted
-    std::vector<double> least_, most_;          // of the times of neighbors, as of an event; never: it does not come
+    std::vector<double> slopes_, times_;        // by neighbor: B, and A / B where B is surely positive
     std::vector<Image> candidates_;
     std::vector<Image> ties_;
 };
