@@ -134,7 +134,12 @@ bool RayTracer::later(const Event& a, const Event& b) const {
 
 // Fills the time and its bounds from integers.
 void RayTracer::find_time(Event& event) const {
-    event.time = 2 * exact::time_of(ray_, exact_of(event));
+    set_time(event, 2 * exact::time_of(ray_, exact_of(event)));
+}
+
+// time: wrong by a few units in the last place.
+void RayTracer::set_time(Event& event, double time) {
+    event.time = time;
     const double error = 16 * unit_roundoff * std::abs(event.time) + smallest;
     event.least = event.time - error;
     event.most = event.time + error;
@@ -152,8 +157,15 @@ bool RayTracer::find_stop(double end) {
         Event event;
         event.kind = exact::Crossing::Kind::wall;
         event.wall = &wall;
-        if (exact::approach(ray_, exact_of(event)) <= 0) continue;
-        find_time(event);
+        if (wall.is_oblique()) {
+            if (exact::approach(ray_, exact_of(event)) <= 0) continue;
+            find_time(event);
+        } else {
+            const auto axis = static_cast<std::size_t>(wall.axis);
+            const double slope = ray_.direction[axis], way = wall.wall - ray_.origin[axis];
+            if (wall.kind == exact::Plane::Kind::lower_wall ? slope >= 0 : slope <= 0) continue;
+            set_time(event, way == 0 ? 0 : 2 * (way / slope));
+        }
         if (stop_.time == never || later(stop_, event)) stop_ = event;
     }
     return stop_.time != never;
@@ -242,6 +254,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
         const int order = exact::later(ray_, between(from, to), exact_of(event));
         if (order < 0 || (order == 0 && exact::approach(ray_, between(event.to, to)) > 0)) event.to = to;
     }
+    __builtin_prefetch(graph_.links(event.to.seed).data());
     // A time among several candidates, or of a grazing crossing, is computed again.
     event.time = times[last];
     const double error = best == never ? never
@@ -249,7 +262,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
                                              4 * unit_roundoff * std::abs(event.time);
     event.least = event.time - error;
     event.most = event.time + error;
-    if (candidates_.size() > 1 || !(error <= 128 * error_ + 32 * unit_roundoff * std::abs(event.time)))
+    if (candidates_.size() > 1 || !(error <= 512 * error_ + 32 * unit_roundoff * std::abs(event.time)))
         find_time(event);
     return true;
 }

@@ -114,6 +114,7 @@ private:
     [[nodiscard]] bool later(const Event& a, const Event& b) const;
     [[nodiscard]] exact::Crossing exact_of(const Event& event) const;
     void find_time(Event& event) const;
+    static void set_time(Event& event, double time);
     [[nodiscard]] bool find_stop(double end);
     [[nodiscard]] Image walk_to_origin(Image from) const;
     [[nodiscard]] bool find_next(const Image& from, Event& event);
