@@ -1,15 +1,16 @@
 // Walks along a ray from cell to neighbor.
 //
 // Seeds are lines over the time of the ray, and their lower envelope is the sequence of cells (exact/ray.hpp). The next
-// cell is that of the neighbor whose line crosses first. Of several that cross at once, the walk takes the one that
+// cell is that of the neighbor whose line crosses first. If several cross at once, the walk takes the one that
 // falls fastest. Through an edge or a vertex it may take several steps at one time, whose cells have no length and are
 // left out. Each step leads to a line that falls faster, so the walk ends.
 //
 // Signs. Let p be the seed of a cell relative to the origin, N the way to a neighbor, M = N + 2 p, and w their weights.
 // Twice the time of the crossing is A / B, with A = N.M - (w_q - w_p) and B = N.d. No |d_k| exceeds 1, and u = 2^-53.
-// N errs by u |N_k| and, where places are rounded or shifted, by `delta`. p errs by less than e = error_, which is at
-// least 16 u times the sum of coordinates that make it. Then M errs by less than 3 e + delta. |M_k| is below e / (4 u).
-// So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u |N|_1 + 4 delta.
+// N errs by u |N_k| and, where places are rounded or shifted, by `delta`. A coordinate of p errs by less than e =
+// error_, which is at least 16 u times the sum of coordinates that make it. Then M errs by less than 3 e + delta. |M_k|
+// is below e / (4 u). So A errs by less than 5 e (|N|_1 + 3 delta) + 2 delta |M|_1 + 4 u (|w_q| + |w_p|), B by 8 u
+// |N|_1 + 4 delta.
 //
 // One bound on |N|_1 serves a whole cell. Where B is below 64 times its bound, or 2^-16 of that length, integers decide
 // its sign. Elsewhere A / B errs by a + b |A / B| at most, see Errors. Candidates that these bounds do not separate are
