@@ -251,8 +251,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
     event.to = candidates_.front();
     for (std::size_t c = 1; c < candidates_.size(); ++c) {
         const Image& to = candidates_[c];
-        const int order = exact::later(ray_, between(from, to), exact_of(event));
-        if (order < 0 || (order == 0 && exact::approach(ray_, between(event.to, to)) > 0)) event.to = to;
+        if (exact::later(ray_, between(from, to), exact_of(event)) < 0) event.to = to;
     }
     __builtin_prefetch(graph_.links(event.to.seed).data());
     // A time among several candidates, or of a grazing crossing, is computed again.

@@ -1,9 +1,9 @@
 // Walks along a ray from cell to neighbor.
 //
 // Seeds are lines over the time of the ray, and their lower envelope is the sequence of cells (exact/ray.hpp). The next
-// cell is that of the neighbor whose line crosses first. If several cross at once, the walk takes the one that
-// falls fastest. Through an edge or a vertex it may take several steps at one time, whose cells have no length and are
-// left out. Each step leads to a line that falls faster, so the walk ends.
+// cell is that of the neighbor whose line crosses first. Through an edge or a vertex the walk may take
+// several steps at one time. Cells without length are left out. Each step leads to a line that falls faster, so the
+// walk ends. Equal lines belong to cells whose common face or edge holds the ray.
 //
 // Signs. Let p be the seed of a cell relative to the origin, N the way to a neighbor, M = N + 2 p, and w their weights.
 // Twice the time of the crossing is A / B, with A = N.M - (w_q - w_p) and B = N.d. No |d_k| exceeds 1, and u = 2^-53.

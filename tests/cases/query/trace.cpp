@@ -298,6 +298,41 @@ TEST_SUITE("query") {
         CHECK(diagram.locate(middles) == cells.seeds);
     }
 
+    TEST_CASE("trace: lattices in random order against exact envelopes") {
+        test::Random random(12);
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            for (int set = 0; set < 6; ++set) {
+                CAPTURE(set);
+                test::PointSet lattice = periodic ? test::bcc(2) : set < 3 ? test::cubic(4) : test::fcc(2);
+                lattice = test::reordered(lattice, test::Order::shuffled, static_cast<std::uint64_t>(set + 1));
+                QueryCase c;
+                c.points = lattice.points;
+                c.options.box = lattice.box;
+                c.options.periodic = {periodic, periodic, periodic};
+                const votess::Diagram diagram(c.points, c.options);
+                RaySet rays;
+                const std::size_t count = periodic ? 2 : 20;
+                for (std::size_t r = 0; r < count; ++r) {
+                    for (std::size_t k = 0; k < 3; ++k)
+                        rays.origins.push_back(lattice.box->lower[k] + static_cast<double>(random.below(4)) / 2);
+                    for (int k = 0; k < 3; ++k) rays.directions.push_back(static_cast<double>(random.integer(-1, 2)));
+                    if (length_of(&rays.directions[3 * r]) == 0) rays.directions.back() = 1;
+                    rays.lengths.push_back(periodic ? 2.5 : 8);
+                }
+                const votess::RayCells cells = rays.trace(diagram);
+                const std::vector<bool> all(c.points.size() / 3, true);
+                for (std::size_t r = 0; r < count; ++r) {
+                    CAPTURE(r);
+                    const double* d = &rays.directions[3 * r];
+                    const Row row = envelope(c, all, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
+                    CHECK(std::vector<std::int32_t>(cells.seeds.begin() + cells.offsets[r],
+                                                    cells.seeds.begin() + cells.offsets[r + 1]) == row.seeds);
+                }
+            }
+        }
+    }
+
     TEST_CASE("trace: rays without cells, and refusals") {
         const test::PointSet set = test::uniform(50, 2);
         votess::Options options;
