@@ -1,4 +1,5 @@
-// Queries of fixed seeds: the cell that holds a point, the cell that a new point would have, fields between the seeds.
+// Queries of fixed seeds: the cell that holds a point, the cell that a new point would have, the cells along a ray,
+// fields between the seeds.
 #pragma once
 
 #include <array>
@@ -137,8 +138,8 @@ public:
     //
     // Cells and their order are exact: those of the true diagram along the true ray. Only the length is rounded, when
     // it is divided by that of the direction. A ray through an edge or a vertex passes the cells where it has a length,
-    // and each once. In a common face or edge of cells it passes the one that locate() returns there, the lowest seed.
-    // A length may be rounded to 0. The lengths of a ray sum to its length inside the domain to a relative 1e-13.
+    // and each once. In a common face or edge of cells it passes the lowest seed that has a cell. A length may be
+    // rounded to 0. The lengths of a ray sum to its length inside the domain to a relative 1e-13.
     //
     // The first call computes the neighbors of all cells and stores them for later calls: 200 bytes a seed. Throws as
     // locate(); invalid_argument for a bad direction or length, and for an infinite ray without a wall in its way;
