@@ -12,8 +12,8 @@ namespace votess::cpu {
 namespace {
 
 constexpr double unit_roundoff = 0x1p-53;
-constexpr double never = std::numeric_limits<double>::infinity();
-constexpr double smallest = 1e-290;  // above the underflow of a product
+constexpr double no_time = std::numeric_limits<double>::infinity();
+constexpr double underflow = 1e-290;  // above the underflow of a product
 constexpr std::int32_t farthest_shift = exact::max_shift / 2;
 constexpr std::size_t steps_per_look = 1024;  // after which the user may stop
 
@@ -140,7 +140,7 @@ void RayTracer::find_time(Event& event) const {
 // time: wrong by a few units in the last place.
 void RayTracer::set_time(Event& event, double time) {
     event.time = time;
-    const double error = 16 * unit_roundoff * std::abs(event.time) + smallest;
+    const double error = 16 * unit_roundoff * std::abs(event.time) + underflow;
     event.least = event.time - error;
     event.most = event.time + error;
 }
@@ -149,8 +149,8 @@ void RayTracer::set_time(Event& event, double time) {
 bool RayTracer::find_stop(double end) {
     stop_ = {};
     stop_.end = end;
-    if (end == never)
-        stop_.time = stop_.least = stop_.most = never;
+    if (end == no_time)
+        stop_.time = stop_.least = stop_.most = no_time;
     else
         find_time(stop_);
     for (const exact::Plane& wall : walls_) {
@@ -166,9 +166,9 @@ bool RayTracer::find_stop(double end) {
             if (wall.kind == exact::Plane::Kind::lower_wall ? slope >= 0 : slope <= 0) continue;
             set_time(event, way == 0 ? 0 : 2 * (way / slope));
         }
-        if (stop_.time == never || later(stop_, event)) stop_ = event;
+        if (stop_.time == no_time || later(stop_, event)) stop_ = event;
     }
-    return stop_.time != never;
+    return stop_.time != no_time;
 }
 
 // Walks downhill to an image with a cell that holds the origin.
@@ -192,7 +192,7 @@ RayTracer::Errors RayTracer::errors_of(const CellGraph::Place& here, const std::
     const double middle = reach + 2 * (std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]));
     Errors errors;
     errors.rise =
-        5 * error_ * (reach + 3 * delta) + 2 * delta * middle + 8 * unit_roundoff * graph_.max_weight() + smallest;
+        5 * error_ * (reach + 3 * delta) + 2 * delta * middle + 8 * unit_roundoff * graph_.max_weight() + underflow;
     errors.slope = 8 * unit_roundoff * reach + 4 * delta;
     errors.min_slope = std::max(64 * errors.slope, 0x1p-16 * reach);
     errors.constant = 1.1 * errors.rise / errors.min_slope;
@@ -210,7 +210,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
     const Errors errors = errors_of(here, p);
     double* const slopes = slopes_.data();
     double* const times = times_.data();
-    double best = never;
+    double best = no_time;
     std::uint64_t any_grazes = 0;
     for (std::size_t i = 0; i < links.size(); ++i) {  // branches would be mispredicted
         const CellGraph::Link& link = links[i];
@@ -221,7 +221,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
         const double rise =
             dot(n, Vector3{n[0] + twice[0], n[1] + twice[1], n[2] + twice[2]}) - (place.weight - here.weight);
         const std::uint64_t approaches = slope > errors.min_slope;
-        const auto bits = std::bit_cast<std::uint64_t>(rise / slope), other = std::bit_cast<std::uint64_t>(never);
+        const auto bits = std::bit_cast<std::uint64_t>(rise / slope), other = std::bit_cast<std::uint64_t>(no_time);
         const auto time = std::bit_cast<double>(other ^ ((other ^ bits) & (0 - approaches)));
         any_grazes |= static_cast<std::uint64_t>(std::abs(slope) <= errors.min_slope);
         slopes[i] = slope;
@@ -240,7 +240,7 @@ bool RayTracer::find_next(const Image& from, Event& event) {
     std::size_t last = 0;
     // A time t comes first only if t - a - b |t| <= best + a + b |best|.
     const double bound = best + 2.2 * (errors.constant + errors.relative * std::abs(best));
-    for (std::size_t i = 0; i < links.size() && best != never; ++i) {
+    for (std::size_t i = 0; i < links.size() && best != no_time; ++i) {
         if (times[i] > bound) continue;
         candidates_.push_back(follow(from, links[i]));
         last = i;
@@ -256,9 +256,9 @@ bool RayTracer::find_next(const Image& from, Event& event) {
     __builtin_prefetch(graph_.links(event.to.seed).data());
     // A time among several candidates, or of a grazing crossing, is computed again.
     event.time = times[last];
-    const double error = best == never ? never
-                                       : 1.1 * (errors.rise + errors.slope * std::abs(event.time)) / slopes[last] +
-                                             4 * unit_roundoff * std::abs(event.time);
+    const double error = best == no_time ? no_time
+                                         : 1.1 * (errors.rise + errors.slope * std::abs(event.time)) / slopes[last] +
+                                               4 * unit_roundoff * std::abs(event.time);
     event.least = event.time - error;
     event.most = event.time + error;
     if (candidates_.size() > 1 || !(error <= 512 * error_ + 32 * unit_roundoff * std::abs(event.time)))
