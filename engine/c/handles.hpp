@@ -38,6 +38,10 @@ struct votess_diagram {
     votess::ProgressCallback progress;  // for its queries
 };
 
+struct votess_rays {
+    votess::RayCells cells;
+};
+
 struct votess_natural {
     votess::NaturalCoordinates coordinates;
 };

@@ -76,6 +76,11 @@ std::vector<std::int32_t> Diagram::locate(std::span<const double> queries, const
     return run(progress, [&] { return detail::locate(*state_, detail::check_queries(*state_, queries)); });
 }
 
+RayCells Diagram::trace(std::span<const double> origins, std::span<const double> directions,
+                        std::span<const double> lengths, const ProgressCallback& progress) const {
+    return run(progress, [&] { return detail::trace(*state_, origins, directions, lengths); });
+}
+
 Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {
     return run(options.progress, [&] { return detail::probe(*state_, queries, options); });
 }

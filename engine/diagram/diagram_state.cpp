@@ -49,13 +49,13 @@ std::unique_ptr<DiagramState> make_state(std::span<const double> points, const O
     return state;
 }
 
-namespace {
-
 std::vector<double> weights_of(const DiagramState& state) {
     std::vector<double> weights = state.job.domain->weights;
     for (double& weight : weights) weight = weight / state.job.scale / state.job.scale;
     return weights;
 }
+
+namespace {
 
 Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights) {
     Options options = state.job.options;

@@ -19,6 +19,7 @@
 #include "query/natural_rows.hpp"
 #include "query/probe_rows.hpp"
 #include "query/prober.hpp"
+#include "query/ray_tracer.hpp"
 #include "votess/diagram.hpp"
 
 namespace votess::detail {
@@ -54,6 +55,7 @@ struct DiagramState {
     std::deque<Searcher> searchers;
     ResultBuilder result;
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
+    std::optional<cpu::CellGraph> cells;    // made for rays
 
     // In a domain without end this state has near_box(), and three others are made when needed. `far` has far_box().
     // `hull` has that box too, but only the seeds whose cells reach infinity. `around` has the default box, for grids.
@@ -65,6 +67,8 @@ struct DiagramState {
 
 // Makes the state of points in a box that has ends.
 std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options);
+// Returns the weights as given; none without a power diagram.
+std::vector<double> weights_of(const DiagramState& state);
 // Returns those of a state without end.
 DiagramState& far_state(DiagramState& state);
 DiagramState& hull_state(DiagramState& state);
@@ -112,6 +116,8 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
               const std::function<void(std::span<const std::int32_t> numbers, std::size_t near)>& run);
 
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries);
+RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+               std::span<const double> lengths);
 Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options);
 NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options);
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,

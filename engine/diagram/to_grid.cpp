@@ -58,8 +58,7 @@ Result build(const DiagramState& state) {
     const Job& job = state.job;
     Options options = job.options;
     if (!options.cell) options.box = job.box;
-    std::vector<double> weights = job.domain->weights;
-    for (double& weight : weights) weight = weight / job.scale / job.scale;
+    const std::vector<double> weights = weights_of(state);
     options.weights = weights;
     options.device = "cpu";
     options.want = {};

@@ -192,7 +192,12 @@ void Locator::search_images() {
 }
 
 std::int32_t Locator::find(const exact::Point& x, const Place& place) {
-    if (seeds_.size() == 0) return -1;
+    const std::int32_t home = nearest(x, place).home;
+    return home < 0 ? -1 : seeds_.input[static_cast<std::size_t>(home)];
+}
+
+Locator::Nearest Locator::nearest(const exact::Point& x, const Place& place) {
+    if (seeds_.size() == 0) return {};
     at_ = place.at;
     rounding_ = image_rounding_;
     if (place.shift != exact::Shift{})
@@ -221,7 +226,7 @@ exact::Plane Locator::plane_of(const Candidate& candidate, const exact::Shift& b
     return plane;
 }
 
-std::int32_t Locator::decide(const exact::Point& x, const exact::Shift& by) {
+Locator::Nearest Locator::decide(const exact::Point& x, const exact::Shift& by) {
     const auto index = [this](const Candidate& c) { return seeds_.input[static_cast<std::size_t>(c.home)]; };
     const Candidate* nearest = &candidates_.front();
     for (const Candidate& c : candidates_) {
@@ -229,7 +234,7 @@ std::int32_t Locator::decide(const exact::Point& x, const exact::Shift& by) {
         const int order = exact::farther(x, plane_of(*nearest, by), plane_of(c, by));
         if (order > 0 || (order == 0 && index(c) < index(*nearest))) nearest = &c;
     }
-    return index(*nearest);
+    return {nearest->home, nearest->shift};
 }
 
 }  // namespace votess::cpu

@@ -31,6 +31,13 @@ public:
     // The input index of the seed whose cell holds x; -1 where there are no seeds. Fastest when the last x was near,
     // for its seeds are in the cache.
     [[nodiscard]] std::int32_t find(const exact::Point& x, const Place& place);
+    // The seed or image whose cell holds x, by its number among the sorted seeds and the shift by which it would be
+    // sorted; home -1 where there are no seeds.
+    struct Nearest {
+        std::int32_t home = -1;
+        exact::Shift shift{};
+    };
+    [[nodiscard]] Nearest nearest(const exact::Point& x, const Place& place);
     // A group of seeds near a place.
     [[nodiscard]] std::size_t group_near(const exact::Point& at) const;
 
@@ -53,7 +60,7 @@ private:
     void search();
     void search_images();
     void push_far(const ImageNode& node);
-    [[nodiscard]] std::int32_t decide(const exact::Point& x, const exact::Shift& by);
+    [[nodiscard]] Nearest decide(const exact::Point& x, const exact::Shift& by);
     [[nodiscard]] exact::Plane plane_of(const Candidate& candidate, const exact::Shift& by) const;
 
     const Domain& domain_;

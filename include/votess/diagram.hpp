@@ -1,4 +1,5 @@
-// Queries of fixed seeds: the cell that holds a point, the cell that a new point would have, fields between the seeds.
+// Queries of fixed seeds: the cell that holds a point, the cell that a new point would have, the cells along a ray,
+// fields between the seeds.
 #pragma once
 
 #include <array>
@@ -97,6 +98,18 @@ struct GridOptions {
     ProgressCallback progress = {};  // as Options::progress
 };
 
+// Row r starts at offsets[r]: the cells that ray r passes, in order, and its length in each. A periodic domain repeats,
+// so a seed may be there several times.
+struct VOTESS_API RayCells {
+    std::vector<std::int64_t> offsets;  // R+1
+    std::vector<std::int32_t> seeds;    // offsets[R]
+    std::vector<double> lengths;        // offsets[R], at least 0
+
+    // Returns the integral of `values` along each ray: the sum of value times length. values: N. Throws
+    // invalid_argument for fewer values than the seeds need.
+    [[nodiscard]] std::vector<double> integrate(std::span<const double> values) const;
+};
+
 // Seeds, sorted once for searching; no cell is built. A shared handle to immutable data, cheap to copy. Many threads
 // may query one Diagram; the calls run one after the other, each on options.threads threads of the CPU.
 //
@@ -119,6 +132,20 @@ public:
     // rounding. Throws invalid_argument; `unsupported` for a query too small beside the box for one scale.
     [[nodiscard]] std::vector<std::int32_t> locate(std::span<const double> queries,
                                                    const ProgressCallback& progress = {}) const;
+    // Returns the cells along R rays, which begin at `origins`. A ray ends after its length, or at a wall of the
+    // domain. One that begins outside the domain has no cells. origins, directions: 3R, finite; only the direction of a
+    // vector matters. lengths: R, at least 0; infinity is allowed where a wall ends the ray.
+    //
+    // Cells and their order are exact: those of the true diagram along the true ray. Only the length is rounded, when
+    // it is divided by that of the direction. A ray through an edge or a vertex passes the cells where it has a length,
+    // and each once. In a common face or edge of cells it passes the lowest seed that has a cell. A length may be
+    // rounded to 0. The lengths of a ray sum to its length inside the domain to a relative 1e-13.
+    //
+    // The first call computes the neighbors of all cells and stores them for later calls: 200 bytes a seed. Throws as
+    // locate(); invalid_argument for a bad direction or length, and for an infinite ray without a wall in its way;
+    // `unsupported` for directions whose components no common scale holds, and beyond 500 million periods.
+    [[nodiscard]] RayCells trace(std::span<const double> origins, std::span<const double> directions,
+                                 std::span<const double> lengths, const ProgressCallback& progress = {}) const;
     // Returns Q cells: the cell that each query would have if it alone were added to the seeds. Rows are bit for bit
     // those of seed N in tessellate() of the seeds and the query; volumes and areas agree to 1e-10. queries: as for
     // locate().

@@ -19,6 +19,7 @@ from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .frames import Frame, read_frames
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .pairs import Pairs
+from .rays import RayCells
 from .stats import StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
 from .tessellation import Tessellation
@@ -40,6 +41,7 @@ __all__ = [
     "Neighbors",
     "Pairs",
     "Probes",
+    "RayCells",
     "Relaxation",
     "StageSeconds",
     "Stats",

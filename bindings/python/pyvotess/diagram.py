@@ -16,6 +16,7 @@ from ._library import lib
 from ._run import implied_words, new_options
 from ._state import Cells
 from .mesh import NaturalCoordinates, Neighbors
+from .rays import RayCells
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -122,6 +123,56 @@ class Diagram:
         seeds = np.empty(len(array), np.int32)
         self._ask(lib.votess_diagram_locate, progress, array.ctypes.data, len(array), seeds.ctypes.data)
         return seeds
+
+    def trace(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        lengths: Optional[npt.ArrayLike] = None,
+        progress: Union[None, bool, Progress] = None,
+    ) -> RayCells:
+        """Returns the seeds whose cells each ray passes, in order, and its length in each.
+
+        A ray ends after its length, or at a wall of the domain. One that begins outside of the domain has no cells. A
+        periodic domain repeats, so a seed may appear several times. Cells and their order are exact: a ray through an
+        edge or a vertex passes each cell where it has a length once. In a common face or edge of cells it passes the one
+        of lowest index. Lengths sum to the ray's length inside the domain, to a relative 1e-13.
+
+        The first call computes the neighbors of all cells, and keeps about 200 bytes a seed. The GIL is released.
+
+        Parameters
+        ----------
+        origins, directions : (R, 3) arrays of finite numbers.
+        lengths : (R,) numbers, or one for all. Infinity is allowed where a wall ends the ray. Default: the lengths of
+            the directions, so that rays end at ``origins + directions``.
+        progress : as for :func:`tessellate`.
+
+        Raises
+        ------
+        ValueError : bad input; a direction of length 0; an infinite ray that no wall ends.
+        """
+        start, along = _as_queries(origins), _as_queries(directions)
+        if len(along) != len(start):
+            raise ValueError(f"{len(start)} origins, but {len(along)} directions: give one for each ray")
+        given = np.linalg.norm(along, axis=1) if lengths is None else np.asarray(lengths)
+        if given.ndim == 0:
+            given = np.full(len(start), given)
+        numbers = as_one_each(given, "lengths", len(start), "rays")
+        rays = Handle(lib.votess_rays_free)
+        self._ask(
+            lib.votess_rays_new,
+            progress,
+            start.ctypes.data,
+            along.ctypes.data,
+            numbers.ctypes.data,
+            len(start),
+            ctypes.byref(rays.pointer),
+        )
+        return RayCells(
+            array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
+            array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
+            array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
+        )
 
     def probe(
         self,

@@ -1,0 +1,179 @@
+// Diagram::trace(): checks rays, and traces them on all threads.
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "core/vector3.hpp"
+#include "diagram/diagram_state.hpp"
+
+namespace votess {
+
+std::vector<double> RayCells::integrate(std::span<const double> values) const {
+    for (const std::int32_t seed : seeds)
+        if (static_cast<std::size_t>(seed) >= values.size())
+            throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
+                                                         " values, but a ray passes the cell of seed " +
+                                                         std::to_string(seed) + ": give one for each seed");
+    std::vector<double> integrals(offsets.empty() ? 0 : offsets.size() - 1);
+    for (std::size_t r = 0; r < integrals.size(); ++r)
+        for (auto k = static_cast<std::size_t>(offsets[r]); k < static_cast<std::size_t>(offsets[r + 1]); ++k)
+            integrals[r] += values[static_cast<std::size_t>(seeds[k])] * lengths[k];
+    return integrals;
+}
+
+namespace detail {
+namespace {
+
+constexpr double share_of_neighbors = 0.5;  // of a call that computes them
+constexpr std::size_t rays_per_look = 64;   // after which the user may stop
+
+std::string name_of(std::size_t ray) {
+    return "ray " + std::to_string(ray);
+}
+
+struct Rays {
+    Queries origins;
+    std::vector<double> directions, lengths;  // copied, see input/snapshot.hpp
+};
+
+// Refuses bad directions and lengths.
+Rays check_rays(const DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+                std::span<const double> lengths) {
+    Rays rays{check_queries(state, origins), {directions.begin(), directions.end()}, {lengths.begin(), lengths.end()}};
+    const std::size_t count = rays.origins.count();
+    if (rays.directions.size() != 3 * count || rays.lengths.size() != count)
+        throw Error(ErrorCode::invalid_argument,
+                    "there are " + std::to_string(count) + " origins, but " + std::to_string(directions.size()) +
+                        " coordinates of directions and " + std::to_string(lengths.size()) +
+                        " lengths: give (R,3), (R,3) and (R,)");
+    for (std::size_t r = 0; r < count; ++r) {
+        const double* d = &rays.directions[3 * r];
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!std::isfinite(d[k]))
+                throw Error(ErrorCode::invalid_argument,
+                            name_of(r) + ": component " + number(d[k]) + " of its direction is not finite");
+        if (d[0] == 0 && d[1] == 0 && d[2] == 0)
+            throw Error(ErrorCode::invalid_argument, name_of(r) + ": its direction is 0: give another vector");
+        if (!(rays.lengths[r] >= 0))
+            throw Error(ErrorCode::invalid_argument,
+                        name_of(r) + ": its length " + number(rays.lengths[r]) + " is not 0 or more");
+    }
+    return rays;
+}
+
+// Returns the direction times a power of two, so that its largest component is from 0.5 to 1.
+exact::Point direction_of(const Rays& rays, std::size_t ray) {
+    const double* given = &rays.directions[3 * ray];
+    const int exponent = std::ilogb(std::max({std::abs(given[0]), std::abs(given[1]), std::abs(given[2])})) + 1;
+    exact::Point d;
+    for (std::size_t k = 0; k < 3; ++k) {
+        d[k] = std::ldexp(given[k], -exponent);
+        if (std::ldexp(d[k], exponent) != given[k])
+            throw Error(ErrorCode::unsupported, name_of(ray) + ": component " + number(given[k]) +
+                                                    " of its direction is too small beside the others: set it to 0");
+    }
+    return d;
+}
+
+// Needs a CallGuard.
+void make_cells(DiagramState& state) {
+    if (state.cells) return;
+    Options options = state.job.options;
+    if (!options.cell) options.box = state.endless ? *state.endless : state.job.box;
+    const std::vector<double> weights = weights_of(state);
+    options.weights = weights;
+    options.device = "cpu";
+    options.want = {.neighbors = true, .volumes = false};
+    options.list_walls = false;
+    options.progress = Stoppable::within({0, share_of_neighbors});
+    const Tessellation t = tessellate(state.points, options);
+    state.cells.emplace(*state.job.domain, state.clipper.seeds(), t);
+    Stoppable::enter_stage({share_of_neighbors, 1});
+}
+
+using Image = cpu::RayTracer::Image;
+
+// Returns the image whose cell holds the origin, counted from the seed's place in the domain.
+Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x, const cpu::Place& place) {
+    const cpu::Locator::Nearest nearest = locator.nearest(x, place);
+    if (nearest.home < 0) return {cpu::CellGraph::none, {}};
+    Image image{static_cast<std::size_t>(nearest.home), nearest.shift};
+    if (const cpu::SeedImages* images = state.clipper.seeds().images)
+        for (std::size_t j = 0; j < 3; ++j)
+            image.shift[j] += images->shift_in_domain(nearest.home, exact::Shift{})[j] - place.shift[j];
+    return image;
+}
+
+// The cells of consecutive rays.
+struct RayBatch {
+    std::size_t begin = 0;
+    std::vector<std::int32_t> seeds;
+    std::vector<double> lengths;
+};
+
+}  // namespace
+
+RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+               std::span<const double> lengths) {
+    const Rays rays = check_rays(state, origins, directions, lengths);
+    const std::size_t count = rays.origins.count();
+    RayCells out;
+    lengthen(out.offsets, count + 1);
+    if (state.points.empty()) return out;
+    std::vector<std::int32_t> beyond;  // the seeds of origins, where the box of the state does not hold them all
+    if (state.endless) beyond = locate(state, rays.origins);
+    const CallGuard turn(state);
+    make_cells(state);
+    const cpu::SortedSeeds& seeds = state.clipper.seeds();
+    std::vector<std::size_t> sorted(beyond.empty() ? 0 : state.points.size() / 3);
+    for (std::size_t i = 0; i < seeds.size() && !sorted.empty(); ++i)
+        sorted[static_cast<std::size_t>(seeds.input[i])] = i;
+    std::mutex adding;
+    std::vector<RayBatch> batches;
+    for_queries(state, rays.origins, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
+        std::vector<Image> starts(end - begin, Image{cpu::CellGraph::none, {}});
+        sort_queries(state.job, searcher, rays.origins, begin, end, [](std::size_t) {});
+        for (const std::uint64_t key : searcher.order) {
+            const auto i = static_cast<std::uint32_t>(key);
+            const exact::Point x = scaled(state.job, rays.origins, begin + i);
+            if (beyond.empty()) starts[i] = image_at(state, searcher.locator, x, searcher.places[i]);
+        }
+        cpu::RayTracer tracer(*state.job.domain, seeds, *state.cells, !state.endless);
+        RayBatch batch{begin, {}, {}};
+        std::vector<cpu::RayTracer::Piece> pieces;
+        for (std::size_t r = begin; r < end; ++r) {
+            if (r % rays_per_look == 0) check_stop();
+            Image start = starts[r - begin];
+            if (!beyond.empty()) start.seed = sorted[static_cast<std::size_t>(beyond[r])];
+            const exact::Ray ray{scaled(state.job, rays.origins, r), direction_of(rays, r)};
+            const double speed = length3(ray.direction[0], ray.direction[1], ray.direction[2]) / state.job.scale;
+            pieces.clear();
+            if (start.seed != cpu::CellGraph::none && !tracer.trace(ray, rays.lengths[r] / speed, start, pieces))
+                throw Error(ErrorCode::invalid_argument, name_of(r) +
+                                                             ": its length is infinite, and no wall ends it: "
+                                                             "give a finite length");
+            for (const cpu::RayTracer::Piece& piece : pieces) {
+                batch.seeds.push_back(seeds.input[piece.seed]);
+                batch.lengths.push_back((piece.end - piece.begin) * speed);
+            }
+            out.offsets[r + 1] = static_cast<std::int64_t>(pieces.size());
+        }
+        const std::scoped_lock lock(adding);
+        batches.push_back(std::move(batch));
+    });
+    for (std::size_t r = 0; r < count; ++r) out.offsets[r + 1] += out.offsets[r];
+    std::ranges::sort(batches, {}, &RayBatch::begin);
+    out.seeds.reserve(static_cast<std::size_t>(out.offsets[count]));
+    out.lengths.reserve(static_cast<std::size_t>(out.offsets[count]));
+    for (RayBatch& batch : batches) {
+        out.seeds.insert(out.seeds.end(), batch.seeds.begin(), batch.seeds.end());
+        out.lengths.insert(out.lengths.end(), batch.lengths.begin(), batch.lengths.end());
+        batch = {};
+    }
+    return out;
+}
+
+}  // namespace detail
+}  // namespace votess

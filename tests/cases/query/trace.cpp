@@ -1,0 +1,374 @@
+// Diagram::trace() against exact lower envelopes, and against locate() along the rays.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+#include <votess/diagram.hpp>
+
+#include "cases/query/query_cases.hpp"
+#include "oracle/integer_domain.hpp"
+#include "support/check.hpp"
+#include "support/generators.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using test::Coordinates;
+using test::QueryCase;
+
+// A time is numerator / denominator, in quanta of length over those of the direction.
+struct Time {
+    mpz_class numerator, denominator;
+    friend bool operator<(const Time& a, const Time& b) {
+        return a.numerator * b.denominator < b.numerator * a.denominator;
+    }
+    friend bool operator==(const Time& a, const Time& b) {
+        return a.numerator * b.denominator == b.numerator * a.denominator;
+    }
+};
+
+struct Row {
+    std::vector<std::int32_t> seeds;
+    std::vector<double> times;  // of the ends
+};
+
+constexpr int direction_quantum = -60;
+
+// The power of seed and image at time t, less that of the origin: h - t slope.
+struct Line {
+    mpz_class h, slope;
+    std::int32_t seed;
+};
+
+// Returns the cells of a ray by all seeds and images, in integers. end: its last time.
+Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double* origin, const double* direction,
+             double end) {
+    Coordinates points = c.points;
+    points.insert(points.end(), origin, origin + 3);
+    std::vector<double> weights = c.weights;
+    if (!weights.empty()) weights.push_back(0);
+    votess::Options options = c.options;
+    options.weights = weights;
+    const test::IntegerDomain domain(points, options);
+    const std::size_t q = domain.size() - 1;
+    Row row;
+    if (domain.is_outside(q)) return row;
+    test::Integers d;
+    for (std::size_t k = 0; k < 3; ++k) d[k] = mpz_class(std::ldexp(direction[k], -direction_quantum));
+    std::vector<Line> lines;
+    const auto& periodic = c.options.cell ? c.options.cell->periodic : c.options.periodic;
+    std::array<int, 3> reach{}, shift{};
+    for (std::size_t k = 0; k < 3; ++k) reach[k] = periodic[k] ? 3 : 0;
+    for (std::size_t i = 0; i < q; ++i) {
+        if (!has_cell[i]) continue;
+        for (shift[0] = -reach[0]; shift[0] <= reach[0]; ++shift[0])
+            for (shift[1] = -reach[1]; shift[1] <= reach[1]; ++shift[1])
+                for (shift[2] = -reach[2]; shift[2] <= reach[2]; ++shift[2]) {
+                    const test::IntegerPlane plane = domain.bisector(q, i, shift);
+                    lines.push_back({plane.h, test::dot(plane.n, d), static_cast<std::int32_t>(i)});
+                }
+    }
+    // A time of 1 is 2^-quantum of length over 2^-direction_quantum.
+    Time stop{mpz_class(std::ldexp(end, 60)), 1};
+    const int shift_of_unit = direction_quantum - domain.quantum() - 60;
+    if (shift_of_unit >= 0)
+        stop.numerator <<= static_cast<unsigned>(shift_of_unit);
+    else
+        stop.denominator <<= static_cast<unsigned>(-shift_of_unit);
+    for (const test::IntegerPlane& wall : domain.walls(q)) {
+        const mpz_class slope = test::dot(wall.n, d);
+        if (slope > 0) stop = std::min(stop, Time{wall.h, slope});
+    }
+    if (lines.empty()) return row;
+    const Line* at = &lines.front();
+    for (const Line& line : lines)
+        if (line.h < at->h || (line.h == at->h && line.slope > at->slope)) at = &line;
+    Time now{0, 1};
+    while (now < stop) {
+        const Line* to = nullptr;
+        Time next = stop;
+        std::int32_t lowest = at->seed;
+        for (const Line& line : lines) {
+            if (line.h == at->h && line.slope == at->slope) lowest = std::min(lowest, line.seed);
+            if (line.slope <= at->slope) continue;
+            const Time time{line.h - at->h, line.slope - at->slope};
+            if (!(time < next) && !(time == next && to != nullptr && line.slope > to->slope)) continue;
+            next = time;
+            to = &line;
+        }
+        const mpq_class exact(next.numerator, next.denominator);
+        row.seeds.push_back(lowest);
+        row.times.push_back(std::ldexp(exact.get_d(), domain.quantum() - direction_quantum));
+        now = next;
+        if (to == nullptr) break;
+        at = to;
+    }
+    return row;
+}
+
+double length_of(const double* d) {
+    return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+struct RaySet {
+    Coordinates origins, directions;
+    std::vector<double> lengths;
+    [[nodiscard]] votess::RayCells trace(const votess::Diagram& diagram) const {
+        return diagram.trace(origins, directions, lengths);
+    }
+};
+
+// Requires that locate() agrees in the middle of each piece and at many points along each ray.
+void check_march(const votess::Diagram& diagram, const RaySet& rays, const votess::RayCells& cells) {
+    constexpr double near = 1e-10;
+    constexpr int points_of_ray = 40;
+    Coordinates queries;
+    std::vector<std::int32_t> expected;
+    const std::size_t count = rays.lengths.size();
+    REQUIRE(cells.offsets.size() == count + 1);
+    for (std::size_t r = 0; r < count; ++r) {
+        const double* d = &rays.directions[3 * r];
+        const auto add = [&](double along, std::int32_t seed) {
+            for (std::size_t k = 0; k < 3; ++k)
+                queries.push_back(rays.origins[3 * r + k] + along / length_of(d) * d[k]);
+            expected.push_back(seed);
+        };
+        const auto begin = static_cast<std::size_t>(cells.offsets[r]),
+                   end = static_cast<std::size_t>(cells.offsets[r + 1]);
+        double from = 0;
+        for (std::size_t e = begin; e < end; ++e) {
+            const double to = from + cells.lengths[e];
+            CHECK(cells.lengths[e] >= 0);
+            if (cells.lengths[e] > near) add(0.5 * (from + to), cells.seeds[e]);
+            for (int p = 0; p < points_of_ray; ++p) {
+                const double along = rays.lengths[r] * (p + 0.37) / points_of_ray;
+                if (along > from + near && along < to - near) add(along, cells.seeds[e]);
+            }
+            from = to;
+        }
+    }
+    CHECK(diagram.locate(queries) == expected);
+    CHECK(expected.size() > 5 * count);
+}
+
+}  // namespace
+
+TEST_SUITE("query") {
+    TEST_CASE("trace: random domains and rays against exact envelopes") {
+        test::Random random(5);
+        std::size_t pieces = 0;
+        for (std::size_t set = 0; set < test::by_size(150, 30); ++set) {
+            CAPTURE(set);
+            QueryCase c = test::random_query_case(random, set % 4 != 0);
+            c.options.weights = c.weights;
+            const votess::Tessellation t = votess::tessellate(c.points, c.options);
+            std::vector<bool> has_cell;
+            for (const votess::CellStatus status : t.status())
+                has_cell.push_back(status == votess::CellStatus::certified);
+            const votess::Diagram diagram(c.points, c.options);
+            RaySet rays;
+            constexpr int few = 4;
+            constexpr double directions[8][3] = {{1, 0, 0}, {0, -3, 4}, {1, 2, -2}, {-1, -1, 0},
+                                                 {1, 1, 1}, {0, 0, -1}, {0, 1, 0},  {0, 0, 0}};
+            for (int r = 0; r < few; ++r) {
+                const auto x = test::random_query(random, c, false);
+                rays.origins.insert(rays.origins.end(), x.begin(), x.end());
+                const auto kind = random.below(8);
+                for (std::size_t k = 0; k < 3; ++k)
+                    rays.directions.push_back(kind == 7 ? static_cast<double>(random.integer(-1000, 1000)) / 1024
+                                                        : directions[kind][k] / 8);
+                if (rays.directions.back() == 0 && length_of(&rays.directions[rays.directions.size() - 3]) == 0)
+                    rays.directions.back() = 1;
+                rays.lengths.push_back(static_cast<double>(random.below(9)) / 8);
+            }
+            const votess::RayCells cells = rays.trace(diagram);
+            for (std::size_t r = 0; r < few; ++r) {
+                CAPTURE(r);
+                const double* d = &rays.directions[3 * r];
+                const Row row = envelope(c, has_cell, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
+                const auto begin = cells.seeds.begin() + cells.offsets[r],
+                           end = cells.seeds.begin() + cells.offsets[r + 1];
+                REQUIRE(std::vector<std::int32_t>(begin, end) == row.seeds);
+                double along = 0;
+                for (std::size_t e = 0; e < row.seeds.size(); ++e, ++pieces) {
+                    along += cells.lengths[static_cast<std::size_t>(cells.offsets[r]) + e];
+                    REQUIRE(std::abs(along - row.times[e] * length_of(d)) < 1e-13);
+                }
+            }
+        }
+        CHECK(pieces > test::by_size(600, 100));
+    }
+
+    TEST_CASE("trace: locate() agrees along 200 rays in each domain") {
+        constexpr std::size_t count = 200;
+        const test::PointSet set = test::uniform(400, 8);
+        test::Random random(9);
+        RaySet rays;
+        for (std::size_t i = 0; i < 3 * count; ++i) rays.origins.push_back(random.uniform());
+        for (std::size_t i = 0; i < 3 * count; ++i) rays.directions.push_back(random.uniform(-1, 1));
+        for (std::size_t i = 0; i < count; ++i) rays.lengths.push_back(random.uniform(0.5, 3));
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < 400; ++i) weights.push_back(random.uniform(-0.01, 0.01));
+        for (int domain = 0; domain < 8; ++domain) {
+            CAPTURE(domain);
+            votess::Options options;
+            options.box = test::unit_box();
+            if (domain == 1 || domain == 2) options.periodic = {true, true, domain == 1};
+            if (domain >= 5) options.weights = weights;
+            if (domain == 3 || domain == 6) {
+                options.box.reset();
+                options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.25, 1}};
+            }
+            if (domain == 4) {
+                options.walls = {{{1, 2, 0.7}, 2}, {{-1, 0.1, 0}, -0.05}};
+                options.outside = votess::Outside::keep;
+            }
+            if (domain == 7) {  // so flat that seeds are moved into the reduced cell
+                options.box.reset();
+                options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {3.4, 1, 0}, {-2.3, 4.25, 1}};
+            }
+            const votess::Diagram diagram(set.points, options);
+            const votess::RayCells cells = rays.trace(diagram);
+            check_march(diagram, rays, cells);
+            if (domain == 0) {
+                options.threads = 3;
+                const votess::RayCells again = rays.trace(votess::Diagram(set.points, options));
+                CHECK(again.offsets == cells.offsets);
+                CHECK(again.seeds == cells.seeds);
+                CHECK(again.lengths == cells.lengths);
+            }
+        }
+        votess::Options options;  // all of space
+        const votess::Diagram diagram(set.points, options);
+        for (std::size_t i = 0; i < count; ++i) rays.origins[3 * i] += 2 * (static_cast<double>(i % 3) - 1);
+        check_march(diagram, rays, rays.trace(diagram));
+    }
+
+    TEST_CASE("trace: lengths sum to the ray's length in the domain") {
+        const test::PointSet set = test::uniform(2000, 4);
+        votess::Options options;
+        options.box = test::unit_box();
+        test::Random random(3);
+        for (const bool periodic : {false, true}) {
+            options.periodic = {periodic, periodic, periodic};
+            const votess::Diagram diagram(set.points, options);
+            RaySet rays;
+            for (int r = 0; r < 100; ++r) {
+                for (int k = 0; k < 3; ++k) rays.origins.push_back(random.uniform());
+                for (int k = 0; k < 3; ++k) rays.directions.push_back(random.uniform(-1e-3, 1e-3));
+                rays.lengths.push_back(periodic ? 20 * random.uniform() : std::numeric_limits<double>::infinity());
+            }
+            const votess::RayCells cells = rays.trace(diagram);
+            const std::vector<double> sums = cells.integrate(std::vector<double>(2000, 1.0));
+            for (std::size_t r = 0; r < rays.lengths.size(); ++r) {
+                double expected = rays.lengths[r];
+                for (std::size_t k = 0; k < 3 && !periodic; ++k) {
+                    const double d = rays.directions[3 * r + k], x = rays.origins[3 * r + k];
+                    expected = std::min(expected, ((d > 0 ? 1 : 0) - x) / d * length_of(&rays.directions[3 * r]));
+                }
+                CHECK(std::abs(sums[r] - expected) <= 1e-13 * expected);
+            }
+        }
+    }
+
+    TEST_CASE("trace: along planes, edges and diagonals of a lattice") {
+        const test::PointSet set = test::cubic(4);
+        votess::Options options;
+        options.box = set.box;
+        const votess::Diagram diagram(set.points, options);
+        const votess::Box box = *options.box;
+        const double corner = box.lower[0], far = std::numeric_limits<double>::infinity();
+        RaySet rays;
+        rays.origins = {corner, corner, corner, corner, corner + 1, corner + 1, corner, corner, corner + 1};
+        rays.directions = {1, 1, 1, 1, 0, 0, 1, 1, 0};
+        rays.lengths = {far, far, far};
+        const votess::RayCells cells = rays.trace(diagram);
+        REQUIRE(cells.offsets == std::vector<std::int64_t>{0, 4, 8, 12});
+        const double steps[3] = {std::sqrt(3.0), 1, std::sqrt(2.0)};
+        for (std::size_t e = 0; e < 12; ++e) CHECK(std::abs(cells.lengths[e] - steps[e / 4]) < 1e-14);
+        Coordinates middles;
+        for (std::size_t e = 0; e < 12; ++e)
+            for (std::size_t k = 0; k < 3; ++k)
+                middles.push_back(rays.origins[3 * (e / 4) + k] +
+                                  rays.directions[3 * (e / 4) + k] * (static_cast<double>(e % 4) + 0.5));
+        CHECK(diagram.locate(middles) == cells.seeds);
+    }
+
+    TEST_CASE("trace: lattices in random order against exact envelopes") {
+        test::Random random(12);
+        for (const bool periodic : {false, true}) {
+            CAPTURE(periodic);
+            for (int set = 0; set < 6; ++set) {
+                CAPTURE(set);
+                test::PointSet lattice = periodic ? test::bcc(2) : set < 3 ? test::cubic(4) : test::fcc(2);
+                lattice = test::reordered(lattice, test::Order::shuffled, static_cast<std::uint64_t>(set + 1));
+                QueryCase c;
+                c.points = lattice.points;
+                c.options.box = lattice.box;
+                c.options.periodic = {periodic, periodic, periodic};
+                const votess::Diagram diagram(c.points, c.options);
+                RaySet rays;
+                const std::size_t count = periodic ? 2 : 20;
+                for (std::size_t r = 0; r < count; ++r) {
+                    for (std::size_t k = 0; k < 3; ++k)
+                        rays.origins.push_back(lattice.box->lower[k] + static_cast<double>(random.below(4)) / 2);
+                    for (int k = 0; k < 3; ++k) rays.directions.push_back(static_cast<double>(random.integer(-1, 2)));
+                    if (length_of(&rays.directions[3 * r]) == 0) rays.directions.back() = 1;
+                    rays.lengths.push_back(periodic ? 2.5 : 8);
+                }
+                const votess::RayCells cells = rays.trace(diagram);
+                const std::vector<bool> all(c.points.size() / 3, true);
+                for (std::size_t r = 0; r < count; ++r) {
+                    CAPTURE(r);
+                    const double* d = &rays.directions[3 * r];
+                    const Row row = envelope(c, all, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
+                    CHECK(std::vector<std::int32_t>(cells.seeds.begin() + cells.offsets[r],
+                                                    cells.seeds.begin() + cells.offsets[r + 1]) == row.seeds);
+                }
+            }
+        }
+    }
+
+    TEST_CASE("trace: rays without cells, and refusals") {
+        const test::PointSet set = test::uniform(50, 2);
+        votess::Options options;
+        options.box = test::unit_box();
+        const votess::Diagram diagram(set.points, options);
+        const double far = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+        using Numbers = std::vector<double>;
+        const auto trace = [&](const Numbers& origin, const Numbers& direction, const Numbers& length) {
+            return diagram.trace(origin, direction, length);
+        };
+        CHECK(trace({}, {}, {}).offsets == std::vector<std::int64_t>{0});
+        CHECK(trace({2, 0.5, 0.5}, {-1, 0, 0}, {5}).seeds.empty());   // begins outside
+        CHECK(trace({1, 0.5, 0.5}, {1, 0, 0}, {5}).seeds.empty());    // leaves at once
+        CHECK(trace({0.5, 0.5, 0.5}, {1, 0, 0}, {0}).seeds.empty());  // without length
+        CHECK(votess::Diagram().trace(Numbers{0, 0, 0}, Numbers{1, 0, 0}, Numbers{1}).offsets ==
+              std::vector<std::int64_t>{0, 0});
+        const auto refused = [&](const Numbers& origin, const Numbers& direction, const Numbers& length) {
+            try {
+                (void)trace(origin, direction, length);
+            } catch (const votess::Error& error) {
+                return std::string(error.what());
+            }
+            return std::string("accepted");
+        };
+        const Numbers x{0.5, 0.5, 0.5}, d{1, 0, 0};
+        CHECK(refused(x, {1, nan, 0}, {1}) == "ray 0: component nan of its direction is not finite");
+        CHECK(refused(x, {0, 0, 0}, {1}) == "ray 0: its direction is 0: give another vector");
+        CHECK(refused(x, d, {-2}) == "ray 0: its length -2 is not 0 or more");
+        CHECK(refused(x, d, {nan}) == "ray 0: its length nan is not 0 or more");
+        CHECK(refused({0.5, far, 0.5}, d, {1}) == "query 0: coordinate inf is not finite");
+        CHECK(refused(x, d, {1, 2}).starts_with("there are 1 origins, but 3 coordinates of directions and 2 lengths"));
+        CHECK(refused(x, {1e300, 1e-300, 0}, {1}).starts_with("ray 0: component 1e-300 of its direction is too small"));
+        options.periodic = {true, false, false};
+        const votess::Diagram tube(set.points, options);
+        CHECK_THROWS_AS(tube.trace(x, d, Numbers{far}), votess::Error);
+        CHECK(tube.trace(x, Numbers{1, 1e-3, 0}, Numbers{far}).seeds.size() > 100);  // many times around
+        CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
+    }
+}
