@@ -18,6 +18,7 @@ from .fields.moments import transport_cost
 from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .frames import Frame, read_frames
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
+from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
 from .stats import StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
@@ -35,9 +36,12 @@ __all__ = [
     "FitError",
     "FitSeconds",
     "Frame",
+    "FreeSphere",
+    "IncludedSphere",
     "Lists",
     "NaturalCoordinates",
     "Neighbors",
+    "Network",
     "Pairs",
     "Probes",
     "Relaxation",

@@ -1,0 +1,279 @@
+// The network of a diagram, read off its polygons: no predicate, the vertices are exact already.
+#include "votess/network.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/progress.hpp"
+#include "input/domain_of_result.hpp"
+#include "mesh/dual.hpp"
+#include "mesh/joined_corners.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+using Vector = std::array<double, 3>;
+constexpr std::size_t cells_per_stop = 1024;  // after which the user may stop
+
+Vector vector_at(std::span<const double> array, std::size_t i) {
+    return {array[3 * i], array[3 * i + 1], array[3 * i + 2]};
+}
+
+Vector difference(const Vector& a, const Vector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Returns the distance from the origin to the segment between two points.
+double distance_to_segment(const Vector& a, const Vector& b) {
+    const Vector along = difference(b, a);
+    const double squared = dot(along, along);
+    const double t = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0.0;
+    const Vector foot{std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
+    return std::sqrt(dot(foot, foot));
+}
+
+// An edge as a cell has it.
+struct Side {
+    std::int32_t to;
+    ByteShift shift;
+    double radius;
+    [[nodiscard]] std::pair<std::int32_t, ByteShift> end() const { return {to, shift}; }
+};
+
+class NetworkMaker {
+public:
+    NetworkMaker(const Result& result, std::span<const double> places)
+        : r_(result), places_(places), joined_(result), number_(result.vertices.size() / 3) {}
+
+    Network make() {
+        number_vertices();
+        place_sides();
+        join_sides();
+        return std::move(out_);
+    }
+
+private:
+    void number_vertices() {
+        for (std::size_t v = 0; v < number_.size(); ++v) {
+            const std::size_t first = joined_.original(static_cast<std::int32_t>(v));  // at most v
+            if (first == v) {
+                number_[v] = static_cast<std::int32_t>(out_.vertices.size());
+                out_.vertices.push_back(static_cast<std::int32_t>(v));
+                const Vector point = vector_at(r_.vertices, v);
+                out_.points.insert(out_.points.end(), point.begin(), point.end());
+            }
+            number_[v] = number_[first];
+        }
+        out_.vertex_radii.assign(out_.vertices.size(), std::numeric_limits<double>::infinity());
+        out_.at_walls.assign(out_.vertices.size(), 0);
+    }
+
+    // visit(a, b) for each edge of cell i, from its lower end. The polygons on both sides of an edge go along it in
+    // opposite directions; one of them may have been dropped.
+    void for_edges(std::size_t i, const auto& visit) const {
+        const bool whole = r_.dropped_offsets.empty();
+        for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
+            const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
+            std::int32_t before = end > begin ? r_.face_vertices[at(end - 1)] : -1;
+            for (auto k = begin; k < end; ++k) {
+                const std::int32_t v = r_.face_vertices[at(k)];
+                if (before >= 0 && v >= 0 && (before < v || !whole)) visit(before, v);
+                before = v;
+            }
+        }
+    }
+
+    // Returns the lower end of an edge, and the edge from there; the end itself where the edge has shrunk.
+    [[nodiscard]] std::pair<std::int32_t, Side> from_lower(std::int32_t a, std::int32_t b) const {
+        const std::int32_t from = number_[at(a)], to = number_[at(b)];
+        const ByteShift shift = sum(joined_.shift(b), negative(joined_.shift(a)));
+        if (from < to || (from == to && shift >= ByteShift{})) return {from, {to, shift, 0}};
+        return {to, {from, negative(shift), 0}};
+    }
+
+    // Sorts the edges of all cells by their lower ends.
+    void place_sides() {
+        begin_.assign(out_.vertices.size() + 2, 0);
+        for_cells([&](std::size_t i) {
+            for_edges(i, [&](std::int32_t a, std::int32_t b) {
+                ++begin_[at(from_lower(a, b).first) + 2];
+            });
+        });
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        sides_.resize(begin_.back());
+        for_cells([&](std::size_t i) { measure(i); });
+    }
+    void for_cells(const auto& task) const {
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            if (i % cells_per_stop == 0) check_stop();
+            task(i);
+        }
+    }
+
+    void measure(std::size_t i) {
+        const Vector seed = vector_at(places_, i);
+        const double radius = r_.weights.empty() ? 0 : std::sqrt(r_.weights[i]);
+        const auto from_seed = [&](std::int32_t v) { return difference(vector_at(r_.vertices, at(v)), seed); };
+        for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+            const std::int32_t v = r_.cell_vertex_indices[k];
+            const Vector to = from_seed(v);
+            double& least = out_.vertex_radii[at(number_[at(v)])];
+            least = std::min(least, std::sqrt(dot(to, to)) - radius);
+        }
+        for_edges(i, [&](std::int32_t a, std::int32_t b) {
+            auto [from, side] = from_lower(a, b);
+            side.radius = distance_to_segment(from_seed(a), from_seed(b)) - radius;
+            sides_[begin_[at(from) + 1]++] = side;
+        });
+        for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]) && r_.indices[entry] < 0; ++entry)
+            for (auto k = r_.face_offsets[entry]; k < r_.face_offsets[entry + 1]; ++k)
+                if (const std::int32_t v = r_.face_vertices[at(k)]; v >= 0) out_.at_walls[at(number_[at(v)])] = 1;
+    }
+
+    // The cells around an edge have it each. Rounding must not give an edge more room than its ends.
+    void join_sides() {
+        const bool periodic = !r_.shifts.empty();
+        for (std::size_t v = 0; v < out_.vertices.size(); ++v) {
+            const auto own = std::span(sides_).subspan(begin_[v], begin_[v + 1] - begin_[v]);
+            std::ranges::sort(own, {}, [](const Side& s) { return std::tuple(s.to, s.shift, s.radius); });
+            const auto from = static_cast<std::int32_t>(v);
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                const Side& side = own[k];
+                if (side.to == from && side.shift == ByteShift{}) continue;
+                if (k > 0 && own[k - 1].end() == side.end()) continue;
+                out_.edges.insert(out_.edges.end(), {from, side.to});
+                if (periodic) out_.shifts.insert(out_.shifts.end(), side.shift.begin(), side.shift.end());
+                out_.edge_radii.push_back(
+                    std::min({side.radius, out_.vertex_radii[v], out_.vertex_radii[at(side.to)]}));
+            }
+        }
+    }
+
+    const Result& r_;
+    std::span<const double> places_;
+    const JoinedCorners joined_;
+    std::vector<std::int32_t> number_;  // by vertex of the mesh
+    std::vector<std::size_t> begin_;    // of the sides of each vertex
+    std::vector<Side> sides_;
+    Network out_;
+};
+
+// Sets of vertices between which a sphere can move, with the shift from the root of a set to each: union-find (Galler
+// and Fischer 1964) with weights on the links.
+class ConnectedVertices {
+public:
+    using Shift = std::array<std::int64_t, 3>;
+    struct Place {
+        std::size_t root;
+        Shift shift;
+    };
+
+    explicit ConnectedVertices(std::size_t count) : up_(count), size_(count, 1), shift_(count) {
+        std::iota(up_.begin(), up_.end(), std::size_t{0});
+    }
+
+    Place find(std::size_t v) {
+        Shift shift{};
+        for (; up_[v] != v; v = up_[v]) {
+            if (const std::size_t above = up_[v]; up_[above] != above) {
+                add(shift_[v], shift_[above]);
+                up_[v] = up_[above];
+            }
+            add(shift, shift_[v]);
+        }
+        return {v, shift};
+    }
+    // Joins the sets of a, and of b moved by the shift. Returns how far the way along this edge and back within the set
+    // leads if they are in one set already.
+    Shift unite(std::size_t a, std::size_t b, Shift shift) {
+        Place from = find(a), to = find(b);
+        add(shift, from.shift);
+        for (std::size_t k = 0; k < 3; ++k) shift[k] -= to.shift[k];
+        if (from.root == to.root) return shift;
+        if (size_[from.root] < size_[to.root]) {
+            std::swap(from, to);
+            for (auto& s : shift) s = -s;
+        }
+        up_[to.root] = from.root;
+        size_[from.root] += size_[to.root];
+        shift_[to.root] = shift;
+        return {};
+    }
+
+private:
+    static void add(Shift& to, const Shift& more) {
+        for (std::size_t k = 0; k < 3; ++k) to[k] += more[k];
+    }
+
+    std::vector<std::size_t> up_, size_;
+    std::vector<Shift> shift_;  // from the one above
+};
+
+}  // namespace
+
+Network network(const Tessellation& tessellation, std::span<const double> points) {
+    require_whole_diagram(tessellation, "network");
+    require_points(tessellation, points, "network");
+    const Result& result = *tessellation.result_;
+    const auto refuse = [](const std::string& message) {
+        throw Error(ErrorCode::invalid_argument, "network: " + message);
+    };
+    if (result.face_offsets.empty() && !result.status.empty())
+        refuse("the tessellation has no polygons, set want.faces");
+    for (std::size_t i = 0; i < result.weights.size(); ++i)
+        if (result.weights[i] < 0)
+            refuse("the weight of seed " + std::to_string(i) +
+                   " is negative: weights are squares of radii here, give radii");
+    const std::vector<double> places = wrapped_points(tessellation, points);
+    return NetworkMaker(result, places).make();
+}
+
+IncludedSphere Network::largest_included() const {
+    const auto largest = std::ranges::max_element(vertex_radii);
+    if (largest == vertex_radii.end()) return {-std::numeric_limits<double>::infinity(), -1};
+    return {*largest, static_cast<std::int32_t>(largest - vertex_radii.begin())};
+}
+
+// Edges join vertices from the widest edge down. The first way from a vertex to an image of itself has the most room.
+std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
+    if (axis && (*axis < 0 || *axis > 2))
+        throw Error(ErrorCode::invalid_argument,
+                    "largest_free: axis " + std::to_string(*axis) + ": give 0, 1 or 2, or none");
+    if (shifts.empty()) return {};
+    std::vector<std::int32_t> order(edge_radii.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::int32_t e) { return edge_radii[at(e)]; });
+    ConnectedVertices sets(vertex_radii.size());
+    std::optional<FreeSphere> found;
+    std::vector<std::int32_t> ways;  // vertices of sets with a way to their images
+    for (const std::int32_t e : order) {
+        if (found && edge_radii[at(e)] < found->radius) break;
+        const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
+        const std::int8_t* s = &shifts[3 * at(e)];
+        const ConnectedVertices::Shift net = sets.unite(from, to, {s[0], s[1], s[2]});
+        if (axis ? net[at(*axis)] == 0 : net == ConnectedVertices::Shift{}) continue;
+        if (!found) found = FreeSphere{edge_radii[at(e)], e, {}};
+        ways.push_back(static_cast<std::int32_t>(from));
+    }
+    if (!found) return {};
+    std::vector<bool> has_way(vertex_radii.size());
+    for (const std::int32_t v : ways) has_way[sets.find(at(v)).root] = true;
+    found->included = {-std::numeric_limits<double>::infinity(), -1};
+    for (std::size_t v = 0; v < vertex_radii.size(); ++v)
+        if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
+            found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+    return found;
+}
+
+}  // namespace votess
