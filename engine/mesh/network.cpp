@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -51,10 +52,21 @@ struct Side {
     [[nodiscard]] std::pair<std::int32_t, ByteShift> end() const { return {to, shift}; }
 };
 
+// A sphere as a cell sees it, from its seed.
+struct Sphere {
+    Vector center;
+    double radius;
+};
+
 class NetworkMaker {
 public:
-    NetworkMaker(const Result& result, std::span<const double> places)
-        : r_(result), places_(places), joined_(result), number_(result.vertices.size() / 3) {}
+    // places: of the seeds. box: the vectors of a periodic domain.
+    NetworkMaker(const Result& result, std::span<const double> places, const std::array<Vector, 3>& box)
+        : r_(result), places_(places), box_(box), joined_(result), number_(result.vertices.size() / 3) {
+        radii_.reserve(result.weights.size());
+        for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
+        if (!radii_.empty()) max_radius_ = std::ranges::max(radii_);
+    }
 
     Network make() {
         number_vertices();
@@ -106,9 +118,7 @@ private:
     void place_sides() {
         begin_.assign(out_.vertices.size() + 2, 0);
         for_cells([&](std::size_t i) {
-            for_edges(i, [&](std::int32_t a, std::int32_t b) {
-                ++begin_[at(from_lower(a, b).first) + 2];
-            });
+            for_edges(i, [&](std::int32_t a, std::int32_t b) { ++begin_[at(from_lower(a, b).first) + 2]; });
         });
         std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
         sides_.resize(begin_.back());
@@ -121,19 +131,74 @@ private:
         }
     }
 
+    [[nodiscard]] double radius(std::size_t i) const { return radii_.empty() ? 0 : radii_[i]; }
+    [[nodiscard]] Vector from_seed(std::size_t i, std::int32_t vertex) const {
+        return difference(vector_at(r_.vertices, at(vertex)), vector_at(places_, i));
+    }
+    [[nodiscard]] Sphere sphere(std::size_t i, const Member& m) const {
+        Vector center = difference(vector_at(places_, at(m.seed)), vector_at(places_, i));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t k = 0; k < 3 && m.shift[axis] != 0; ++k) center[k] += m.shift[axis] * box_[axis][k];
+        return {center, radius(at(m.seed))};
+    }
+
+    // Sets larger_ to all spheres larger than that of cell i which may be nearer to a place on its edges.
+    //
+    // Smaller ones are not nearer, as their power is not less. From a place outside of the spheres go straight to the
+    // nearest surface. The end is in the cell of that sphere, or another sphere would be nearer. So the cells on the
+    // way lead there from neighbor to neighbor, and all reach into the ball that touches the sphere of cell i. The
+    // balls around the ends of an edge contain those around its places.
+    void find_larger(std::size_t i) {
+        larger_.clear();
+        if (radius(i) >= max_radius_) return;
+        ends_.clear();
+        for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+            const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
+            ends_.push_back({end, std::max(std::sqrt(dot(end, end)) - radius(i), 0.0)});
+        }
+        seen_ = {Member{static_cast<std::int32_t>(i), {}}};
+        queue_.assign(seen_.begin(), seen_.end());
+        while (!queue_.empty()) {
+            const Member from = queue_.back();
+            queue_.pop_back();
+            for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
+                if (r_.indices[entry] < 0) continue;
+                const Member next{r_.indices[entry], sum(from.shift, shift_in(r_.shifts, entry, 1))};
+                const Sphere other = sphere(i, next);
+                if (!may_reach(other, radius(i)) || !seen_.insert(next).second) continue;
+                queue_.push_back(next);
+                if (other.radius > radius(i)) larger_.push_back(other);
+            }
+        }
+    }
+    // Whether the cell of a sphere may reach into a ball around an end. `own` is the radius of this cell's sphere.
+    [[nodiscard]] bool may_reach(const Sphere& other, double own) const {
+        constexpr double slack = 1e-9;
+        const double squared = dot(other.center, other.center), distance = std::sqrt(squared);
+        const double power = squared - other.radius * other.radius + own * own;  // less that of this cell, at its seed
+        return std::ranges::any_of(ends_, [&](const Sphere& end) {
+            const double more = power - 2 * dot(end.center, other.center);
+            return more <= 2 * distance * end.radius + slack * (squared + own * own);
+        });
+    }
+
     void measure(std::size_t i) {
-        const Vector seed = vector_at(places_, i);
-        const double radius = r_.weights.empty() ? 0 : std::sqrt(r_.weights[i]);
-        const auto from_seed = [&](std::int32_t v) { return difference(vector_at(r_.vertices, at(v)), seed); };
+        find_larger(i);
+        const auto room = [&](const Vector& a, const Vector& b) {
+            double least = distance_to_segment(a, b) - radius(i);
+            for (const auto& [center, radius] : larger_)
+                least = std::min(least, distance_to_segment(difference(a, center), difference(b, center)) - radius);
+            return least;
+        };
         for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
             const std::int32_t v = r_.cell_vertex_indices[k];
-            const Vector to = from_seed(v);
+            const Vector to = from_seed(i, v);
             double& least = out_.vertex_radii[at(number_[at(v)])];
-            least = std::min(least, std::sqrt(dot(to, to)) - radius);
+            least = std::min(least, room(to, to));
         }
         for_edges(i, [&](std::int32_t a, std::int32_t b) {
             auto [from, side] = from_lower(a, b);
-            side.radius = distance_to_segment(from_seed(a), from_seed(b)) - radius;
+            side.radius = room(from_seed(i, a), from_seed(i, b));
             sides_[begin_[at(from) + 1]++] = side;
         });
         for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]) && r_.indices[entry] < 0; ++entry)
@@ -162,10 +227,16 @@ private:
 
     const Result& r_;
     std::span<const double> places_;
+    const std::array<Vector, 3> box_;
+    std::vector<double> radii_;  // N in a power diagram, else empty
+    double max_radius_ = 0;
     const JoinedCorners joined_;
     std::vector<std::int32_t> number_;  // by vertex of the mesh
     std::vector<std::size_t> begin_;    // of the sides of each vertex
     std::vector<Side> sides_;
+    std::vector<Sphere> larger_, ends_;  // see find_larger(); a ball around each vertex
+    std::set<Member> seen_;
+    std::vector<Member> queue_;
     Network out_;
 };
 
@@ -236,7 +307,12 @@ Network network(const Tessellation& tessellation, std::span<const double> points
             refuse("the weight of seed " + std::to_string(i) +
                    " is negative: weights are squares of radii here, give radii");
     const std::vector<double> places = wrapped_points(tessellation, points);
-    return NetworkMaker(result, places).make();
+    std::array<Vector, 3> box{};
+    if (const auto& cell = tessellation.cell())
+        box = {cell->a, cell->b, cell->c};
+    else
+        for (std::size_t k = 0; k < 3; ++k) box[k][k] = tessellation.box().upper[k] - tessellation.box().lower[k];
+    return NetworkMaker(result, places, box).make();
 }
 
 IncludedSphere Network::largest_included() const {

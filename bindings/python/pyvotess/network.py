@@ -42,9 +42,9 @@ class FreeSphere(NamedTuple):
 class Network:
     """V vertices and E edges of a diagram. In a periodic domain each occurs once, not for each image.
 
-    The radius of a place is its distance to the nearest seed among those whose cells meet there. With ``radii`` or
-    ``weights`` seeds are spheres, and distances end at their surfaces; inside of one they are negative. If spheres differ,
-    a larger one whose cell ends before that place may be nearer still.
+    The radius of a place is its distance to the nearest seed. With ``radii`` or ``weights`` seeds are spheres, and
+    distances end at their surfaces; inside of one they are negative. If radii differ, the places with most room are near
+    vertices and edges of the power diagram, not on them: largest spheres are lower bounds then.
     """
 
     points: Float64Array  #: (V, 3) the vertices; beyond the box where a cell reaches beyond it
