@@ -164,8 +164,9 @@ private:
             for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
                 if (r_.indices[entry] < 0) continue;
                 const Member next{r_.indices[entry], sum(from.shift, shift_in(r_.shifts, entry, 1))};
+                if (!seen_.insert(next).second) continue;
                 const Sphere other = sphere(i, next);
-                if (!may_reach(other, radius(i)) || !seen_.insert(next).second) continue;
+                if (!may_reach(other, radius(i))) continue;
                 queue_.push_back(next);
                 if (other.radius > radius(i)) larger_.push_back(other);
             }
