@@ -41,7 +41,7 @@ def euler(t, n):
 def images(t):
     """Returns centers and radii of the spheres around the domain."""
     edges = t.cell if t.cell is not None else np.diag(t.box[1] - t.box[0])
-    reach = [range(-3, 4) if repeats else (0,) for repeats in t.periodic]
+    reach = [range(-2, 3) if repeats else (0,) for repeats in t.periodic]
     moves = np.array(list(itertools.product(*reach))) @ edges
     radii = np.zeros(len(t)) if t.weights is None else np.sqrt(t.weights)
     return (t.wrapped_points + moves[:, None]).reshape(-1, 3), np.tile(radii, len(moves))
@@ -81,7 +81,7 @@ def goes_on(n, radius, axis):
 
 class Network(unittest.TestCase):
     def test_euler(self):
-        for count in (1, 2, 3, 40, 500):
+        for count in (1, 2, 3, 40, 200):
             for options in ({"box": UNIT_BOX}, {"cell": CELL}, {"box": UNIT_BOX, "radii": uniform(count)[:, 0] * 0.1}):
                 t = vt.tessellate(uniform(count, seed=count), periodic=True, want="faces", **options)
                 n = t.network()
@@ -121,8 +121,8 @@ class Network(unittest.TestCase):
 
     def test_radii(self):
         for domain in DOMAINS:
-            for radii in (None, uniform(50, seed=3)[:, 0] ** 3 * 0.25):
-                t = vt.tessellate(uniform(50, seed=2), want="faces", radii=radii, **domain)
+            for radii in (None, uniform(30, seed=3)[:, 0] ** 3 * 0.25):
+                t = vt.tessellate(uniform(30, seed=2), want="faces", radii=radii, **domain)
                 n = t.network()
                 spheres = images(t)
                 outside = n.vertex_radii > 0
@@ -184,7 +184,7 @@ class Network(unittest.TestCase):
         n = t.network()
         self.assertIsNone(n.shifts)
         self.assertEqual((len(n.points), len(n.edges), n.at_walls.sum()), (64, 144, 56))
-        self.assertEqual(euler(t, n) - np.sum(t.indices < 0) // 2 + np.sum(t.indices < 0), 1)
+        self.assertEqual(euler(t, n) + np.sum(t.indices < 0), 1)
         with self.assertRaisesRegex(ValueError, "no edges lead"):
             n.largest_free()
         n = vt.tessellate(uniform(30), box="none", want="faces").network()
@@ -199,7 +199,7 @@ class Network(unittest.TestCase):
             vt.tessellate(uniform(20)).network()
         with self.assertRaisesRegex(ValueError, "weight of seed 4 is negative"):
             vt.tessellate(uniform(5), weights=[0, 0, 0, 0, -0.01], want="faces").network()
-        with self.assertRaisesRegex(ValueError, "plane|two dimensions"):
+        with self.assertRaisesRegex(ValueError, "three dimensions"):
             vt.tessellate(uniform(20)[:, :2], want="vertices").network()
         copied = pickle.loads(pickle.dumps(n))
         np.testing.assert_array_equal(copied.edge_radii, n.edge_radii)
