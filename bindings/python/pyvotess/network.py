@@ -67,7 +67,8 @@ class Network:
     @property
     def lengths(self) -> Float64Array:
         """(E,) lengths of the edges, as a new array."""
-        return np.sqrt(np.einsum("ek,ek->e", self.vectors, self.vectors))
+        lengths: Float64Array = np.sqrt(np.einsum("ek,ek->e", self.vectors, self.vectors))
+        return lengths
 
     def largest_included(self) -> IncludedSphere:
         """Returns the largest sphere that fits between the seeds. Twice its radius is Di of Zeo++.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Dict
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from .optional import imported
 
 if TYPE_CHECKING:
     from .._state import SeedCells
-    from ..network import Network
     from .columns import Columns
 
 
@@ -65,12 +64,12 @@ def to_networkx(t: SeedCells) -> Any:
     return graph
 
 
-def network_to_networkx(n: Network) -> Any:
+def network_to_networkx(n: Any) -> Any:
     """See :meth:`Network.to_networkx`."""
     networkx = imported("networkx", "to_networkx()")
     names = ("x", "y", "z", "radius")
     nodes = dict(zip(names, (*n.points.T.tolist(), n.vertex_radii.tolist())))
-    values = {"radius": n.edge_radii.tolist(), "length": n.lengths.tolist()}
+    values: Dict[str, Any] = {"radius": n.edge_radii.tolist(), "length": n.lengths.tolist()}
     if n.shifts is not None:
         values["shift"] = list(map(tuple, n.shifts.tolist()))
     graph = networkx.MultiGraph()
@@ -79,7 +78,7 @@ def network_to_networkx(n: Network) -> Any:
     return graph
 
 
-def network_to_openpnm(n: Network) -> Any:
+def network_to_openpnm(n: Any) -> Any:
     """See :meth:`Network.to_openpnm`."""
     openpnm = imported("openpnm", "to_openpnm()")
     network = openpnm.network.Network(coords=np.array(n.points), conns=np.array(n.edges))
