@@ -58,6 +58,11 @@ struct Sphere {
     double radius;
 };
 
+// Returns the distance from the segment between two points to a sphere.
+double distance_to_surface(const Vector& a, const Vector& b, const Sphere& sphere) {
+    return distance_to_segment(difference(a, sphere.center), difference(b, sphere.center)) - sphere.radius;
+}
+
 class NetworkMaker {
 public:
     // places: of the seeds. box: the vectors of a periodic domain.
@@ -65,7 +70,9 @@ public:
         : r_(result), places_(places), box_(box), joined_(result), number_(result.vertices.size() / 3) {
         radii_.reserve(result.weights.size());
         for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
-        if (!radii_.empty()) max_radius_ = std::ranges::max(radii_);
+        if (radii_.empty()) return;
+        max_radius_ = std::ranges::max(radii_);
+        last_cell_.assign(radii_.size(), radii_.size());
     }
 
     Network make() {
@@ -156,21 +163,29 @@ private:
             const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
             ends_.push_back({end, std::max(std::sqrt(dot(end, end)) - radius(i), 0.0)});
         }
-        seen_ = {Member{static_cast<std::int32_t>(i), {}}};
-        queue_.assign(seen_.begin(), seen_.end());
+        seen_.clear();
+        queue_ = {Member{static_cast<std::int32_t>(i), {}}};
+        mark(queue_.back(), i);
         while (!queue_.empty()) {
             const Member from = queue_.back();
             queue_.pop_back();
             for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
                 if (r_.indices[entry] < 0) continue;
                 const Member next{r_.indices[entry], sum(from.shift, shift_in(r_.shifts, entry, 1))};
-                if (!seen_.insert(next).second) continue;
+                if (!mark(next, i)) continue;
                 const Sphere other = sphere(i, next);
                 if (!may_reach(other, radius(i))) continue;
                 queue_.push_back(next);
-                if (other.radius > radius(i)) larger_.push_back(other);
+                if (other.radius <= radius(i)) continue;
+                larger_.push_back(other);
+                for (auto& [end, room] : ends_) room = std::clamp(distance_to_surface(end, end, other), 0.0, room);
             }
         }
+    }
+    // Returns whether cell i sees this sphere for the first time.
+    bool mark(const Member& m, std::size_t i) {
+        if (m.shift != ByteShift{}) return seen_.insert(m).second;
+        return std::exchange(last_cell_[at(m.seed)], i) != i;
     }
     // Whether the cell of a sphere may reach into a ball around an end. `own` is the radius of this cell's sphere.
     [[nodiscard]] bool may_reach(const Sphere& other, double own) const {
@@ -187,8 +202,7 @@ private:
         find_larger(i);
         const auto room = [&](const Vector& a, const Vector& b) {
             double least = distance_to_segment(a, b) - radius(i);
-            for (const auto& [center, radius] : larger_)
-                least = std::min(least, distance_to_segment(difference(a, center), difference(b, center)) - radius);
+            for (const Sphere& other : larger_) least = std::min(least, distance_to_surface(a, b, other));
             return least;
         };
         for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
@@ -235,8 +249,9 @@ private:
     std::vector<std::int32_t> number_;  // by vertex of the mesh
     std::vector<std::size_t> begin_;    // of the sides of each vertex
     std::vector<Side> sides_;
-    std::vector<Sphere> larger_, ends_;  // see find_larger(); a ball around each vertex
-    std::set<Member> seen_;
+    std::vector<Sphere> larger_, ends_;   // see find_larger(); a ball around each vertex
+    std::vector<std::size_t> last_cell_;  // by seed: the last cell that saw it, without a shift
+    std::set<Member> seen_;               // with a shift, by this cell
     std::vector<Member> queue_;
     Network out_;
 };

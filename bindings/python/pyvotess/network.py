@@ -15,7 +15,7 @@ from .pairs import edges_of
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .tessellation import Tessellation
+    from ._state import SeedCells
 
     BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
@@ -127,11 +127,11 @@ class Network:
         return network_to_openpnm(self)
 
 
-def make_network(t: Tessellation) -> Network:
+def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
     handle = Handle(lib.votess_network_free)
     raise_on_failure(
-        lib.votess_network_new(t._handle().pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
+        lib.votess_network_new(result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
     )
 
     def array(name: str, dtype: Any, columns: int = 0) -> Any:

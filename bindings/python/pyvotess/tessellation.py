@@ -99,7 +99,7 @@ class Tessellation(SeedCells):
 
         Raises ValueError for negative weights, with ``only``, and where :meth:`delaunay` refuses dropped faces.
         """
-        return make_network(self)
+        return make_network(self, self._handle())
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
