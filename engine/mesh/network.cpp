@@ -58,6 +58,13 @@ struct Sphere {
     double radius;
 };
 
+// A vertex of a cell, from its seed.
+struct End {
+    Vector place;
+    double distance;
+    double room;  // to the surfaces seen so far, at least 0
+};
+
 // Returns the distance from the segment between two points to a sphere.
 double distance_to_surface(const Vector& a, const Vector& b, const Sphere& sphere) {
     return distance_to_segment(difference(a, sphere.center), difference(b, sphere.center)) - sphere.radius;
@@ -161,7 +168,8 @@ private:
         ends_.clear();
         for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
             const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
-            ends_.push_back({end, std::max(std::sqrt(dot(end, end)) - radius(i), 0.0)});
+            const double distance = std::sqrt(dot(end, end));
+            ends_.push_back({end, distance, std::max(distance - radius(i), 0.0)});
         }
         seen_.clear();
         queue_ = {Member{static_cast<std::int32_t>(i), {}}};
@@ -176,9 +184,7 @@ private:
                 const Sphere other = sphere(i, next);
                 if (!may_reach(other, radius(i))) continue;
                 queue_.push_back(next);
-                if (other.radius <= radius(i)) continue;
-                larger_.push_back(other);
-                for (auto& [end, room] : ends_) room = std::clamp(distance_to_surface(end, end, other), 0.0, room);
+                if (other.radius > radius(i) && is_nearer(other, radius(i))) larger_.push_back(other);
             }
         }
     }
@@ -192,10 +198,22 @@ private:
         constexpr double slack = 1e-9;
         const double squared = dot(other.center, other.center), distance = std::sqrt(squared);
         const double power = squared - other.radius * other.radius + own * own;  // less that of this cell, at its seed
-        return std::ranges::any_of(ends_, [&](const Sphere& end) {
-            const double more = power - 2 * dot(end.center, other.center);
-            return more <= 2 * distance * end.radius + slack * (squared + own * own);
+        return std::ranges::any_of(ends_, [&](const End& end) {
+            const double more = power - 2 * dot(end.place, other.center);
+            return more <= 2 * distance * end.room + slack * (squared + own * own);
         });
+    }
+    // Whether a larger sphere is nearer than that of this cell at an end, and limits the room there. A place is nearer
+    // if a convex function is positive there, so a sphere that is nearer at no end is nearer nowhere in the cell.
+    bool is_nearer(const Sphere& other, double own) {
+        const double wider = other.radius - own, limit = dot(other.center, other.center) - wider * wider;
+        bool nearer = false;
+        for (End& end : ends_) {
+            if (2 * (end.distance * wider + dot(end.place, other.center)) <= limit) continue;
+            nearer = true;
+            end.room = std::clamp(distance_to_surface(end.place, end.place, other), 0.0, end.room);
+        }
+        return nearer;
     }
 
     void measure(std::size_t i) {
@@ -249,7 +267,8 @@ private:
     std::vector<std::int32_t> number_;  // by vertex of the mesh
     std::vector<std::size_t> begin_;    // of the sides of each vertex
     std::vector<Side> sides_;
-    std::vector<Sphere> larger_, ends_;   // see find_larger(); a ball around each vertex
+    std::vector<Sphere> larger_;  // see find_larger()
+    std::vector<End> ends_;
     std::vector<std::size_t> last_cell_;  // by seed: the last cell that saw it, without a shift
     std::set<Member> seen_;               // with a shift, by this cell
     std::vector<Member> queue_;
