@@ -14,6 +14,7 @@
 #include <vector>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
+#include <votess/network.hpp>
 #include <votess/votess.hpp>
 #include <votess/zones.hpp>
 
@@ -53,6 +54,10 @@ struct votess_fit {
 
 struct votess_zones {
     votess::Zones zones;
+};
+
+struct votess_network {
+    votess::Network network;
 };
 
 namespace votess::c {

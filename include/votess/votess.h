@@ -160,6 +160,7 @@ typedef struct votess_rays votess_rays;
 typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
+typedef struct votess_network votess_network;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -361,6 +362,26 @@ VOTESS_API const int32_t* votess_zones_passes(const votess_zones* zones, size_t*
 VOTESS_API const int32_t* votess_zones_parents(const votess_zones* zones, size_t* length);
 VOTESS_API const double* votess_zones_persistence(const votess_zones* zones, size_t* length);
 VOTESS_API const uint8_t* votess_zones_at_walls(const votess_zones* zones, size_t* length);
+
+// The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's
+// points. On success *out is new, else NULL. The arrays are those of Network.
+VOTESS_API votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
+                                            votess_network** out);
+VOTESS_API void votess_network_free(votess_network* network);
+VOTESS_API const double* votess_network_points(const votess_network* network, size_t* length);
+VOTESS_API const int32_t* votess_network_vertices(const votess_network* network, size_t* length);
+VOTESS_API const double* votess_network_vertex_radii(const votess_network* network, size_t* length);
+VOTESS_API const uint8_t* votess_network_at_walls(const votess_network* network, size_t* length);
+VOTESS_API const int32_t* votess_network_edges(const votess_network* network, size_t* length);
+VOTESS_API const int8_t* votess_network_shifts(const votess_network* network, size_t* length);
+VOTESS_API const double* votess_network_edge_radii(const votess_network* network, size_t* length);
+// Writes the largest sphere at a vertex; see Network::largest_included.
+VOTESS_API votess_status votess_network_largest_included(const votess_network* network, double* radius,
+                                                         int32_t* vertex);
+// Writes the largest sphere that can travel without end, see Network::largest_free. axis: 0, 1 or 2; -1 for any. *edge
+// is -1 without such ways.
+VOTESS_API votess_status votess_network_largest_free(const votess_network* network, int32_t axis, double* radius,
+                                                     int32_t* edge, double* included_radius, int32_t* included_vertex);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number

@@ -303,6 +303,7 @@ struct TessellatorState;
 }  // namespace detail
 
 struct Delaunay;
+struct Network;
 struct VerifyOptions;
 struct VerifyReport;
 
@@ -370,6 +371,7 @@ public:
 
 private:
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
+    friend VOTESS_API Network network(const Tessellation& tessellation, std::span<const double> points);
     friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                           const VerifyOptions& options);
     std::shared_ptr<const detail::Result> result_;

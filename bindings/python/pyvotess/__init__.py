@@ -18,6 +18,7 @@ from .fields.moments import transport_cost
 from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .frames import Frame, read_frames
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
+from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
 from .rays import RayCells
 from .stats import StageSeconds, Stats, VerifyReport
@@ -36,9 +37,12 @@ __all__ = [
     "FitError",
     "FitSeconds",
     "Frame",
+    "FreeSphere",
+    "IncludedSphere",
     "Lists",
     "NaturalCoordinates",
     "Neighbors",
+    "Network",
     "Pairs",
     "Probes",
     "RayCells",

@@ -358,6 +358,20 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_zones_parents": _ARRAY,  # int32
     "votess_zones_persistence": _ARRAY,  # float64
     "votess_zones_at_walls": _ARRAY,  # uint8
+    "votess_network_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
+    "votess_network_free": (None, (_HANDLE,)),
+    "votess_network_points": _ARRAY,  # float64
+    "votess_network_vertices": _ARRAY,  # int32
+    "votess_network_vertex_radii": _ARRAY,  # float64
+    "votess_network_at_walls": _ARRAY,  # uint8
+    "votess_network_edges": _ARRAY,  # int32
+    "votess_network_shifts": _ARRAY,  # int8
+    "votess_network_edge_radii": _ARRAY,  # float64
+    "votess_network_largest_included": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_int32))),
+    "votess_network_largest_free": (
+        c_int,
+        (_HANDLE, c_int32, POINTER(c_double), POINTER(c_int32), POINTER(c_double), POINTER(c_int32)),
+    ),
     "votess_verify": (
         c_int,
         (

@@ -16,6 +16,7 @@ from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
 from .mesh import Delaunay, make_delaunay
+from .network import Network, make_network
 from .pairs import Pairs, make_derivatives, make_pairs
 from .stats import VerifyReport, verify
 from .zones import Zones, read_zones
@@ -88,6 +89,17 @@ class Tessellation(SeedCells):
         return make_delaunay(
             lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
+
+    def network(self) -> Network:
+        """Returns the vertices and edges of the diagram with the room that they have between seeds. Needs "faces" in want.
+
+        It is a network of pores, as Zeo++ makes it of crystals: give the atoms' ``radii``. Vertices that are equal in exact
+        arithmetic are one. With ``min_face`` or ``min_area`` those of a dropped face are too, as in :meth:`delaunay`. Edges
+        to infinity are left out.
+
+        Raises ValueError for negative weights, with ``only``, and where :meth:`delaunay` refuses dropped faces.
+        """
+        return make_network(self, self._handle())
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Dict
 
 import numpy as np
 
@@ -62,6 +62,32 @@ def to_networkx(t: SeedCells) -> Any:
     first, second = (keys // max(len(t), 1)).tolist(), (keys % max(len(t), 1)).tolist()
     graph.add_edges_from(zip(first, second, _records(values, len(keys))))
     return graph
+
+
+def network_to_networkx(n: Any) -> Any:
+    """See :meth:`Network.to_networkx`."""
+    networkx = imported("networkx", "to_networkx()")
+    names = ("x", "y", "z", "radius")
+    nodes = dict(zip(names, (*n.points.T.tolist(), n.vertex_radii.tolist())))
+    values: Dict[str, Any] = {"radius": n.edge_radii.tolist(), "length": n.lengths.tolist()}
+    if n.shifts is not None:
+        values["shift"] = list(map(tuple, n.shifts.tolist()))
+    graph = networkx.MultiGraph()
+    graph.add_nodes_from(zip(range(len(n.points)), _records(nodes, len(n.points))))
+    graph.add_edges_from(zip(*n.edges.T.tolist(), _records(values, len(n.edges))))
+    return graph
+
+
+def network_to_openpnm(n: Any) -> Any:
+    """See :meth:`Network.to_openpnm`."""
+    openpnm = imported("openpnm", "to_openpnm()")
+    network = openpnm.network.Network(coords=np.array(n.points), conns=np.array(n.edges))
+    network["pore.inscribed_diameter"] = 2 * np.maximum(n.vertex_radii, 0)
+    network["throat.inscribed_diameter"] = 2 * np.maximum(n.edge_radii, 0)
+    network["throat.length"] = n.lengths
+    network["pore.surface"] = np.array(n.at_walls)
+    network["throat.periodic"] = np.zeros(len(n.edges), bool) if n.shifts is None else n.shifts.any(axis=1)
+    return network
 
 
 def _records(columns: Any, count: int) -> Any:

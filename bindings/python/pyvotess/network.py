@@ -1,0 +1,157 @@
+"""The network of vertices and edges, see :meth:`pyvotess.Tessellation.network`."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional
+
+import numpy as np
+
+from ._call import Handle, array_of, raise_on_failure
+from ._library import lib
+from .pairs import edges_of
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._state import SeedCells
+
+    BoolArray = npt.NDArray[np.bool_]
+    Float64Array = npt.NDArray[np.float64]
+    Int8Array = npt.NDArray[np.int8]
+    Int32Array = npt.NDArray[np.int32]
+
+
+class IncludedSphere(NamedTuple):
+    """A sphere at a vertex."""
+
+    radius: float  #: of the sphere
+    vertex: int  #: its center, a row of ``points``
+
+
+class FreeSphere(NamedTuple):
+    """A sphere that moves along edges to an image of itself, and beyond."""
+
+    radius: float  #: of the sphere
+    edge: int  #: where it has least room, a row of ``edges``
+    included: IncludedSphere  #: the largest sphere at the vertices that it reaches
+
+
+@dataclass(frozen=True)
+class Network:
+    """V vertices and E edges of a diagram. In a periodic domain each occurs once, not for each image.
+
+    The radius of a place is its distance to the nearest seed. With ``radii`` or ``weights`` seeds are spheres, and
+    distances end at their surfaces; inside of one they are negative. If radii differ, the places with most room are near
+    vertices and edges of the power diagram, not on them: largest spheres are lower bounds then.
+    """
+
+    points: Float64Array  #: (V, 3) the vertices; beyond the box where a cell reaches beyond it
+    vertices: Int32Array  #: (V,) ascending rows of ``t.vertices``: the first that each one stands for
+    vertex_radii: Float64Array  #: (V,) radius of the largest sphere at each vertex
+    at_walls: BoolArray  #: (V,) True for a vertex on a wall
+    edges: Int32Array  #: (E, 2) vertices, the lower one first; in ascending order
+    shifts: Optional[Int8Array]  #: (E, 3) box vectors from the second vertex to where the edge ends; None unless periodic
+    vectors: Float64Array  #: (E, 3) from the first vertex to the other end
+    edge_radii: Float64Array  #: (E,) smallest radius along each edge: of the largest sphere that can pass it
+    _handle: Optional[Handle] = field(repr=False, compare=False)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Network: {len(self.points)} vertices, {len(self.edges)} edges>"
+
+    def __getstate__(self) -> Dict[str, Any]:
+        """Returns the arrays without the library's object."""
+        return dict(self.__dict__, _handle=None)
+
+    @property
+    def lengths(self) -> Float64Array:
+        """(E,) lengths of the edges, as a new array."""
+        lengths: Float64Array = np.sqrt(np.einsum("ek,ek->e", self.vectors, self.vectors))
+        return lengths
+
+    def largest_included(self) -> IncludedSphere:
+        """Returns the largest sphere that fits between the seeds. Twice its radius is Di of Zeo++.
+
+        Raises ValueError for an empty network.
+        """
+        radius, vertex = ctypes.c_double(), ctypes.c_int32()
+        raise_on_failure(
+            lib.votess_network_largest_included(self._pointer(), ctypes.byref(radius), ctypes.byref(vertex))
+        )
+        if vertex.value < 0:
+            raise ValueError("the network has no vertices, so no sphere")
+        return IncludedSphere(radius.value, vertex.value)
+
+    def largest_free(self, axis: Optional[int] = None) -> FreeSphere:
+        """Returns the largest sphere that can travel without end. Twice its radius is Df of Zeo++; twice that of
+        ``included`` is Dif.
+
+        axis : 0, 1 or 2: only travels along this box vector count. Default: any travel counts.
+
+        A negative radius means that spheres close all ways. Raises ValueError for another axis, and where no way goes on
+        without end: along an axis that is not periodic.
+        """
+        radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
+        out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
+        raise_on_failure(lib.votess_network_largest_free(self._pointer(), -1 if axis is None else int(axis), *out))
+        if edge.value < 0:
+            along = "" if axis is None else f" along axis {axis}"
+            raise ValueError(f"no edges lead to an image of themselves{along}: give a domain that is periodic there")
+        return FreeSphere(radius.value, edge.value, IncludedSphere(included.value, vertex.value))
+
+    def _pointer(self) -> ctypes.c_void_p:
+        if self._handle is None:
+            raise ValueError("a pickle holds no object of the library: call this on the network that t.network() returned")
+        return self._handle.pointer
+
+    def to_networkx(self) -> Any:
+        """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, ``z``, ``radius``; edges ``radius``, ``length``, ``shift``.
+
+        A shift counts from the lower vertex to the higher one, and is missing unless periodic. A vertex with an edge to
+        its own image has an edge to itself.
+        """
+        from .export.packages import network_to_networkx
+
+        return network_to_networkx(self)
+
+    def to_openpnm(self) -> Any:
+        """Returns an openpnm.network.Network: pores are vertices, throats are edges.
+
+        It has ``pore.inscribed_diameter`` and ``throat.inscribed_diameter``, twice the radii and at least 0;
+        ``throat.length``; and the labels ``pore.surface`` for vertices on walls and ``throat.periodic`` for edges across
+        the boundary.
+        """
+        from .export.packages import network_to_openpnm
+
+        return network_to_openpnm(self)
+
+
+def make_network(t: SeedCells, result: Handle) -> Network:
+    points = np.ascontiguousarray(t.points, dtype=np.float64)
+    handle = Handle(lib.votess_network_free)
+    raise_on_failure(
+        lib.votess_network_new(result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
+    )
+
+    def array(name: str, dtype: Any, columns: int = 0) -> Any:
+        return array_of(handle, name, dtype, columns, prefix="votess_network_")
+
+    places, edges = array("points", np.float64, 3), array("edges", np.int32, 2)
+    vectors = places[edges[:, 1]] - places[edges[:, 0]]
+    shifts = None
+    if any(t.periodic):
+        shifts = array("shifts", np.int8, 3)
+        moved = shifts.any(axis=1)
+        vectors[moved] += shifts[moved] @ edges_of(t)
+    return Network(
+        points=places,
+        vertices=array("vertices", np.int32),
+        vertex_radii=array("vertex_radii", np.float64),
+        at_walls=array("at_walls", np.uint8).view(np.bool_),
+        edges=edges,
+        shifts=shifts,
+        vectors=vectors,
+        edge_radii=array("edge_radii", np.float64),
+        _handle=handle,
+    )

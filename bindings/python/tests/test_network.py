@@ -1,0 +1,237 @@
+"""network(): Euler's formula, interstitial sites, radii by brute force, largest spheres, walls, other packages, bad input."""
+
+import itertools
+import pickle
+import unittest
+
+import numpy as np
+from helpers import CELL, UNIT_BOX, have, lattice, uniform
+
+import pyvotess as vt
+
+FCC = np.array([(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)])
+BCC = np.array([(0, 0, 0), (0.5, 0.5, 0.5)])
+DOMAINS = (
+    {"box": UNIT_BOX, "periodic": True},
+    {"cell": CELL, "periodic": "xy"},
+    {"box": UNIT_BOX},
+)
+# The siliceous framework EDI in fractions of its edges: ten oxygen atoms, five of silicon.
+EDI_EDGES = np.array([6.926, 6.926, 6.41])
+EDI = np.array([
+    (0.1898, 0, 0.355), (0, 0.8102, 0.645), (0, 0.1898, 0.645), (0.8102, 0, 0.355), (0.1897, 0.1897, 0),
+    (0.1897, 0.8103, 0), (0.8103, 0.1897, 0), (0.8103, 0.8103, 0), (0.5, 0, 0.1183), (0, 0.5, 0.8817),
+    (0.2679, 0, 0.1184), (0, 0.7321, 0.8816), (0, 0.2679, 0.8816), (0.7321, 0, 0.1184), (0, 0, 0.5),
+])  # fmt: skip
+
+
+def crystal(basis, cells, edge=1.0, **options):
+    """Returns cells of a cubic crystal."""
+    corners = np.array(list(itertools.product(range(cells), repeat=3)))
+    points = (corners[:, None] + basis).reshape(-1, 3) * edge
+    side = cells * edge
+    return vt.tessellate(points, box=(0, 0, 0, side, side, side), periodic=True, want="faces", **options)
+
+
+def euler(t, n):
+    """Returns vertices - edges + faces - cells."""
+    return len(n.points) - len(n.edges) + np.sum(t.indices >= 0) // 2 - np.sum(t.status == 0)
+
+
+def images(t):
+    """Returns centers and radii of the spheres around the domain."""
+    edges = t.cell if t.cell is not None else np.diag(t.box[1] - t.box[0])
+    reach = [range(-2, 3) if repeats else (0,) for repeats in t.periodic]
+    moves = np.array(list(itertools.product(*reach))) @ edges
+    radii = np.zeros(len(t)) if t.weights is None else np.sqrt(t.weights)
+    return (t.wrapped_points + moves[:, None]).reshape(-1, 3), np.tile(radii, len(moves))
+
+
+def room(a, b, centers, radii):
+    """Returns the distance from the segment a b to the nearest sphere."""
+    along = b - a
+    t = np.clip((centers - a) @ along / max(along @ along, 1e-300), 0, 1)
+    return (np.linalg.norm(centers - a - t[:, None] * along, axis=1) - radii).min()
+
+
+def goes_on(n, radius, axis):
+    """Returns whether edges of at least this radius lead from a vertex to an image of it, by flooding."""
+    kept = n.edge_radii >= radius
+    near = {}
+    for (a, b), s in zip(n.edges[kept].tolist(), n.shifts[kept].astype(int)):
+        near.setdefault(a, []).append((b, s))
+        near.setdefault(b, []).append((a, -s))
+    at = {}
+    for start in near:
+        if start in at:
+            continue
+        at[start] = np.zeros(3, int)
+        stack = [start]
+        while stack:
+            a = stack.pop()
+            for b, s in near[a]:
+                if b not in at:
+                    at[b] = at[a] + s
+                    stack.append(b)
+                net = at[a] + s - at[b]
+                if net.any() if axis is None else net[axis]:
+                    return True
+    return False
+
+
+class Network(unittest.TestCase):
+    def test_euler(self):
+        for count in (1, 2, 3, 40, 200):
+            for options in ({"box": UNIT_BOX}, {"cell": CELL}, {"box": UNIT_BOX, "radii": uniform(count)[:, 0] * 0.1}):
+                t = vt.tessellate(uniform(count, seed=count), periodic=True, want="faces", **options)
+                n = t.network()
+                self.assertEqual(euler(t, n), 0)
+                if count > 1:  # in general position four edges leave each vertex
+                    np.testing.assert_array_equal(np.bincount(n.edges.ravel()), 4)
+                self.assertFalse(n.at_walls.any())
+                self.assertEqual(len({(*e, *s) for e, s in zip(n.edges.tolist(), n.shifts.tolist())}), len(n.edges))
+
+    def test_interstitial_sites(self):
+        for cells in (1, 2, 3):
+            t = crystal(FCC, cells)
+            n = t.network()
+            self.assertEqual(euler(t, n), 0)
+            radii, counts = np.unique(n.vertex_radii.round(12), return_counts=True)
+            np.testing.assert_allclose(radii, (np.sqrt(3) / 4, 0.5))  # tetrahedral, octahedral
+            np.testing.assert_array_equal(counts / len(t), (2, 1))
+            np.testing.assert_array_equal(np.unique(np.bincount(n.edges.ravel())), (4, 8))
+
+            t = crystal(BCC, cells)
+            n = t.network()
+            self.assertEqual(euler(t, n), 0)
+            np.testing.assert_allclose(n.vertex_radii, np.sqrt(5) / 4)
+            self.assertEqual(len(n.points), 12 * cells**3)
+            squares = np.sum(np.diff(t.faces.indptr) == 4) // 2  # with an octahedral site in the middle
+            self.assertEqual(squares, 6 * cells**3)
+
+    def test_rounded_lattice(self):
+        t = crystal(FCC, 2, 4.05)
+        self.assertGreater(len(t.network().points), 96)
+        for cells in (2, 3):
+            t = crystal(FCC, cells, 4.05, min_face=1e-6)
+            n = t.network()
+            self.assertEqual((len(n.points), len(n.edges)), (12 * cells**3, 32 * cells**3))
+            self.assertEqual(euler(t, n), 0)
+            self.assertGreater(n.lengths.min(), 1)
+
+    def test_radii(self):
+        for domain in DOMAINS:
+            for radii in (None, uniform(30, seed=3)[:, 0] ** 3 * 0.25):
+                t = vt.tessellate(uniform(30, seed=2), want="faces", radii=radii, **domain)
+                n = t.network()
+                spheres = images(t)
+                outside = n.vertex_radii > 0
+                own = [room(x, x, *spheres) for x in n.points]
+                np.testing.assert_allclose(n.vertex_radii[outside], np.array(own)[outside], atol=1e-12)
+                np.testing.assert_array_equal(outside, np.array(own) > 0)
+                first = n.points[n.edges[:, 0]]
+                own = np.array([room(a, a + v, *spheres) for a, v in zip(first, n.vectors)])
+                outside = n.edge_radii > 0
+                np.testing.assert_allclose(n.edge_radii[outside], own[outside], atol=1e-12)
+                np.testing.assert_array_equal(outside, own > 0)
+                samples = first[:, None] + np.linspace(0, 1, 9)[:, None] * n.vectors[:, None]
+                for radius, places in zip(n.edge_radii[::7], samples[::7]):
+                    self.assertLessEqual(radius, min(room(x, x, *spheres) for x in places) + 1e-12)
+
+    def test_crystals(self):
+        for cells, radius in itertools.product((1, 2), (0.0, 0.2)):
+            for basis, included, free in (
+                (BCC[:1], np.sqrt(3) / 2, np.sqrt(2) / 2),  # through the middle of a face
+                (BCC, np.sqrt(5) / 4, 3 * np.sqrt(2) / 8),  # through the circle around a triangle
+                (FCC, 0.5, 1 / np.sqrt(6)),
+            ):
+                radii = np.full(len(basis) * cells**3, radius) if radius else None
+                n = crystal(basis, cells, radii=radii).network()
+                self.assertAlmostEqual(n.largest_included().radius, included - radius, 12)
+                self.assertEqual(n.vertex_radii[n.largest_included().vertex], n.largest_included().radius)
+                for axis in (None, 0, 1, 2):
+                    sphere = n.largest_free(axis)
+                    self.assertAlmostEqual(sphere.radius, free - radius, 12)
+                    self.assertAlmostEqual(sphere.included.radius, included - radius, 12)
+                    self.assertEqual(n.edge_radii[sphere.edge], sphere.radius)
+
+    def test_largest_free(self):
+        for domain in DOMAINS[:2]:
+            for radii in (None, uniform(60, seed=3)[:, 0] * 0.2):
+                n = vt.tessellate(uniform(60, seed=4), want="faces", radii=radii, **domain).network()
+                for axis in (None, 0, 1, 2):
+                    if axis == 2 and domain["periodic"] == "xy":
+                        with self.assertRaisesRegex(ValueError, "along axis 2: give a domain that is periodic"):
+                            n.largest_free(axis)
+                        continue
+                    radius = n.largest_free(axis).radius
+                    self.assertTrue(goes_on(n, radius, axis))
+                    self.assertFalse(goes_on(n, np.nextafter(radius, np.inf), axis))
+
+    def test_zeolite(self):
+        """Zeo++ with -ha gives 4.88186 and 3.03748 in its own tests; it replaces silicon by several smaller spheres."""
+        radii = np.repeat((1.52, 2.1), (10, 5))
+        t = vt.tessellate(EDI * EDI_EDGES, box=(0, 0, 0, *EDI_EDGES), periodic=True, radii=radii, want="faces")
+        n = t.network()
+        self.assertAlmostEqual(2 * n.largest_included().radius, 4.88186, delta=0.02)
+        free = n.largest_free()
+        self.assertAlmostEqual(2 * free.radius, 3.03748, delta=0.002)
+        self.assertAlmostEqual(free.radius, np.sqrt(2) * 0.3103 * 6.926 - 1.52, 12)  # a ring of eight oxygen atoms
+        self.assertEqual(n.largest_free(2), free)
+
+    def test_walls(self):
+        t = vt.tessellate(lattice(3), box=(0, 0, 0, 3, 3, 3), want="faces")
+        n = t.network()
+        self.assertIsNone(n.shifts)
+        self.assertEqual((len(n.points), len(n.edges), n.at_walls.sum()), (64, 144, 56))
+        self.assertEqual(euler(t, n) + np.sum(t.indices < 0), 1)
+        with self.assertRaisesRegex(ValueError, "no edges lead"):
+            n.largest_free()
+        n = vt.tessellate(uniform(30), box="none", want="faces").network()
+        self.assertTrue(np.isfinite(n.points).all() and n.edges.min() >= 0)
+
+    def test_bad_input(self):
+        t = vt.tessellate(uniform(20), box=UNIT_BOX, periodic=True, want="faces")
+        n = t.network()
+        with self.assertRaisesRegex(ValueError, "axis 3"):
+            n.largest_free(3)
+        with self.assertRaisesRegex(ValueError, "want.faces"):
+            vt.tessellate(uniform(20)).network()
+        with self.assertRaisesRegex(ValueError, "weight of seed 4 is negative"):
+            vt.tessellate(uniform(5), weights=[0, 0, 0, 0, -0.01], want="faces").network()
+        with self.assertRaisesRegex(ValueError, "three dimensions"):
+            vt.tessellate(uniform(20)[:, :2], want="vertices").network()
+        copied = pickle.loads(pickle.dumps(n))
+        np.testing.assert_array_equal(copied.edge_radii, n.edge_radii)
+        with self.assertRaisesRegex(ValueError, "pickle"):
+            copied.largest_included()
+        empty = vt.tessellate(np.zeros((0, 3)), box=UNIT_BOX, want="faces").network()
+        self.assertEqual(len(empty.points), 0)
+        with self.assertRaisesRegex(ValueError, "no vertices"):
+            empty.largest_included()
+
+    @have("networkx")
+    def test_networkx(self):
+        n = crystal(BCC, 1).network()
+        graph = n.to_networkx()
+        self.assertEqual((graph.number_of_nodes(), graph.number_of_edges()), (12, 24))
+        self.assertEqual(sorted(tuple(e) for e in graph.edges()), sorted(map(tuple, n.edges.tolist())))
+        self.assertEqual({d for _, d in graph.degree()}, {4})
+        self.assertEqual(graph.nodes[3]["radius"], n.vertex_radii[3])
+        shifts = sorted((u, v, d["shift"], d["radius"]) for u, v, d in graph.edges(data=True))
+        expected = zip(*n.edges.T.tolist(), map(tuple, n.shifts.tolist()), n.edge_radii.tolist())
+        self.assertEqual(shifts, sorted(expected))
+
+    @have("openpnm")
+    def test_openpnm(self):
+        n = vt.tessellate(uniform(40), box=UNIT_BOX, want="faces").network()
+        network = n.to_openpnm()
+        np.testing.assert_array_equal(network["throat.conns"], n.edges)
+        np.testing.assert_array_equal(network["pore.coords"], n.points)
+        np.testing.assert_array_equal(network["pore.inscribed_diameter"], 2 * n.vertex_radii)
+        np.testing.assert_array_equal(network["pore.surface"], n.at_walls)
+        self.assertFalse(network["throat.periodic"].any())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,390 @@
+// The network of a diagram, read off its polygons: no predicate, the vertices are exact already.
+#include "votess/network.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/progress.hpp"
+#include "input/domain_of_result.hpp"
+#include "mesh/dual.hpp"
+#include "mesh/joined_corners.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+using Vector = std::array<double, 3>;
+constexpr std::size_t cells_per_stop = 1024;  // after which the user may stop
+
+Vector vector_at(std::span<const double> array, std::size_t i) {
+    return {array[3 * i], array[3 * i + 1], array[3 * i + 2]};
+}
+
+Vector difference(const Vector& a, const Vector& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+double dot(const Vector& a, const Vector& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+// Returns the distance from the origin to the segment between two points.
+double distance_to_segment(const Vector& a, const Vector& b) {
+    const Vector along = difference(b, a);
+    const double squared = dot(along, along);
+    const double t = squared > 0 ? std::clamp(-dot(a, along) / squared, 0.0, 1.0) : 0.0;
+    const Vector foot{std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), std::lerp(a[2], b[2], t)};
+    return std::sqrt(dot(foot, foot));
+}
+
+// An edge as a cell has it.
+struct Side {
+    std::int32_t to;
+    ByteShift shift;
+    double radius;
+    [[nodiscard]] std::pair<std::int32_t, ByteShift> end() const { return {to, shift}; }
+};
+
+// A sphere as a cell sees it, from its seed.
+struct Sphere {
+    Vector center;
+    double radius;
+};
+
+// A vertex of a cell, from its seed.
+struct End {
+    Vector place;
+    double distance;
+    double room;  // to the surfaces seen so far, at least 0
+};
+
+// Returns the distance from the segment between two points to a sphere.
+double distance_to_surface(const Vector& a, const Vector& b, const Sphere& sphere) {
+    return distance_to_segment(difference(a, sphere.center), difference(b, sphere.center)) - sphere.radius;
+}
+
+class NetworkMaker {
+public:
+    // places: of the seeds. box: the vectors of a periodic domain.
+    NetworkMaker(const Result& result, std::span<const double> places, const std::array<Vector, 3>& box)
+        : r_(result), places_(places), box_(box), joined_(result), number_(result.vertices.size() / 3) {
+        radii_.reserve(result.weights.size());
+        for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
+        if (radii_.empty()) return;
+        max_radius_ = std::ranges::max(radii_);
+        last_cell_.assign(radii_.size(), radii_.size());
+    }
+
+    Network make() {
+        number_vertices();
+        place_sides();
+        join_sides();
+        return std::move(out_);
+    }
+
+private:
+    void number_vertices() {
+        for (std::size_t v = 0; v < number_.size(); ++v) {
+            const std::size_t first = joined_.original(static_cast<std::int32_t>(v));  // at most v
+            if (first == v) {
+                number_[v] = static_cast<std::int32_t>(out_.vertices.size());
+                out_.vertices.push_back(static_cast<std::int32_t>(v));
+                const Vector point = vector_at(r_.vertices, v);
+                out_.points.insert(out_.points.end(), point.begin(), point.end());
+            }
+            number_[v] = number_[first];
+        }
+        out_.vertex_radii.assign(out_.vertices.size(), std::numeric_limits<double>::infinity());
+        out_.at_walls.assign(out_.vertices.size(), 0);
+    }
+
+    // visit(a, b) for each edge of cell i, from its lower end. The polygons on both sides of an edge go along it in
+    // opposite directions; one of them may have been dropped.
+    void for_edges(std::size_t i, const auto& visit) const {
+        const bool whole = r_.dropped_offsets.empty();
+        for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
+            const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
+            std::int32_t before = end > begin ? r_.face_vertices[at(end - 1)] : -1;
+            for (auto k = begin; k < end; ++k) {
+                const std::int32_t v = r_.face_vertices[at(k)];
+                if (before >= 0 && v >= 0 && (before < v || !whole)) visit(before, v);
+                before = v;
+            }
+        }
+    }
+
+    // Returns the lower end of an edge, and the edge from there; the end itself where the edge has shrunk.
+    [[nodiscard]] std::pair<std::int32_t, Side> from_lower(std::int32_t a, std::int32_t b) const {
+        const std::int32_t from = number_[at(a)], to = number_[at(b)];
+        const ByteShift shift = sum(joined_.shift(b), negative(joined_.shift(a)));
+        if (from < to || (from == to && shift >= ByteShift{})) return {from, {to, shift, 0}};
+        return {to, {from, negative(shift), 0}};
+    }
+
+    // Sorts the edges of all cells by their lower ends.
+    void place_sides() {
+        begin_.assign(out_.vertices.size() + 2, 0);
+        for_cells([&](std::size_t i) {
+            for_edges(i, [&](std::int32_t a, std::int32_t b) { ++begin_[at(from_lower(a, b).first) + 2]; });
+        });
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        sides_.resize(begin_.back());
+        for_cells([&](std::size_t i) { measure(i); });
+    }
+    void for_cells(const auto& task) const {
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            if (i % cells_per_stop == 0) check_stop();
+            task(i);
+        }
+    }
+
+    [[nodiscard]] double radius(std::size_t i) const { return radii_.empty() ? 0 : radii_[i]; }
+    [[nodiscard]] Vector from_seed(std::size_t i, std::int32_t vertex) const {
+        return difference(vector_at(r_.vertices, at(vertex)), vector_at(places_, i));
+    }
+    [[nodiscard]] Sphere sphere(std::size_t i, const Member& m) const {
+        Vector center = difference(vector_at(places_, at(m.seed)), vector_at(places_, i));
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            for (std::size_t k = 0; k < 3 && m.shift[axis] != 0; ++k) center[k] += m.shift[axis] * box_[axis][k];
+        return {center, radius(at(m.seed))};
+    }
+
+    // Sets larger_ to all spheres larger than that of cell i which may be nearer to a place on its edges.
+    //
+    // Smaller ones are not nearer, as their power is not less. From a place outside of the spheres go straight to the
+    // nearest surface. The end is in the cell of that sphere, or another sphere would be nearer. So the cells on the
+    // way lead there from neighbor to neighbor, and all reach into the ball that touches the sphere of cell i. The
+    // balls around the ends of an edge contain those around its places.
+    void find_larger(std::size_t i) {
+        larger_.clear();
+        if (radius(i) >= max_radius_) return;
+        ends_.clear();
+        for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+            const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
+            const double distance = std::sqrt(dot(end, end));
+            ends_.push_back({end, distance, std::max(distance - radius(i), 0.0)});
+        }
+        seen_.clear();
+        queue_ = {Member{static_cast<std::int32_t>(i), {}}};
+        mark(queue_.back(), i);
+        while (!queue_.empty()) {
+            const Member from = queue_.back();
+            queue_.pop_back();
+            for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
+                if (r_.indices[entry] < 0) continue;
+                const Member next{r_.indices[entry], sum(from.shift, shift_in(r_.shifts, entry, 1))};
+                if (!mark(next, i)) continue;
+                const Sphere other = sphere(i, next);
+                if (!may_reach(other, radius(i))) continue;
+                queue_.push_back(next);
+                if (other.radius > radius(i) && is_nearer(other, radius(i))) larger_.push_back(other);
+            }
+        }
+    }
+    // Returns whether cell i sees this sphere for the first time.
+    bool mark(const Member& m, std::size_t i) {
+        if (m.shift != ByteShift{}) return seen_.insert(m).second;
+        return std::exchange(last_cell_[at(m.seed)], i) != i;
+    }
+    // Whether the cell of a sphere may reach into a ball around an end. `own` is the radius of this cell's sphere.
+    [[nodiscard]] bool may_reach(const Sphere& other, double own) const {
+        constexpr double slack = 1e-9;
+        const double squared = dot(other.center, other.center), distance = std::sqrt(squared);
+        const double power = squared - other.radius * other.radius + own * own;  // less that of this cell, at its seed
+        return std::ranges::any_of(ends_, [&](const End& end) {
+            const double more = power - 2 * dot(end.place, other.center);
+            return more <= 2 * distance * end.room + slack * (squared + own * own);
+        });
+    }
+    // Whether a larger sphere is nearer than that of this cell at an end, and limits the room there. A place is nearer
+    // if a convex function is positive there, so a sphere that is nearer at no end is nearer nowhere in the cell.
+    bool is_nearer(const Sphere& other, double own) {
+        const double wider = other.radius - own, limit = dot(other.center, other.center) - wider * wider;
+        bool nearer = false;
+        for (End& end : ends_) {
+            if (2 * (end.distance * wider + dot(end.place, other.center)) <= limit) continue;
+            nearer = true;
+            end.room = std::clamp(distance_to_surface(end.place, end.place, other), 0.0, end.room);
+        }
+        return nearer;
+    }
+
+    void measure(std::size_t i) {
+        find_larger(i);
+        const auto room = [&](const Vector& a, const Vector& b) {
+            double least = distance_to_segment(a, b) - radius(i);
+            for (const Sphere& other : larger_) least = std::min(least, distance_to_surface(a, b, other));
+            return least;
+        };
+        for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+            const std::int32_t v = r_.cell_vertex_indices[k];
+            const Vector to = from_seed(i, v);
+            double& least = out_.vertex_radii[at(number_[at(v)])];
+            least = std::min(least, room(to, to));
+        }
+        for_edges(i, [&](std::int32_t a, std::int32_t b) {
+            auto [from, side] = from_lower(a, b);
+            side.radius = room(from_seed(i, a), from_seed(i, b));
+            sides_[begin_[at(from) + 1]++] = side;
+        });
+        for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]) && r_.indices[entry] < 0; ++entry)
+            for (auto k = r_.face_offsets[entry]; k < r_.face_offsets[entry + 1]; ++k)
+                if (const std::int32_t v = r_.face_vertices[at(k)]; v >= 0) out_.at_walls[at(number_[at(v)])] = 1;
+    }
+
+    // The cells around an edge have it each. Rounding must not give an edge more room than its ends.
+    void join_sides() {
+        const bool periodic = !r_.shifts.empty();
+        for (std::size_t v = 0; v < out_.vertices.size(); ++v) {
+            const auto own = std::span(sides_).subspan(begin_[v], begin_[v + 1] - begin_[v]);
+            std::ranges::sort(own, {}, [](const Side& s) { return std::tuple(s.to, s.shift, s.radius); });
+            const auto from = static_cast<std::int32_t>(v);
+            for (std::size_t k = 0; k < own.size(); ++k) {
+                const Side& side = own[k];
+                if (side.to == from && side.shift == ByteShift{}) continue;
+                if (k > 0 && own[k - 1].end() == side.end()) continue;
+                out_.edges.insert(out_.edges.end(), {from, side.to});
+                if (periodic) out_.shifts.insert(out_.shifts.end(), side.shift.begin(), side.shift.end());
+                out_.edge_radii.push_back(
+                    std::min({side.radius, out_.vertex_radii[v], out_.vertex_radii[at(side.to)]}));
+            }
+        }
+    }
+
+    const Result& r_;
+    std::span<const double> places_;
+    const std::array<Vector, 3> box_;
+    std::vector<double> radii_;  // N in a power diagram, else empty
+    double max_radius_ = 0;
+    const JoinedCorners joined_;
+    std::vector<std::int32_t> number_;  // by vertex of the mesh
+    std::vector<std::size_t> begin_;    // of the sides of each vertex
+    std::vector<Side> sides_;
+    std::vector<Sphere> larger_;  // see find_larger()
+    std::vector<End> ends_;
+    std::vector<std::size_t> last_cell_;  // by seed: the last cell that saw it, without a shift
+    std::set<Member> seen_;               // with a shift, by this cell
+    std::vector<Member> queue_;
+    Network out_;
+};
+
+// Sets of vertices between which a sphere can move, with the shift from the root of a set to each: union-find (Galler
+// and Fischer 1964) with weights on the links.
+class ConnectedVertices {
+public:
+    using Shift = std::array<std::int64_t, 3>;
+    struct Place {
+        std::size_t root;
+        Shift shift;
+    };
+
+    explicit ConnectedVertices(std::size_t count) : up_(count), size_(count, 1), shift_(count) {
+        std::iota(up_.begin(), up_.end(), std::size_t{0});
+    }
+
+    Place find(std::size_t v) {
+        Shift shift{};
+        for (; up_[v] != v; v = up_[v]) {
+            if (const std::size_t above = up_[v]; up_[above] != above) {
+                add(shift_[v], shift_[above]);
+                up_[v] = up_[above];
+            }
+            add(shift, shift_[v]);
+        }
+        return {v, shift};
+    }
+    // Joins the sets of a, and of b moved by the shift. Returns how far the way along this edge and back within the set
+    // leads if they are in one set already.
+    Shift unite(std::size_t a, std::size_t b, Shift shift) {
+        Place from = find(a), to = find(b);
+        add(shift, from.shift);
+        for (std::size_t k = 0; k < 3; ++k) shift[k] -= to.shift[k];
+        if (from.root == to.root) return shift;
+        if (size_[from.root] < size_[to.root]) {
+            std::swap(from, to);
+            for (auto& s : shift) s = -s;
+        }
+        up_[to.root] = from.root;
+        size_[from.root] += size_[to.root];
+        shift_[to.root] = shift;
+        return {};
+    }
+
+private:
+    static void add(Shift& to, const Shift& more) {
+        for (std::size_t k = 0; k < 3; ++k) to[k] += more[k];
+    }
+
+    std::vector<std::size_t> up_, size_;
+    std::vector<Shift> shift_;  // from the one above
+};
+
+}  // namespace
+
+Network network(const Tessellation& tessellation, std::span<const double> points) {
+    require_whole_diagram(tessellation, "network");
+    require_points(tessellation, points, "network");
+    const Result& result = *tessellation.result_;
+    const auto refuse = [](const std::string& message) {
+        throw Error(ErrorCode::invalid_argument, "network: " + message);
+    };
+    if (result.face_offsets.empty() && !result.status.empty())
+        refuse("the tessellation has no polygons, set want.faces");
+    for (std::size_t i = 0; i < result.weights.size(); ++i)
+        if (result.weights[i] < 0)
+            refuse("the weight of seed " + std::to_string(i) +
+                   " is negative: weights are squares of radii here, give radii");
+    const std::vector<double> places = wrapped_points(tessellation, points);
+    std::array<Vector, 3> box{};
+    if (const auto& cell = tessellation.cell())
+        box = {cell->a, cell->b, cell->c};
+    else
+        for (std::size_t k = 0; k < 3; ++k) box[k][k] = tessellation.box().upper[k] - tessellation.box().lower[k];
+    return NetworkMaker(result, places, box).make();
+}
+
+IncludedSphere Network::largest_included() const {
+    const auto largest = std::ranges::max_element(vertex_radii);
+    if (largest == vertex_radii.end()) return {-std::numeric_limits<double>::infinity(), -1};
+    return {*largest, static_cast<std::int32_t>(largest - vertex_radii.begin())};
+}
+
+// Edges join vertices from the widest edge down. The first way from a vertex to an image of itself has the most room.
+std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
+    if (axis && (*axis < 0 || *axis > 2))
+        throw Error(ErrorCode::invalid_argument,
+                    "largest_free: axis " + std::to_string(*axis) + ": give 0, 1 or 2, or none");
+    if (shifts.empty()) return {};
+    std::vector<std::int32_t> order(edge_radii.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::int32_t e) { return edge_radii[at(e)]; });
+    ConnectedVertices sets(vertex_radii.size());
+    std::optional<FreeSphere> found;
+    std::vector<std::int32_t> ways;  // vertices of sets with a way to their images
+    for (const std::int32_t e : order) {
+        if (found && edge_radii[at(e)] < found->radius) break;
+        const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
+        const std::int8_t* s = &shifts[3 * at(e)];
+        const ConnectedVertices::Shift net = sets.unite(from, to, {s[0], s[1], s[2]});
+        if (axis ? net[at(*axis)] == 0 : net == ConnectedVertices::Shift{}) continue;
+        if (!found) found = FreeSphere{edge_radii[at(e)], e, {}};
+        ways.push_back(static_cast<std::int32_t>(from));
+    }
+    if (!found) return {};
+    std::vector<bool> has_way(vertex_radii.size());
+    for (const std::int32_t v : ways) has_way[sets.find(at(v)).root] = true;
+    found->included = {-std::numeric_limits<double>::infinity(), -1};
+    for (std::size_t v = 0; v < vertex_radii.size(); ++v)
+        if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
+            found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+    return found;
+}
+
+}  // namespace votess
