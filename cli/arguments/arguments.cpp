@@ -280,9 +280,8 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
         throw bad_input(
-            "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, or --color with .glb "
-            "or "
-            "--image: add -o FILE");
+            "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, "
+            "or --color with .glb or --image: add -o FILE");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
@@ -413,7 +412,7 @@ void load_mesh(Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
     const bool merge = arguments.mesh.merge;
     arguments.mesh = read_surface(arguments.mesh_file);
-    arguments.mesh.merge = arguments.mesh.merge || merge;
+    arguments.mesh.merge |= merge;
     arguments.options.mesh = arguments.mesh.view();
 }
 

@@ -39,8 +39,8 @@ std::vector<std::int64_t> read_range(const std::string& text, std::size_t count)
 void check_only(const Arguments& arguments) {
     if (arguments.verify || arguments.has_volumes || arguments.has_density || arguments.has_zones)
         throw bad_input(
-            "--only makes some of the cells, but --verify, --volumes, --density and --watershed need all: leave it "
-            "out");
+            "--only makes some of the cells, but --verify, --volumes, --density and --watershed need all: "
+            "leave it out");
     for (const std::string& path : arguments.outputs)
         if (!carries_columns(path) || path.ends_with(".vtu"))
             throw bad_input("--only writes text, .csv, .xyz, .dump, .npz and .h5, not " + in_quotes(path));

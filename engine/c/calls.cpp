@@ -31,9 +31,7 @@ votess_status tessellate(votess_tessellator* tessellator, const Coordinate* poin
 template <typename Element>
 const Element* expose(const votess_delaunay* delaunay, std::size_t* length,
                       std::vector<Element> votess::Delaunay::*array) noexcept {
-    if (delaunay == nullptr) set_last_error("delaunay is NULL");
-    return expose_span<Element>(
-        delaunay == nullptr ? std::span<const Element>() : std::span<const Element>(delaunay->delaunay.*array), length);
+    return expose_array(delaunay, &votess_delaunay::delaunay, array, "delaunay is NULL", length);
 }
 
 std::uint32_t check_bit(std::string_view name) {

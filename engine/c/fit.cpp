@@ -68,9 +68,7 @@ void votess_fit_free(votess_fit* fit) {
 }
 
 const double* votess_fit_weights(const votess_fit* fit, size_t* length) {
-    if (fit == nullptr) set_last_error("fit is NULL");
-    return expose_span<double>(fit == nullptr ? std::span<const double>() : std::span<const double>(fit->fit.weights),
-                               length);
+    return expose_array(fit, &votess_fit::fit, &votess::VolumeFit::weights, "fit is NULL", length);
 }
 
 votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats) {

@@ -157,4 +157,13 @@ const Element* expose_span(std::span<const Element> elements, std::size_t* lengt
     return elements.empty() ? nullptr : elements.data();
 }
 
+// The same for an array in the data of a handle. Sets the last error to `null_message` for a NULL handle.
+template <typename Handle, typename Data, typename Element>
+const Element* expose_array(const Handle* handle, Data Handle::*data, std::vector<Element> Data::*array,
+                            const char* null_message, std::size_t* length) noexcept {
+    if (handle == nullptr) set_last_error(null_message);
+    return expose_span<Element>(
+        handle == nullptr ? std::span<const Element>() : std::span<const Element>(handle->*data.*array), length);
+}
+
 }  // namespace votess::c

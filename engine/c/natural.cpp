@@ -26,10 +26,7 @@ votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t me
 template <typename Element>
 const Element* expose(const votess_natural* natural, std::size_t* length,
                       std::vector<Element> votess::NaturalCoordinates::*array) noexcept {
-    if (natural == nullptr) set_last_error("natural is NULL");
-    return expose_span<Element>(
-        natural == nullptr ? std::span<const Element>() : std::span<const Element>(natural->coordinates.*array),
-        length);
+    return expose_array(natural, &votess_natural::coordinates, array, "natural is NULL", length);
 }
 
 }  // namespace

@@ -8,9 +8,7 @@ namespace {
 template <typename Element>
 const Element* expose(const votess_zones* zones, std::size_t* length,
                       std::vector<Element> votess::Zones::*array) noexcept {
-    if (zones == nullptr) set_last_error("zones is NULL");
-    return expose_span<Element>(
-        zones == nullptr ? std::span<const Element>() : std::span<const Element>(zones->zones.*array), length);
+    return expose_array(zones, &votess_zones::zones, array, "zones is NULL", length);
 }
 
 }  // namespace

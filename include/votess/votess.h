@@ -129,11 +129,11 @@ typedef struct votess_options {
     const int64_t* only;  // only_count indices
     // A closed triangle mesh as the domain, see Options::mesh in votess.hpp. has_mesh 0: none.
     int32_t has_mesh;
+    int32_t mesh_merge;  // nonzero: vertices at equal places are one
     uint64_t mesh_vertex_count;
     const double* mesh_vertices;  // 3 * mesh_vertex_count
     uint64_t mesh_triangle_count;
     const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
-    int32_t mesh_merge;             // nonzero: vertices at equal places are one
 } votess_options;
 
 // The fields of Stats in votess.hpp.

@@ -138,11 +138,11 @@ class Options(ctypes.Structure):
         ("only_count", c_uint64),
         ("only", c_void_p),
         ("has_mesh", c_int32),
+        ("mesh_merge", c_int32),
         ("mesh_vertex_count", c_uint64),
         ("mesh_vertices", c_void_p),
         ("mesh_triangle_count", c_uint64),
         ("mesh_triangles", c_void_p),
-        ("mesh_merge", c_int32),
     ]
 
 

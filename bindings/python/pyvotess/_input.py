@@ -153,7 +153,7 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
     if hasattr(mesh, "regular_faces") and hasattr(mesh, "points"):  # PyVista
         if not mesh.is_all_triangles:
             raise ValueError("mesh has faces that are not triangles: give mesh.triangulate()")
-        pair = (mesh.points, mesh.regular_faces)
+        pair: Tuple[Any, ...] = (mesh.points, mesh.regular_faces)
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
         pair = (mesh.vertices, mesh.faces)
     elif hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):  # Open3D
