@@ -23,6 +23,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 #include <votess/votess.hpp>
 
@@ -262,6 +263,9 @@ public:
     //     edges; weights that differ too much
     //   - out_of_memory, device_lost
     Plan(const HostDevice& device, const PlanOptions& options);
+    // Returns a plan with other options on the same device, which shares pipelines with this one: those that both need.
+    // So it is made in milliseconds where options differ only in sizes, box, walls or formats. Throws as Plan().
+    [[nodiscard]] Plan with(const PlanOptions& options) const;
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;
     [[nodiscard]] const PlanOptions& options() const noexcept;
@@ -282,6 +286,7 @@ public:
                                    std::span<const Cell> cells, const ResolveOptions& options = {}) const;
 
 private:
+    explicit Plan(std::shared_ptr<const detail::PlanState> state) : state_(std::move(state)) {}
     std::shared_ptr<const detail::PlanState> state_;
 };
 

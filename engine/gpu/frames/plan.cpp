@@ -56,33 +56,11 @@ void check_range(const gpu::vulkan::Device& device, VkDeviceSize bytes, const ch
                                             device.adapter().name + " can bind at once: lower " + option);
 }
 
-}  // namespace
-
-Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device) {
-    const auto instance = adopt(host, false);
-    if (physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
-    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), physical_device, instance->version());
-    Requirements needs;
-    needs.missing = adapter.missing();
-    needs.queue_family = adapter.queue_family;
-    needs.features.shaderFloat64 = adapter.float64;
-    needs.subgroup_size_control = adapter.subgroup_size_control;
-    if (adapter.portability_subset) needs.extensions.emplace_back("VK_KHR_portability_subset");
-    return needs;
-}
-
-Plan::Plan(const HostDevice& host, const PlanOptions& options) {
-    const auto instance = adopt(host.host, host.debug_utils);
-    check(options);
-    if (host.physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
-    if (host.device == VK_NULL_HANDLE) refuse("the device is null");
-    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
-    check_family(adapter, host.queue_family);
+// Makes the pipelines of a plan and finds its sizes.
+std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::Device> of,
+                                                   const PlanOptions& options) {
     auto state = std::make_shared<detail::PlanState>();
-    state->device = gpu::vulkan::Device::adopt(
-        instance, adapter,
-        {host.device, host.queue_family, host.probe_queue, host.features.shaderFloat64 != VK_FALSE,
-         host.subgroup_size_control, host.pipeline_cache});
+    state->device = std::move(of);
     state->options = options;
     gpu::vulkan::Device& device = *state->device;
     gpu::PassSettings settings = gpu::usual_settings(device, options.k_init);
@@ -111,7 +89,7 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     if (options.most_entries > most_entries)
         throw Error(ErrorCode::unsupported, "most_entries = " + std::to_string(options.most_entries) +
                                                 " is more than the " + std::to_string(most_entries) +
-                                                " that shaders of " + adapter.name + " can reach");
+                                                " that shaders of " + device.adapter().name + " can reach");
     state->entries = options.most_entries != 0
                          ? options.most_entries
                          : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, most_entries));
@@ -136,7 +114,41 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
     check_range(device, sizes.cells, "cells", "most_seeds");
     check_range(device, sizes.geometry, "geometry", "most_seeds");
     check_range(device, workspace.largest(), "largest part of the workspace", "most_seeds or chunk_size");
-    state_ = std::move(state);
+    return state;
+}
+
+}  // namespace
+
+Requirements requirements(const HostInstance& host, VkPhysicalDevice physical_device) {
+    const auto instance = adopt(host, false);
+    if (physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), physical_device, instance->version());
+    Requirements needs;
+    needs.missing = adapter.missing();
+    needs.queue_family = adapter.queue_family;
+    needs.features.shaderFloat64 = adapter.float64;
+    needs.subgroup_size_control = adapter.subgroup_size_control;
+    if (adapter.portability_subset) needs.extensions.emplace_back("VK_KHR_portability_subset");
+    return needs;
+}
+
+Plan::Plan(const HostDevice& host, const PlanOptions& options) {
+    const auto instance = adopt(host.host, host.debug_utils);
+    check(options);
+    if (host.physical_device == VK_NULL_HANDLE) refuse("the physical device is null");
+    if (host.device == VK_NULL_HANDLE) refuse("the device is null");
+    const auto adapter = gpu::vulkan::query_adapter(instance->calls(), host.physical_device, instance->version());
+    check_family(adapter, host.queue_family);
+    state_ = make_plan(gpu::vulkan::Device::adopt(
+                           instance, adapter,
+                           {host.device, host.queue_family, host.probe_queue, host.features.shaderFloat64 != VK_FALSE,
+                            host.subgroup_size_control, host.pipeline_cache}),
+                       options);
+}
+
+Plan Plan::with(const PlanOptions& options) const {
+    check(options);
+    return Plan(make_plan(state_->device, options));
 }
 
 const BufferSizes& Plan::sizes() const noexcept {

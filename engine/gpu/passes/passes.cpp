@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 #include "gpu/passes/kernel_choice.hpp"
 #include "shaders.hpp"
@@ -13,11 +14,12 @@ namespace {
 
 using vulkan::Device;
 using vulkan::Pass;
+using vulkan::PassBatch;
 
 template <class Push>
-Pass make(Device& device, const char* name, std::span<const std::uint32_t> spirv, std::uint32_t local_size,
+Pass make(PassBatch& batch, const char* name, std::span<const std::uint32_t> spirv, std::uint32_t local_size,
           std::vector<vulkan::Constant> constants = {}, std::uint32_t subgroup_size = 0) {
-    return device.pass_cache().get(
+    return batch.get(
         {name, spirv, static_cast<std::uint32_t>(sizeof(Push)), local_size, std::move(constants), subgroup_size});
 }
 
@@ -51,19 +53,19 @@ std::vector<vulkan::Constant> with_numbers(std::vector<vulkan::Constant> constan
     return constants;
 }
 
-Pass clip_cells(Device& device, const PassSettings& settings, std::uint32_t tier) {
+Pass clip_cells(PassBatch& batch, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
     using namespace shaders;
     const auto spirv = of_numbers(settings, limits,
                                   limits.ties ? Variants{clip_f32_ties, clip_f32_measure_f64_ties, clip_f64_ties}
                                               : Variants{clip_f32, clip_f32_measure_f64, clip_f64});
-    return make<ClipPush>(device, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
+    return make<ClipPush>(batch, tier == 0 ? "clip_cells" : "clip_cells second tier", spirv, settings.local_size,
                           with_numbers({{CONSTANT_MAX_PLANES, limits.planes},
                                         {CONSTANT_MAX_VERTICES, limits.vertices},
                                         {CONSTANT_TIER, tier},
                                         wanted_geometry(settings),
                                         {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                                        unit_roundoff(device),
+                                        unit_roundoff(batch.device()),
                                         has_weights(settings)},
                                        settings, limits));
 }
@@ -86,7 +88,7 @@ std::uint32_t subgroups_of_group(const Device& device, const PassSettings& setti
     return std::max(subgroups, 1u);
 }
 
-Pass clip_by_subgroup(Device& device, const PassSettings& settings, std::uint32_t tier) {
+Pass clip_by_subgroup(PassBatch& batch, const PassSettings& settings, std::uint32_t tier) {
     const TierLimits& limits = settings.tiers[tier];
     using namespace shaders;
     const Variants with_ties =
@@ -95,29 +97,29 @@ Pass clip_by_subgroup(Device& device, const PassSettings& settings, std::uint32_
     const Variants without = tier == 0 ? Variants{clip_subgroup_f32, clip_subgroup_f32_measure_f64, clip_subgroup_f64}
                                        : Variants{clip_subgroup_f32_second, {}, clip_subgroup_f64};
     const auto spirv = of_numbers(settings, limits, limits.ties ? with_ties : without);
-    const std::uint32_t subgroups = tier == 1 ? 1 : subgroups_of_group(device, settings);
-    return make<CellsPush>(device, tier == 0 ? "clip_subgroup" : "clip_subgroup second tier", spirv,
+    const std::uint32_t subgroups = tier == 1 ? 1 : subgroups_of_group(batch.device(), settings);
+    return make<CellsPush>(batch, tier == 0 ? "clip_subgroup" : "clip_subgroup second tier", spirv,
                            subgroups * settings.subgroup_size,
                            with_numbers({{CONSTANT_MAX_VERTICES, limits.vertices},
                                          {CONSTANT_TIER, tier},
                                          {CONSTANT_LANES, settings.subgroup_size},
                                          {CONSTANT_SUBGROUPS, subgroups},
-                                         {CONSTANT_LOCKSTEP, device.adapter().lockstep ? 1u : 0u},
+                                         {CONSTANT_LOCKSTEP, batch.device().adapter().lockstep ? 1u : 0u},
                                          {CONSTANT_FIRST_COUNT, settings.first_count},
                                          wanted_geometry(settings),
                                          {CONSTANT_WALLS, settings.walls ? 1u : 0u},
-                                         unit_roundoff(device),
+                                         unit_roundoff(batch.device()),
                                          has_weights(settings)},
                                         settings, limits),
                            settings.subgroup_size);
 }
 
-Pass clip(Device& device, const PassSettings& settings, std::uint32_t tier) {
-    return settings.subgroup_size != 0 ? clip_by_subgroup(device, settings, tier) : clip_cells(device, settings, tier);
+Pass clip(PassBatch& batch, const PassSettings& settings, std::uint32_t tier) {
+    return settings.subgroup_size != 0 ? clip_by_subgroup(batch, settings, tier) : clip_cells(batch, settings, tier);
 }
 
-std::unique_ptr<Pass> second_tier(Device& device, const PassSettings& settings) {
-    return settings.has_second_tier() ? std::make_unique<Pass>(clip(device, settings, 1)) : nullptr;
+std::unique_ptr<Pass> second_tier(PassBatch& batch, const PassSettings& settings) {
+    return settings.has_second_tier() ? std::make_unique<Pass>(clip(batch, settings, 1)) : nullptr;
 }
 
 std::span<const std::uint32_t> rows_with_areas(const PassSettings& settings) {
@@ -129,14 +131,14 @@ std::span<const std::uint32_t> named_rows_with_areas(const PassSettings& setting
     return settings.measure_float64 ? shaders::download_frame_names_areas_f64 : shaders::download_frame_names_areas_f32;
 }
 
-Pass download_rows(Device& device, const PassSettings& settings) {
+Pass download_rows(PassBatch& batch, const PassSettings& settings) {
     const auto spirv = settings.areas ? rows_with_areas(settings) : shaders::download_rows;
-    return make<RowsPush>(device, "download_rows", spirv, settings.local_size);
+    return make<RowsPush>(batch, "download_rows", spirv, settings.local_size);
 }
 
-Pass download_named_rows(Device& device, const PassSettings& settings) {
+Pass download_named_rows(PassBatch& batch, const PassSettings& settings) {
     const auto spirv = settings.areas ? named_rows_with_areas(settings) : shaders::download_rows_names;
-    return make<RowsPush>(device, "download_rows names", spirv, settings.local_size);
+    return make<RowsPush>(batch, "download_rows names", spirv, settings.local_size);
 }
 
 }  // namespace
@@ -162,58 +164,70 @@ PassSettings usual_settings(const Device& device, std::uint32_t k) {
     return s;
 }
 
-Passes::Passes(Device& device, const PassSettings& s)
+Passes::Passes(Device& device, const PassSettings& s) : Passes(PassBatch(device), s) {}
+
+Passes::Passes(PassBatch&& batch, const PassSettings& s)
     : settings(s),
-      upload(make<UploadPush>(device, "upload", shaders::upload, s.local_size)),
-      sort_key(make<KeyPush>(device, "sort_key", shaders::sort_key, s.local_size)),
-      sort_count(make<SortPush>(device, "sort_count", shaders::sort_count, TILE_GROUP)),
-      sort_scatter(make<SortPush>(device, "sort_scatter", shaders::sort_scatter, TILE_GROUP)),
-      sort_crowded(make<KeyPush>(device, "sort_crowded", shaders::sort_crowded, s.local_size)),
-      sort_gather(make<KeyPush>(device, "sort_gather", shaders::sort_gather, s.local_size, {has_weights(s)})),
-      scan_blocks(make<ScanPush>(device, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
-      scan_add(make<ScanPush>(device, "scan_add", shaders::scan_add, s.local_size)),
-      knn_boxes(make<BoxesPush>(device, "knn_boxes", shaders::knn_boxes, s.local_size, {has_weights(s)})),
-      clip_first(clip(device, s, 0)),
-      clip_todo(make<TodoPush>(device, "clip_todo", shaders::clip_todo, TILE_GROUP)),
-      clip_second(second_tier(device, s)),
-      download_rows(gpu::download_rows(device, s)),
-      download_total(make<FramePush>(device, "download_total", shaders::download_total, 1)) {
+      upload(make<UploadPush>(batch, "upload", shaders::upload, s.local_size)),
+      sort_key(make<KeyPush>(batch, "sort_key", shaders::sort_key, s.local_size)),
+      sort_count(make<SortPush>(batch, "sort_count", shaders::sort_count, TILE_GROUP)),
+      sort_scatter(make<SortPush>(batch, "sort_scatter", shaders::sort_scatter, TILE_GROUP)),
+      sort_crowded(make<KeyPush>(batch, "sort_crowded", shaders::sort_crowded, s.local_size)),
+      sort_gather(make<KeyPush>(batch, "sort_gather", shaders::sort_gather, s.local_size, {has_weights(s)})),
+      scan_blocks(make<ScanPush>(batch, "scan_blocks", shaders::scan_blocks, TILE_GROUP)),
+      scan_add(make<ScanPush>(batch, "scan_add", shaders::scan_add, s.local_size)),
+      knn_boxes(make<BoxesPush>(batch, "knn_boxes", shaders::knn_boxes, s.local_size, {has_weights(s)})),
+      clip_first(clip(batch, s, 0)),
+      clip_todo(make<TodoPush>(batch, "clip_todo", shaders::clip_todo, TILE_GROUP)),
+      clip_second(second_tier(batch, s)),
+      download_rows(gpu::download_rows(batch, s)),
+      download_total(make<FramePush>(batch, "download_total", shaders::download_total, 1)) {
+    make_optional(batch);
+    batch.make();
+}
+
+void Passes::make_optional(PassBatch& batch) {
+    const PassSettings& s = settings;
     if (s.subgroup_size == 0)
-        knn_search = std::make_unique<Pass>(make<KnnPush>(device, "knn_search", shaders::knn_search, s.local_size,
-                                                          {{CONSTANT_K, s.k}, has_weights(s)}));
+        knn_search = std::make_unique<Pass>(
+            make<KnnPush>(batch, "knn_search", shaders::knn_search, s.local_size, {{CONSTANT_K, s.k}, has_weights(s)}));
     if (s.weights) {
         upload_weights =
-            std::make_unique<Pass>(make<UploadPush>(device, "upload_weights", shaders::upload_weights, s.local_size));
+            std::make_unique<Pass>(make<UploadPush>(batch, "upload_weights", shaders::upload_weights, s.local_size));
         image_reach = std::make_unique<Pass>(
-            make<ReachPush>(device, "image_reach", shaders::image_reach, s.local_size, {has_weights(s)}));
+            make<ReachPush>(batch, "image_reach", shaders::image_reach, s.local_size, {has_weights(s)}));
     }
-    if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(device, s));
+    if (!s.frames || s.images) download_named_rows = std::make_unique<Pass>(gpu::download_named_rows(batch, s));
     if (!s.frames) {
         download_place =
-            std::make_unique<Pass>(make<FramePush>(device, "download_place", shaders::download_place, s.local_size));
+            std::make_unique<Pass>(make<FramePush>(batch, "download_place", shaders::download_place, s.local_size));
         download_gather =
-            std::make_unique<Pass>(make<GatherPush>(device, "download_gather", shaders::download_gather, s.local_size));
+            std::make_unique<Pass>(make<GatherPush>(batch, "download_gather", shaders::download_gather, s.local_size));
         return;
     }
     download_cells = std::make_unique<Pass>(
-        make<FramePush>(device, "download_cells",
+        make<FramePush>(batch, "download_cells",
                         s.measure_float64 ? shaders::download_cells_f64 : shaders::download_cells_f32, s.local_size));
     if (s.walls)
         upload_walls =
-            std::make_unique<Pass>(make<UploadPush>(device, "upload_walls", shaders::upload_walls, s.local_size));
+            std::make_unique<Pass>(make<UploadPush>(batch, "upload_walls", shaders::upload_walls, s.local_size));
     if (!s.images) return;
     upload_wrap = std::make_unique<Pass>(make<ImagesPush>(
-        device, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
+        batch, "upload_wrap", s.triclinic ? shaders::upload_wrap_triclinic : shaders::upload_wrap, s.local_size));
     upload_images = std::make_unique<Pass>(make<ImagesPush>(
-        device, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size,
+        batch, "upload_images", s.triclinic ? shaders::upload_images_triclinic : shaders::upload_images, s.local_size,
         {has_weights(s)}));
 }
 
 void Passes::make_with_ties(Device& device) {
     if (with_ties.clip_first) return;
+    PassBatch batch(device);
     PassSettings s = settings;
     s.tiers[0].ties = s.tiers[1].ties = true;
-    with_ties = {std::make_unique<Pass>(clip(device, s, 0)), second_tier(device, s)};
+    auto first = std::make_unique<Pass>(clip(batch, s, 0));
+    auto second = second_tier(batch, s);
+    batch.make();
+    with_ties = {std::move(first), std::move(second)};
 }
 
 }  // namespace votess::gpu

@@ -51,7 +51,7 @@ struct PassSettings {
 [[nodiscard]] PassSettings usual_settings(const vulkan::Device& device, std::uint32_t k);
 
 struct Passes {
-    Passes(vulkan::Device& device, const PassSettings& settings);
+    Passes(vulkan::Device& device, const PassSettings& settings);  // makes their pipelines side by side
     // Makes the passes that decide ties.
     void make_with_ties(vulkan::Device& device);
 
@@ -69,6 +69,10 @@ struct Passes {
     // Null when not needed.
     std::unique_ptr<vulkan::Pass> download_named_rows, download_place, download_gather;
     std::unique_ptr<vulkan::Pass> download_cells, upload_weights, image_reach, upload_walls, upload_wrap, upload_images;
+
+private:
+    Passes(vulkan::PassBatch&& batch, const PassSettings& settings);
+    void make_optional(vulkan::PassBatch& batch);
 };
 
 }  // namespace votess::gpu

@@ -28,7 +28,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     : instance_(std::move(instance)),
       adapter_(adapter),
       float64_(options.float64 && adapter.float64),
-      passes_(std::make_unique<PassCache>(*this)) {
+      passes_(std::make_unique<PassCache>()) {
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
     queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO;
@@ -81,7 +81,7 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
       handle_(host.handle),
       queue_(host.queue),
       float64_(host.float64),
-      passes_(std::make_unique<PassCache>(*this)),
+      passes_(std::make_unique<PassCache>()),
       host_cache_(host.pipeline_cache),
       owned_(false) {
     adapter_.queue_family = host.queue_family;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "core/thread_pool.hpp"
 #include "gpu/vulkan/spirv.hpp"
 #include "shared/interface.h"
 
@@ -29,24 +30,43 @@ std::vector<Constant> all_constants(const PassInfo& info) {
 
 }  // namespace
 
-Pass::Pass(Device& device, const PassInfo& info) : made_(std::make_shared<const Made>(device, info)) {}
+Pass::Pass(Device& device, const PassInfo& info) : made_(std::make_shared<Made>(device, info)) {
+    made_->make_pipeline(info);
+}
 
-Pass PassCache::get(const PassInfo& info) {
-    const auto same = [&](const Known& known) {
+PassBatch::PassBatch(Device& device) : device_(device), cache_(device.pass_cache()), lock_(cache_.mutex_) {}
+
+PassBatch::~PassBatch() {
+    std::erase_if(cache_.known_, [](const auto& known) { return known.pass.pipeline() == VK_NULL_HANDLE; });
+}
+
+Pass PassBatch::get(const PassInfo& info) {
+    std::vector<PassCache::Known>& all = cache_.known_;
+    const auto same = [&](const auto& known) {
         return known.info.spirv.data() == info.spirv.data() && known.info.push_bytes == info.push_bytes &&
                known.info.local_size == info.local_size && known.info.constants == info.constants &&
                known.info.subgroup_size == info.subgroup_size;
     };
-    const std::lock_guard lock(mutex_);
-    if (const auto found = std::ranges::find_if(known_, same); found != known_.end()) {
-        std::rotate(found, found + 1, known_.end());
-        return known_.back().pass;
+    if (const auto found = std::ranges::find_if(all, same); found != all.end()) {
+        std::rotate(found, found + 1, all.end());
+        return all.back().pass;
     }
-    known_.push_back({info, Pass(device_, info)});
-    const auto unused = [](const Known& known) { return !known.pass.is_shared(); };
-    if (std::ranges::count_if(known_, unused) > std::ptrdiff_t{max_unused})
-        known_.erase(std::ranges::find_if(known_, unused));
-    return known_.back().pass;
+    all.push_back({info, Pass(std::make_shared<Pass::Made>(device_, info))});
+    const auto unused = [](const auto& known) { return !known.pass.is_shared(); };
+    if (std::ranges::count_if(all, unused) > std::ptrdiff_t{PassCache::max_unused})
+        all.erase(std::ranges::find_if(all, unused));
+    return all.back().pass;
+}
+
+void PassBatch::make() {
+    std::vector<PassCache::Known*> missing;
+    for (auto& known : cache_.known_)
+        if (known.pass.pipeline() == VK_NULL_HANDLE) missing.push_back(&known);
+    const auto make_one = [&](std::size_t i, unsigned) { missing[i]->pass.made_->make_pipeline(missing[i]->info); };
+    if (missing.size() == 1)
+        make_one(0, 0);
+    else if (!missing.empty())
+        ThreadPool(0).run(missing.size(), make_one);
 }
 
 Pass::Made::Made(Device& of, const PassInfo& info)
@@ -64,7 +84,6 @@ Pass::Made::Made(Device& of, const PassInfo& info)
             std::to_string(bindings.size()) + " storage buffers");
     try {
         make_layout();
-        make_pipeline(info);
     } catch (...) {
         destroy();
         throw;

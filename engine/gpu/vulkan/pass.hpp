@@ -6,6 +6,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/vulkan/device.hpp"
@@ -44,7 +45,7 @@ public:
 
 private:
     struct Made {
-        Made(Device& device, const PassInfo& info);
+        Made(Device& device, const PassInfo& info);  // all but the pipeline
         ~Made();
         Made(const Made&) = delete;
         Made& operator=(const Made&) = delete;
@@ -61,26 +62,46 @@ private:
         VkPipelineLayout layout = VK_NULL_HANDLE;
         VkPipeline pipeline = VK_NULL_HANDLE;
     };
-    std::shared_ptr<const Made> made_;
+    friend class PassBatch;
+    explicit Pass(std::shared_ptr<Made> made) : made_(std::move(made)) {}
+
+    std::shared_ptr<Made> made_;
 };
 
 // The passes of a device. A driver may take seconds to make one, so a run with other options makes only the passes that
 // these change. Keeps the last max_unused passes that nobody uses. Thread-safe.
 class PassCache {
-public:
-    explicit PassCache(Device& device) : device_(device) {}
-    [[nodiscard]] Pass get(const PassInfo& info);
-
 private:
+    friend class PassBatch;
     struct Known {
         PassInfo info;
         Pass pass;
     };
     static constexpr std::size_t max_unused = 64;
 
-    Device& device_;
     std::mutex mutex_;
     std::vector<Known> known_;  // the last requested one is at the end
+};
+
+// Gets passes from the cache of a device, and makes those that it lacks side by side. During its life no other thread
+// gets passes of the device.
+class PassBatch {
+public:
+    explicit PassBatch(vulkan::Device& device);
+    ~PassBatch();  // the cache forgets passes without a pipeline
+    PassBatch(const PassBatch&) = delete;
+    PassBatch& operator=(const PassBatch&) = delete;
+
+    [[nodiscard]] vulkan::Device& device() { return device_; }
+    // Returns a pass that has no pipeline before make(). Throws as Pass().
+    [[nodiscard]] Pass get(const PassInfo& info);
+    // Makes the pipelines. Throws the first error after all others are made.
+    void make();
+
+private:
+    vulkan::Device& device_;
+    PassCache& cache_;
+    std::lock_guard<std::mutex> lock_;
 };
 
 }  // namespace votess::gpu::vulkan

@@ -1,6 +1,7 @@
 // Frames recorded into a host's command buffer, on its buffers: include/votess/vulkan.hpp.
 #include <doctest/doctest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -34,6 +35,32 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL address_without_compute(VkInstance inst
     if (std::strcmp(name, "vkGetPhysicalDeviceQueueFamilyProperties") != 0) return address;
     real_families = reinterpret_cast<PFN_vkGetPhysicalDeviceQueueFamilyProperties>(address);
     return reinterpret_cast<PFN_vkVoidFunction>(families_without_compute);
+}
+
+// A driver that counts the pipelines that it makes.
+PFN_vkGetDeviceProcAddr real_device_address = nullptr;
+PFN_vkCreateComputePipelines real_create = nullptr;
+std::atomic<int> pipelines_made;
+
+VKAPI_ATTR VkResult VKAPI_CALL count_pipelines(VkDevice device, VkPipelineCache cache, std::uint32_t count,
+                                               const VkComputePipelineCreateInfo* infos,
+                                               const VkAllocationCallbacks* allocator, VkPipeline* pipelines) {
+    ++pipelines_made;
+    return real_create(device, cache, count, infos, allocator, pipelines);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL device_address_that_counts(VkDevice device, const char* name) {
+    const PFN_vkVoidFunction address = real_device_address(device, name);
+    if (std::strcmp(name, "vkCreateComputePipelines") != 0) return address;
+    real_create = reinterpret_cast<PFN_vkCreateComputePipelines>(address);
+    return reinterpret_cast<PFN_vkVoidFunction>(count_pipelines);
+}
+
+VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL address_that_counts(VkInstance instance, const char* name) {
+    const PFN_vkVoidFunction address = real_address(instance, name);
+    if (std::strcmp(name, "vkGetDeviceProcAddr") != 0) return address;
+    real_device_address = reinterpret_cast<PFN_vkGetDeviceProcAddr>(address);
+    return reinterpret_cast<PFN_vkVoidFunction>(device_address_that_counts);
 }
 
 }  // namespace
@@ -185,7 +212,7 @@ TEST_SUITE("cases") {
         PlanOptions other = options;
         other.list_walls = true;
         other.chunk_size = 200;
-        const Plan second(host.device(), other);
+        const Plan second = plan.with(other);
         Target target(host, plan), beside(host, second);
         const Target* const both[] = {&target, &beside};
         test::Random random(10);
@@ -216,13 +243,14 @@ TEST_SUITE("cases") {
         const Plan plan(host.device(), options);
         Target target(host, plan);
         target.write<double>(set.points, 3);
-        const vk::Buffer* const parts[] = {&target.seeds, &target.header, &target.cells, &target.indices,
-                                           &target.geometry};
+        const vk::Buffer* const parts[] = {&target.seeds,   &target.header,   &target.cells,
+                                           &target.indices, &target.geometry, &target.areas};
         const VkDeviceSize alignment = host.gpu.adapter.limits.minStorageBufferOffsetAlignment;
-        std::array<VkDeviceSize, 6> at{};
-        for (std::size_t i = 0; i < 5; ++i)
+        constexpr std::size_t count = std::size(parts);
+        std::array<VkDeviceSize, count + 1> at{};
+        for (std::size_t i = 0; i < count; ++i)
             at[i + 1] = (at[i] + parts[i]->mapped().size() + alignment - 1) / alignment * alignment;
-        const vk::Buffer all = host.memory.buffer(at[5], vk::MemoryKind::download);
+        const vk::Buffer all = host.memory.buffer(at.back(), vk::MemoryKind::download);
         std::ranges::copy(target.seeds.mapped(), all.mapped().begin());
         all.flush();
         target.frame = plan.frame({.seeds = {all.handle(), at[0]},
@@ -230,10 +258,11 @@ TEST_SUITE("cases") {
                                    .header = {all.handle(), at[1]},
                                    .cells = {all.handle(), at[2]},
                                    .indices = {all.handle(), at[3]},
-                                   .geometry = {all.handle(), at[4]}});
+                                   .geometry = {all.handle(), at[4]},
+                                   .areas = {all.handle(), at[5]}});
         run(host, target, options.most_seeds);
         all.invalidate();
-        for (std::size_t i = 1; i < 5; ++i)
+        for (std::size_t i = 1; i < count; ++i)
             std::ranges::copy(all.mapped().subspan(at[i], parts[i]->mapped().size()), parts[i]->mapped().begin());
         check_header(target.head(), target.cell(set.size()));
         CHECK(target.head().unresolved < set.size() / 10);
@@ -249,9 +278,9 @@ TEST_SUITE("cases") {
         }
         Host host;
         PlanOptions options = options_for(set);
-        options.geometry = false;
-        CHECK(Plan(host.device(), options).sizes().geometry == 0);
+        options.geometry = options.areas = false;
         const OneFrame rows(host, options, set.points);
+        CHECK(rows.plan.sizes().geometry == 0);
         const auto t = on_cpu(set, options);
         for (std::size_t i = 0; i < set.size(); ++i) {
             const Cell& cell = rows.cells()[i];
@@ -260,7 +289,7 @@ TEST_SUITE("cases") {
                                      t.neighbors(i)));
         }
         options.geometry = true;
-        options.neighbors = false;
+        options.neighbors = options.areas = false;
         const OneFrame geometry(host, options, set.points);
         CHECK(geometry.plan.sizes().indices == 0);
         for (std::size_t i = 0; i < set.size(); ++i)
@@ -271,18 +300,37 @@ TEST_SUITE("cases") {
         CHECK(geometry.head().certified == 0);
     }
 
-    TEST_CASE("gpu frame: the workspace has the size that vulkan.hpp states") {
+    TEST_CASE("gpu frame: plans of a device share pipelines, and the workspace has the size that vulkan.hpp states") {
         Host host;
         const test::UseKernel chosen(test::by_subgroup());
         PlanOptions options;
         options.box = test::unit_box();
+        options.most_seeds = 1;
+        auto device = host.device();
+        real_address = device.host.get_instance_proc_addr;
+        device.host.get_instance_proc_addr = address_that_counts;
+        pipelines_made = 0;
+        const Plan first(device, options);
+        const int of_first = pipelines_made;
+        CHECK(of_first > 10);
+        options.format = votess::vulkan::SeedFormat::float64;
+        options.box = test::cube(1, 2);
+        CHECK(first.with(options).options().format == options.format);
+        CHECK(pipelines_made == of_first);
+        options.geometry = false;
+        (void)first.with(options);
+        CHECK(pipelines_made > of_first);
+        CHECK(pipelines_made < of_first + 5);
+        options.most_seeds = 0;
+        CHECK(test::error_of([&] { (void)first.with(options); }) == votess::ErrorCode::invalid_argument);
+        options.geometry = true;
         for (const std::uint32_t seeds : {1000u, 100000u, 5000000u})
             for (const std::uint32_t chunk : {100u, 10000u}) {
                 options.most_seeds = seeds;
                 options.chunk_size = chunk;
                 if (seeds == 100000) options.weights = WeightOptions{0, 1};
                 const VkDeviceSize each = options.weights ? 90 + 18 : 90;
-                const VkDeviceSize workspace = Plan(host.device(), options).sizes().workspace;
+                const VkDeviceSize workspace = first.with(options).sizes().workspace;
                 CHECK(workspace < each * seeds + 900 * VkDeviceSize{chunk} + (1u << 20));
                 CHECK(workspace > (each - 10) * seeds);
                 options.weights.reset();

@@ -1,6 +1,9 @@
 // Shaders and C++ agree on shaders/shared/interface.h: Vulkan gets for each pipeline what its SPIR-V declares.
 #include <doctest/doctest.h>
 
+#include <cstdint>
+#include <deque>
+#include <mutex>
 #include <set>
 
 #include "gpu/passes/passes.hpp"
@@ -50,32 +53,34 @@ Declared read_spirv(std::span<const std::uint32_t> words) {
     return found;
 }
 
-// The arguments of the calls for one pipeline, in their order, and of all together. Nothing is compiled.
+// The arguments of the calls. Nothing is compiled. Threads make pipelines, each first its module.
+thread_local Declared declared;
 struct Calls {
-    Ids bindings;
-    Declared declared;
+    std::mutex mutex;
+    std::deque<Ids> bindings;  // of a layout, whose handle points here
     std::size_t max_bindings = 0, asks_for_nearest = 0;
     std::set<std::uint32_t> all_bindings, all_constants;
 } calls;
 
 VKAPI_ATTR VkResult VKAPI_CALL note_set_layout(VkDevice, const VkDescriptorSetLayoutCreateInfo* info,
                                                const VkAllocationCallbacks*, VkDescriptorSetLayout* layout) {
-    calls.bindings.clear();
-    for (const auto& slot : std::span(info->pBindings, info->bindingCount)) calls.bindings.insert(slot.binding);
-    *layout = VK_NULL_HANDLE;
+    const std::lock_guard lock(calls.mutex);
+    Ids& bindings = calls.bindings.emplace_back();
+    for (const auto& slot : std::span(info->pBindings, info->bindingCount)) bindings.insert(slot.binding);
+    *layout = (VkDescriptorSetLayout)(std::uintptr_t)&bindings;  // the platform decides: a pointer or an integer
     return VK_SUCCESS;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL note_layout(VkDevice, const VkPipelineLayoutCreateInfo* info,
                                            const VkAllocationCallbacks*, VkPipelineLayout* layout) {
     CHECK(info->setLayoutCount == 1);
-    *layout = VK_NULL_HANDLE;
+    *layout = (VkPipelineLayout)info->pSetLayouts[0];
     return VK_SUCCESS;
 }
 
 VKAPI_ATTR VkResult VKAPI_CALL note_module(VkDevice, const VkShaderModuleCreateInfo* info, const VkAllocationCallbacks*,
                                            VkShaderModule* module) {
-    calls.declared = read_spirv({info->pCode, info->codeSize / 4});
+    declared = read_spirv({info->pCode, info->codeSize / 4});
     *module = VK_NULL_HANDLE;
     return VK_SUCCESS;
 }
@@ -83,6 +88,8 @@ VKAPI_ATTR VkResult VKAPI_CALL note_module(VkDevice, const VkShaderModuleCreateI
 VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
                                        const VkComputePipelineCreateInfo* info, const VkAllocationCallbacks*,
                                        VkPipeline* pipeline) {
+    const std::lock_guard lock(calls.mutex);
+    const Ids& bindings = *(const Ids*)(std::uintptr_t)info->layout;
     const VkSpecializationInfo& given = *info->stage.pSpecializationInfo;
     Ids constants;
     for (const auto& entry : std::span(given.pMapEntries, given.mapEntryCount)) {
@@ -90,15 +97,15 @@ VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
         CHECK(entry.size == 4);
         CHECK(entry.offset + entry.size <= given.dataSize);
     }
-    CHECK(constants == calls.declared.constants);
-    CHECK(calls.bindings == calls.declared.bindings);
-    CHECK(calls.declared.nearest.count(32) == calls.asks_for_nearest);
-    CHECK(calls.declared.sets.size() == calls.declared.sets.count(0));  // in set 0, all of them
+    CHECK(constants == declared.constants);
+    CHECK(bindings == declared.bindings);
+    CHECK(declared.nearest.count(32) == calls.asks_for_nearest);
+    CHECK(declared.sets.size() == declared.sets.count(0));  // in set 0, all of them
     // Ids are declared once.
     const std::set<std::uint32_t> once(constants.begin(), constants.end());
     CHECK(once.size() == constants.size());
-    calls.max_bindings = std::max(calls.max_bindings, calls.bindings.size());
-    calls.all_bindings.insert(calls.bindings.begin(), calls.bindings.end());
+    calls.max_bindings = std::max(calls.max_bindings, bindings.size());
+    calls.all_bindings.insert(bindings.begin(), bindings.end());
     calls.all_constants.insert(constants.begin(), constants.end());
     *pipeline = VK_NULL_HANDLE;
     return VK_SUCCESS;
@@ -108,7 +115,6 @@ VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
 
 TEST_SUITE("stages") {
     TEST_CASE("gpu interface: all pipelines get the constants and the bindings that their shaders declare") {
-        calls = {};
         // Without the validation layer, which does not know objects that were not made.
         const auto instance = test::vk::Instance::create({.validation = false});
         const auto device = test::vk::Device::create(instance, Gpu::first(*instance));
@@ -118,6 +124,8 @@ TEST_SUITE("stages") {
         table.vkCreatePipelineLayout = note_layout;
         table.vkCreateShaderModule = note_module;
         table.vkCreateComputePipelines = compare;
+        table.vkDestroyDescriptorSetLayout = [](auto...) {};
+        table.vkDestroyPipelineLayout = [](auto...) {};
         for (unsigned bits = 0; bits < 256; ++bits) {
             const auto bit = [&](unsigned at) { return (bits >> at & 1) != 0; };
             PassSettings s = test::pass_settings();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "input/options.hpp"
 
@@ -45,7 +46,13 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
             all.shifts[i].insert(all.shifts[i].end(), four.begin(), four.begin() + 3);
             CHECK(four[3] == 0);
         }
+        all.areas.emplace_back();
+        if (plan.sizes().areas > 0) {
+            const auto areas = target.areas.as<float>().subspan(cell.row_begin, cell.row_length);
+            all.areas[i].assign(areas.begin(), areas.end());
+        }
         all.status.push_back(static_cast<CellStatus>(cell.status));
+        if (plan.sizes().geometry == 0) continue;
         const auto g = target.geometry.as<float>().subspan(4 * i, 4);
         all.volumes.push_back(g[3]);
         for (std::size_t k = 0; k < 3; ++k) all.centroids.push_back(double{seeds[i * stride + k]} + double{g[k]});
@@ -59,8 +66,11 @@ Rows collect(const Plan& plan, const Target& target, std::size_t count, const st
         if (plan.sizes().shifts > 0)
             all.shifts[i].assign(more.shifts.begin() + 3 * more.indptr[r],
                                  more.shifts.begin() + 3 * more.indptr[r + 1]);
-        all.volumes[i] = more.volumes[r];
+        if (plan.sizes().areas > 0)
+            all.areas[i].assign(more.areas.begin() + more.indptr[r], more.areas.begin() + more.indptr[r + 1]);
         all.status[i] = more.status[r];
+        if (plan.sizes().geometry == 0) continue;
+        all.volumes[i] = more.volumes[r];
         for (std::size_t k = 0; k < 3; ++k) all.centroids[3 * i + k] = more.centroids[3 * r + k];
     }
     return all;
@@ -84,6 +94,15 @@ std::string compare(const Rows& rows, const votess::Tessellation& t) {
         if (t.status()[i] != CellStatus::certified) continue;
         // Frames hold float32.
         if (!(volume >= std::numeric_limits<float>::min() && volume <= std::numeric_limits<float>::max())) continue;
+        if (!rows.areas[i].empty()) {
+            const auto areas = t.face_areas().subspan(static_cast<std::size_t>(t.indptr()[i]), t.neighbors(i).size());
+            // The row may lack faces of walls.
+            const double surface =
+                std::max(std::accumulate(areas.begin(), areas.end(), 0.0), std::pow(volume, 2.0 / 3));
+            for (std::size_t e = 0; e < areas.size(); ++e)
+                if (!(std::abs(rows.areas[i][e] - areas[e]) <= 1e-5 * surface)) return where + "another area";
+        }
+        if (rows.volumes.empty()) continue;
         if (!(std::abs(rows.volumes[i] - volume) <= 1e-5 * volume)) return where + "another volume";
         for (std::size_t k = 0; k < 3; ++k)
             if (!(std::abs(rows.centroids[3 * i + k] - t.centroids()[3 * i + k]) <= 1e-4 * std::cbrt(volume)))
@@ -129,6 +148,7 @@ PlanOptions options_for(const PointSet& set) {
     options.most_seeds = static_cast<std::uint32_t>(set.size());
     options.format = SeedFormat::float64;
     options.most_entries = 64 * options.most_seeds;
+    options.areas = true;  // most tests share the pipelines that measure them
     votess::Options whole;
     whole.box = set.box;
     options.box = votess::validate({set.points, {}}, whole).box;
@@ -159,6 +179,7 @@ std::string check(Host& host, std::span<const PointSet> sets, PlanOptions option
         options.most_seeds = std::max(options.most_seeds, static_cast<std::uint32_t>(set.size()));
     options.most_entries = 64 * options.most_seeds;
     options.format = SeedFormat::float64;
+    options.areas = true;
     options.box = options_for(sets.front()).box;
     const Plan plan(host.device(), options);
     const Target target(host, plan);

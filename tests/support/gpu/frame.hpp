@@ -99,7 +99,8 @@ void run(Host& host, const Target& target, std::uint32_t count);
 struct Rows {
     std::vector<std::vector<std::int32_t>> rows;
     std::vector<std::vector<std::int8_t>> shifts;  // three an entry, of periodic plans
-    std::vector<double> volumes, centroids;
+    std::vector<std::vector<double>> areas;        // of plans with areas
+    std::vector<double> volumes, centroids;        // of plans with geometry
     std::vector<CellStatus> status;
 };
 
