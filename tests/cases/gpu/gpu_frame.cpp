@@ -101,6 +101,7 @@ TEST_SUITE("cases") {
                                  test::bcc(3)};
         CHECK(check(host, sets, options) == "");
         // With a requested size, where the device allows it.
+        host.first.reset();
         host.subgroup_size_control = requirements(host.instance(), host.gpu.adapter.handle).subgroup_size_control;
         const PointSet set = test::uniform(300, 18);
         options = options_for(set);
@@ -120,7 +121,7 @@ TEST_SUITE("cases") {
         PlanOptions options = options_for(set);
         options.format = SeedFormat::float32;
         options.stride = 4;
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         Target target(host, plan);
         target.write<float>(set.points, 4);
         run(host, target, options.most_seeds);
@@ -148,7 +149,7 @@ TEST_SUITE("cases") {
                 for (double& x : points) x = static_cast<double>(static_cast<float>(x));
             PlanOptions options = options_for(set);
             options.format = narrow ? SeedFormat::float32 : SeedFormat::float64;
-            const Plan plan(host.device(), options);
+            const Plan plan = host.plan(options);
             Target target(host, plan);
             if (narrow)
                 target.write<float>(points, 3);
@@ -208,7 +209,7 @@ TEST_SUITE("cases") {
         PointSet set = test::uniform(test::by_size(1500, 300), 9);
         set.box = test::unit_box();
         PlanOptions options = options_for(set);
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         PlanOptions other = options;
         other.list_walls = true;
         other.chunk_size = 200;
@@ -240,7 +241,7 @@ TEST_SUITE("cases") {
         Host host;
         const PointSet set = test::uniform(test::by_size(1000, 200), 19);
         const PlanOptions options = options_for(set);
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         Target target(host, plan);
         target.write<double>(set.points, 3);
         const vk::Buffer* const parts[] = {&target.seeds,   &target.header,   &target.cells,
@@ -386,7 +387,7 @@ TEST_SUITE("cases") {
         options.most_entries = std::numeric_limits<std::uint32_t>::max();
         if (host.gpu.adapter.limits.maxStorageBufferRange < 4 * VkDeviceSize{options.most_entries})
             CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::unsupported);
-        const Plan plan(host.device(), good);
+        const Plan plan = host.plan(good);
         CHECK(refused([&] { Frame().record(VK_NULL_HANDLE, {}); }));
         CHECK(refused([&] { static_cast<void>(plan.frame({})); }));
         CHECK(said == "the buffer of workspace is null");

@@ -57,7 +57,7 @@ TEST_SUITE("cases") {
                 options.most_entries = 64 * options.most_seeds;
                 options.areas = true;
                 options.cell = cell;
-                const Plan plan(host.device(), options);
+                const Plan plan = host.plan(options);
                 Target first(host, plan), second(host, plan);
                 const Target* const both[] = {&first, &second};
                 test::Random random(31);
@@ -132,7 +132,7 @@ TEST_SUITE("cases") {
             double* const x = set.points.data() + 3 * i;
             x[1] += 0.125 * x[2], x[0] += 0.25 * (x[1] - 0.125 * x[2]);
         }
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         Target target(host, plan);
         const auto check_frame = [&](const std::optional<votess::TriclinicBox>& cell) {
             target.write<double>(set.points, 3);
@@ -194,7 +194,7 @@ TEST_SUITE("cases") {
                 PlanOptions options = options_for(set);
                 options.periodic = {(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0};
                 options.list_walls = true;
-                const Plan plan(host.device(), options);
+                const Plan plan = host.plan(options);
                 const auto t = on_cpu(set, options);
                 std::vector<Cell> cells(set.size());
                 test::Random random(23);
@@ -231,7 +231,7 @@ TEST_SUITE("cases") {
                 weights[0] = 0.1;  // reaches far
                 std::fill_n(set.points.begin(), 3, 1e-3);
             }
-            const Plan plan(host.device(), options);
+            const Plan plan = host.plan(options);
             const auto t = on_cpu(set, options, weights);
             // All near each other, so that some places are far from them.
             std::vector<Cell> cells(set.size());

@@ -20,7 +20,7 @@ TEST_SUITE("cases") {
         Host host;
         PointSet set = test::uniform(300, 13);
         PlanOptions options = options_for(set);
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         Target target(host, plan);
         const Target* const one[] = {&target};
         for (const double factor : {1.0, 0.5, 3.0, 1e4}) {

@@ -51,11 +51,10 @@ struct Outcome {
     double left = 0;
     std::uint32_t empty = 0;
 };
-Outcome in_flight(const PlanOptions& options, bool by_subgroup, const auto& move) {
+Outcome in_flight(Host& host, const PlanOptions& options, bool by_subgroup, const auto& move) {
     std::optional<test::UseKernel> kernel;
     if (by_subgroup) kernel.emplace(test::by_subgroup());
-    Host host;
-    const Plan plan(host.device(), options);
+    const Plan plan = host.plan(options);
     Target first(host, plan), second(host, plan);
     const Target* const both[] = {&first, &second};
     Random random(7);
@@ -103,6 +102,7 @@ Moving balls(Random& random, std::size_t n, double largest_radius) {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu frame: weights that vary smoothly, in a periodic box and in a shifted one") {
+        Host host;
         const std::size_t n = test::by_size(2000, 300);
         const double shift = 1 / std::cbrt(static_cast<double>(n));  // about the spacing
         for (const bool periodic : {false, true}) {
@@ -110,7 +110,7 @@ TEST_SUITE("cases") {
             PlanOptions options = plan_options(n, test::unit_box());
             options.periodic = {periodic, periodic, periodic};
             options.weights = WeightOptions{-3 * shift, 3 * shift};
-            const Outcome outcome = in_flight(options, false, [&](Random& random) {
+            const Outcome outcome = in_flight(host, options, false, [&](Random& random) {
                 Moving moving = balls(random, n, 0);
                 for (std::size_t i = 0; i < 3 * n; ++i) {
                     const double x = moving.set.points[i], turn = 2 * std::numbers::pi;
@@ -123,6 +123,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu frame: weights, two frames in flight with moving seeds and weights") {
+        Host host;
         struct Kind {
             double radius;
             bool periodic, by_subgroup;
@@ -135,19 +136,20 @@ TEST_SUITE("cases") {
             options.periodic = {kind.periodic, kind.periodic, kind.periodic};
             options.weights = WeightOptions{0, kind.radius * kind.radius};
             options.chunk_size = kind.by_subgroup ? 0 : 97;
-            const Outcome outcome =
-                in_flight(options, kind.by_subgroup, [&](Random& random) { return balls(random, n, kind.radius); });
+            const Outcome outcome = in_flight(host, options, kind.by_subgroup,
+                                              [&](Random& random) { return balls(random, n, kind.radius); });
             CHECK(outcome.left < (kind.periodic && kind.radius == 1 ? 0.2 : 0.1));
             CHECK((outcome.empty > n) == (kind.radius == 1));
         }
     }
 
     TEST_CASE("gpu frame: weights in a triclinic box, two frames in flight") {
+        Host host;
         const std::size_t n = 300;
         PlanOptions options = plan_options(n, {});
         options.cell = votess::TriclinicBox{{-0.3, 0.1, 0.7}, {1, 0, 0}, {0.45, 1, 0}, {-0.45, 1.0 / 3, 1}};
         options.weights = WeightOptions{-0.01, 0.01};
-        const Outcome outcome = in_flight(options, true, [&](Random& random) {
+        const Outcome outcome = in_flight(host, options, true, [&](Random& random) {
             Moving moving = balls(random, n, 0.1);
             for (double& w : moving.weights) w = random.below(2) == 0 ? w : -w;
             return moving;
@@ -162,7 +164,7 @@ TEST_SUITE("cases") {
         options.format = SeedFormat::float32;
         options.stride = 4;
         options.weights = WeightOptions{0.25, 0.5, 4, 3};
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         REQUIRE(plan.sizes().weights == 16 * n);
         Target target(host, plan);
         // Seeds and weights in one buffer.
@@ -222,12 +224,13 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu frame: seeds of several weights at a place, whole weights on a grid") {
+        Host host;
         const std::size_t n = 200;
         PlanOptions options = plan_options(n, test::cube(-0.5, 4.5));
         options.weights = WeightOptions{0, 3};
         for (const bool periodic : {false, true}) {
             options.periodic = {periodic, false, periodic};
-            in_flight(options, periodic, [&](Random& random) {
+            in_flight(host, options, periodic, [&](Random& random) {
                 Moving moving;
                 for (std::size_t i = 0; i < n; ++i) {
                     for (std::size_t k = 0; k < 3; ++k)
@@ -243,6 +246,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("gpu frame: walls, without and with weights, two frames in flight with moving seeds") {
+        Host host;
         const std::size_t n = test::by_size(400, 150);
         for (const bool with_weights : {false, true}) {
             PlanOptions options = plan_options(n, test::unit_box());
@@ -251,7 +255,7 @@ TEST_SUITE("cases") {
                 with_weights ? std::vector<votess::Wall>{{{1, 0.3, 0.2}, 0.9}, {{1, 1, 1}, 3}} : test::octahedron(0.5);
             if (with_weights) options.weights = WeightOptions{0, 0.04};
             const bool by_subgroup = with_weights;
-            const Outcome outcome = in_flight(options, by_subgroup, [&](Random& random) {
+            const Outcome outcome = in_flight(host, options, by_subgroup, [&](Random& random) {
                 Moving moving = balls(random, n, 0.2);
                 if (!with_weights) moving.weights.clear();
                 return moving;
@@ -268,7 +272,7 @@ TEST_SUITE("cases") {
         options.walls = {{{1, 1, 0}, 1}};
         options.list_walls = true;
         options.format = SeedFormat::float32;
-        const Plan plan(host.device(), options);
+        const Plan plan = host.plan(options);
         Target target(host, plan);
         for (const float x : {0.25f, 0.2500001f, 0.2499999f}) {
             PointSet set = test::uniform(n, 9);
@@ -321,10 +325,10 @@ TEST_SUITE("cases") {
 
         PlanOptions options = good;
         options.walls = {wall};
-        const Plan with_walls(host.device(), options);
+        const Plan with_walls = host.plan(options);
         options = good;
         options.weights = WeightOptions{0, 4};
-        const Plan with_weights(host.device(), options);
+        const Plan with_weights = host.plan(options);
         Target walls(host, with_walls), weights(host, with_weights);
         host.commands.begin();
         const auto record = [&](const Target& target, const votess::Box& box) {

@@ -181,7 +181,7 @@ std::string check(Host& host, std::span<const PointSet> sets, PlanOptions option
     options.format = SeedFormat::float64;
     options.areas = true;
     options.box = options_for(sets.front()).box;
-    const Plan plan(host.device(), options);
+    const Plan plan = host.plan(options);
     const Target target(host, plan);
     const Target* const one[] = {&target};
     for (const PointSet& set : sets) {

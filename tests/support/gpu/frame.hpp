@@ -43,7 +43,14 @@ struct Host {
         if (probe) gpu.device->table().vkGetDeviceQueue(host.device, host.queue_family, 0, &host.probe_queue);
         return host;
     }
+    // Returns a plan. It shares pipelines with the first one, as long as the members above stay as they are.
+    [[nodiscard]] Plan plan(const PlanOptions& options) {
+        if (first) return first->with(options);
+        return first.emplace(device(), options);
+    }
+
     vk::Loader loader;
+    std::optional<Plan> first;
 };
 
 // Buffers of a frame, visible to the host.
@@ -116,7 +123,7 @@ struct OneFrame {
     std::size_t count;
 
     OneFrame(Host& host, const PlanOptions& options, const Coordinates& points)
-        : plan(host.device(), options), target(host, plan), count(points.size() / 3) {
+        : plan(host.plan(options)), target(host, plan), count(points.size() / 3) {
         target.write<double>(points, options.stride);
         run(host, target, static_cast<std::uint32_t>(count));
     }
