@@ -1,5 +1,6 @@
 #include <cmath>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "core/progress.hpp"
@@ -11,6 +12,7 @@
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "input/snapshot.hpp"
+#include "solid/run_in_mesh.hpp"
 #include "votess/fit.hpp"
 
 namespace votess {
@@ -29,7 +31,7 @@ constexpr double sum_tolerance = 1e-9;
 }
 
 void check(const Options& options, const FitOptions& fit) {
-    check_options(options);
+    if (!options.mesh) check_options(options);
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
     if (options.only) refuse("a fit needs all cells: leave out `only`");
@@ -86,11 +88,12 @@ std::vector<std::int32_t> order_of(const Job& job, std::span<const double> place
     return order;
 }
 
-Problem problem_of(const Job& job, std::span<const double> targets, std::span<const double> places,
-                   std::span<const std::int32_t> order) {
+Problem problem_of(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
+                   std::span<const double> places, std::span<const std::int32_t> order) {
     Problem problem;
     problem.edges = edges_of(job);
     problem.options = job.options;
+    problem.options.mesh = mesh;
     problem.options.radii = {};
     problem.options.list_walls = false;
     problem.options.min_face = problem.options.min_area = 0;
@@ -119,11 +122,12 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
     return start;
 }
 
-void fit(const Job& job, std::span<const double> targets, const FitOptions& options, ThreadPool& pool, VolumeFit& out) {
+void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
+         const FitOptions& options, ThreadPool& pool, VolumeFit& out) {
     std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
     move_into_domain(job, places);
     const std::vector<std::int32_t> order = order_of(job, places, pool);
-    Newton newton(problem_of(job, targets, places, order), options, out);
+    Newton newton(problem_of(job, mesh, targets, places, order), options, out);
     const bool converged = newton.run(start_of(job, order));
     out.residual = newton.now().residual;
     out.weights.resize(order.size());
@@ -148,11 +152,15 @@ void fit_into(std::span<const double> points, std::span<const double> targets, c
     inner.progress = nullptr;
     ThreadPool pool(inner.threads);
     Snapshot snapshot;
-    const Job job = validate(snapshot.take({points, {}}, pool), inner);
+    const Points copy = snapshot.take({points, {}}, pool);
+    std::optional<solid::BoxAround> around;
+    if (inner.mesh) around = solid::box_around(copy, inner);
+    const Job job = validate(copy, around ? around->options : inner);
     const std::size_t count = job.points.count();
     if (count > 0) {
-        const auto volumes = checked_targets(targets, count, job.box_volume, fit_options.normalize);
-        fit(job, volumes, fit_options, pool, out);
+        const auto volumes =
+            checked_targets(targets, count, around ? around->mesh_volume : job.box_volume, fit_options.normalize);
+        fit(job, inner.mesh, volumes, fit_options, pool, out);
     }
     const Timed last(out.seconds.tessellate);
     inner.weights = out.weights;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/progress.hpp"
+#include "core/text.hpp"
 #include "fit/revive.hpp"
 #include "fit/timed.hpp"
 
@@ -133,6 +134,13 @@ bool Newton::advance() {
 bool Newton::run(Vector weights) {
     now_ = tessellate(std::move(weights));
     if (!(now_.volumes.minCoeff() > 0)) now_ = tessellate(Vector::Zero(now_.weights.size()));
+    Eigen::Index smallest_cell = 0;
+    if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh
+        const double* const p = problem_.points.data() + 3 * smallest_cell;
+        why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) +
+               ") has no cell, move it into the mesh";
+        return false;
+    }
     first_residual_ = now_.residual;
     choose_share();
     for (; now_.residual > options_.tolerance; ++out_.steps) {

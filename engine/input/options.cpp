@@ -529,7 +529,7 @@ void check_options(const Options& options) {
     if (!names_device(options.device))
         refuse("device " + in_quotes(options.device) +
                " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
-    if (options.mesh) refuse("mesh: only tessellate() clips by a mesh, leave it out");
+    if (options.mesh) refuse("mesh: only tessellate() and fit_volumes() clip by a mesh, leave it out");
     if (options.planar) refuse("points of the plane (planar): only tessellate() and verify() work in two dimensions");
     if (options.only && options.device != "auto" && options.device != "cpu")
         throw Error(ErrorCode::unsupported,

@@ -74,6 +74,26 @@ std::size_t to_index(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
+// Returns options of a run in the box in which the cells are made.
+Options options_in_box(const ClosedMesh& mesh, const Points& points, const Options& options) {
+    Options in_box = without_mesh(options);
+    check_options(in_box);
+    check_shape(points);
+    if (in_box.box) {
+        check_box(*in_box.box);
+    } else {
+        std::vector<CellStatus> outside;
+        Box bounds = check_points(points, in_box, outside);
+        for (std::size_t k = 0; k < 3; ++k) {
+            bounds.lower[k] = std::min(bounds.lower[k], mesh.bounds().lower[k]);
+            bounds.upper[k] = std::max(bounds.upper[k], mesh.bounds().upper[k]);
+        }
+        in_box.box = default_box(bounds, std::max<std::size_t>(points.count(), 1));
+    }
+    check_in_box(mesh, *in_box.box);
+    return in_box;
+}
+
 class MeshRun {
 public:
     MeshRun(const Points& points, const Options& options, const RunInBox& run)
@@ -84,21 +104,7 @@ public:
     }
 
     Result make() {
-        Options in_box = without_mesh(options_);
-        check_options(in_box);
-        check_shape(points_);
-        if (in_box.box) {
-            check_box(*in_box.box);
-        } else {
-            std::vector<CellStatus> outside;
-            Box bounds = check_points(points_, in_box, outside);
-            for (std::size_t k = 0; k < 3; ++k) {
-                bounds.lower[k] = std::min(bounds.lower[k], mesh_.bounds().lower[k]);
-                bounds.upper[k] = std::max(bounds.upper[k], mesh_.bounds().upper[k]);
-            }
-            in_box.box = default_box(bounds, std::max<std::size_t>(points_.count(), 1));
-        }
-        check_in_box(mesh_, *in_box.box);
+        Options in_box = options_in_box(mesh_, points_, options_);
         wanted_ = with_implied(options_);
         in_box.want.neighbors = in_box.want.areas = in_box.want.radii = in_box.want.volumes = true;
         in_box.list_walls = false;
@@ -365,6 +371,12 @@ private:
 
 Result run_in_mesh(const Points& points, const Options& options, const RunInBox& run) {
     return MeshRun(points, options, run).make();
+}
+
+BoxAround box_around(const Points& points, const Options& options) {
+    check_others(options);
+    const ClosedMesh mesh(*options.mesh);
+    return {options_in_box(mesh, points, options), mesh.volume()};
 }
 
 void check_in_mesh(const Options& options) {

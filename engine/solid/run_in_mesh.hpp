@@ -11,6 +11,14 @@ namespace votess::solid {
 // that are connected.
 [[nodiscard]] detail::Result run_in_mesh(const Points& points, const Options& options, const RunInBox& run);
 
+struct BoxAround {
+    Options options;  // with the box, without the mesh
+    double mesh_volume = 0;
+};
+// Returns the box around options.mesh and the points in which the cells are made. Throws as check_in_mesh(), and for
+// points that have no box.
+[[nodiscard]] BoxAround box_around(const Points& points, const Options& options);
+
 // Throws for options that do not go with a mesh, or for a mesh that is not closed.
 void check_in_mesh(const Options& options);
 

@@ -22,7 +22,7 @@ struct FitOptions {
     double tolerance = 1e-9;
     // Newton steps; each takes at least one tessellation.
     unsigned max_steps = 200;
-    // Scale the targets so that they sum to the volume of the domain: they are shares.
+    // Scale the targets so that they sum to the volume of the domain, or of the mesh: they are shares.
     bool normalize = false;
 };
 
@@ -62,6 +62,7 @@ private:
 // Returns weights for which the cell of point i has the volume targets[i], and the tessellation with them. Options give
 // the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start. By default,
 // and where they leave a cell empty, the start is 0. The steps use double precision.
+// In a mesh the volumes are those in it. Each cell must have a part of it without weights.
 // Throws invalid_argument for equal points, Outside::drop or keep, and targets that are not positive, not one for each
 // point or do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of
 // tessellate().

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterable, Optional, Union
 import numpy as np
 
 from . import _c_api
-from ._c_api import ErrorCode, PrecisionWord, WantName
+from ._c_api import ErrorCode, PrecisionWord, RepairWord, WantName
 from ._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
 from ._input import Domain, as_count, as_one_each, as_points
 from ._library import lib
@@ -73,6 +73,8 @@ def fit_volumes(
     cell: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
     origin: Optional[npt.ArrayLike] = None,
+    mesh: Any = None,
+    mesh_repair: Optional[RepairWord] = None,
     list_walls: bool = False,
     device: str = "auto",
     threads: int = 0,
@@ -87,11 +89,12 @@ def fit_volumes(
     Parameters
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; no two are equal, and none is outside the domain.
-    volumes : (N,) positive numbers that sum to the volume of the domain, to a relative 1e-9.
+    volumes : (N,) positive numbers that sum to the volume of the domain, or of the mesh, to a relative 1e-9.
     normalize : scale ``volumes`` to that sum: they are shares of the domain.
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
+    mesh, mesh_repair : as for :func:`tessellate`. Without weights each point must have a cell in the mesh.
     box, periodic, cell, walls, origin, want, list_walls, device, threads, precision : as for :func:`tessellate`, for the
         tessellation that is returned. The steps use double precision.
     progress : as for :func:`tessellate`; the fraction is the share of the digits.
@@ -107,7 +110,7 @@ def fit_volumes(
     array = as_points(points).astype(np.float64, order="C", copy=False)
     count = len(array)
     targets = as_one_each(volumes, "volumes", count, "points")
-    domain = Domain(box, periodic, weights, None, cell, origin, walls)
+    domain = Domain(box, periodic, weights, None, cell, origin, walls, mesh=mesh, mesh_repair=mesh_repair)
     options = new_options(want=want, list_walls=list_walls, device=device, threads=threads, precision=precision)
     kept = domain.fill(options, array)
     wanted = implied_words(options)
