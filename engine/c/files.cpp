@@ -1,4 +1,4 @@
-// votess_write_mesh(): its arrays are checked here and become a files::Mesh.
+// votess_write_mesh(): its arrays are checked here and become a files::Mesh. votess_write_pieces().
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -6,6 +6,7 @@
 
 #include "c/handles.hpp"
 #include "files/mesh.hpp"
+#include "files/pieces.hpp"
 
 using namespace votess::c;
 
@@ -84,20 +85,28 @@ files::Mesh checked(const votess_mesh& given) {
     return mesh;
 }
 
+files::ByteSink sink(votess_write_callback write, void* user) {
+    if (write == nullptr) refuse("write is NULL");
+    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total) {
+        const votess_bytes piece{bytes.data(), bytes.size(), total};
+        if (call_back("write", [&] { return write(&piece, user); }) == 0)
+            throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
+    });
+}
+
+[[noreturn]] void refuse_format(std::string_view name, const char* known) {
+    refuse("the format is '" + std::string(name) + "': known are " + known);
+}
+
 }  // namespace
 
 votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
     return guarded([&] {
         require(mesh, "mesh");
         require(format, "format");
-        if (write == nullptr) refuse("write is NULL");
         require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
         const files::Mesh arrays = checked(*mesh);
-        files::ByteSink out([&](std::string_view bytes, std::uint64_t total) {
-            const votess_bytes piece{bytes.data(), bytes.size(), total};
-            if (call_back("write", [&] { return write(&piece, user); }) == 0)
-                throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
-        });
+        files::ByteSink out = sink(write, user);
         const std::string_view name = format;
         if (name == ".vtu") {
             files::write_vtu(arrays, out);
@@ -109,7 +118,32 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
             if (arrays.colors.empty() && mesh->cells != 0) refuse("mesh.colors is NULL, but .glb needs colors");
             files::write_glb(arrays, out);
         } else {
-            refuse("the format is '" + std::string(name) + "': known are .vtu .ply .obj .glb");
+            refuse_format(name, ".vtu .ply .obj .glb");
+        }
+        out.flush();
+    });
+}
+
+votess_status votess_write_pieces(const votess_pieces* pieces, const int64_t* ids, const char* format,
+                                  votess_write_callback write, void* user) {
+    return guarded([&] {
+        require(pieces, "pieces");
+        require(format, "format");
+        files::ByteSink out = sink(write, user);
+        std::vector<std::int64_t> numbers(pieces->seeds.begin(), pieces->seeds.end());
+        if (ids != nullptr) std::copy_n(ids, numbers.size(), numbers.begin());
+        const files::NamedPieces named{pieces->pieces, files::piece_names(pieces->pieces, numbers)};
+        const std::string_view name = format;
+        if (name == ".glb") {
+            files::write_pieces_glb(named, out);
+        } else if (name == ".obj") {
+            files::write_pieces_obj(named, out);
+        } else if (name == ".stl") {
+            files::write_pieces_stl(named, out);
+        } else if (name == ".3mf") {
+            files::write_pieces_3mf(named, out);
+        } else {
+            refuse_format(name, ".glb .obj .stl .3mf");
         }
         out.flush();
     });

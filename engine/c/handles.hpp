@@ -15,6 +15,7 @@
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/network.hpp>
+#include <votess/pieces.hpp>
 #include <votess/votess.hpp>
 #include <votess/zones.hpp>
 
@@ -58,6 +59,11 @@ struct votess_zones {
 
 struct votess_network {
     votess::Network network;
+};
+
+struct votess_pieces {
+    votess::Pieces pieces;
+    std::vector<std::int32_t> seeds;  // of the rows
 };
 
 namespace votess::c {

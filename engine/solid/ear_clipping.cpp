@@ -1,0 +1,185 @@
+#include "solid/ear_clipping.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/progress.hpp"
+
+namespace votess::solid {
+namespace {
+
+constexpr double thin_ear = 1e-7;  // twice the area of a thick ear, over its longest side squared
+
+}  // namespace
+
+double doubled_area(const std::vector<FlatCorner>& loop) {
+    double sum = 0;
+    const FlatCorner& base = loop.front();
+    for (std::size_t i = 2; i < loop.size(); ++i)
+        sum += (loop[i - 1].x - base.x) * (loop[i].y - base.y) - (loop[i].x - base.x) * (loop[i - 1].y - base.y);
+    return sum;
+}
+
+const std::vector<std::array<std::int32_t, 3>>& EarClipping::cut(std::span<const std::vector<FlatCorner>> loops) {
+    nodes_.clear();
+    triangles_.clear();
+    const double mirror = doubled_area(loops.front()) < 0 ? -1 : 1;
+    const std::int32_t outline = add_loop(loops.front(), mirror);
+    holes_.clear();
+    for (const auto& loop : loops.subspan(1)) {
+        const std::int32_t first = add_loop(loop, mirror);
+        std::int32_t right = first;
+        for (std::int32_t n = node(first).next; n != first; n = node(n).next)
+            if (node(n).x > node(right).x) right = n;
+        holes_.push_back(right);
+    }
+    // From the right, so that a ray meets the outline or a hole that is joined to it.
+    std::ranges::stable_sort(holes_, std::ranges::greater(), [&](std::int32_t n) { return node(n).x; });
+    for (const std::int32_t hole : holes_) join(hole, outline);
+    clip(outline);
+    return triangles_;
+}
+
+double EarClipping::turn(std::int32_t a, std::int32_t b, std::int32_t c) const {
+    const Node &p = node(a), &q = node(b), &r = node(c);
+    return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+}
+
+std::int32_t EarClipping::add_loop(const std::vector<FlatCorner>& loop, double mirror) {
+    const auto first = static_cast<std::int32_t>(nodes_.size()), count = static_cast<std::int32_t>(loop.size());
+    for (std::int32_t i = 0; i < count; ++i) {
+        const FlatCorner& c = loop[static_cast<std::size_t>(i)];
+        nodes_.push_back(
+            {c.x, mirror * c.y, c.id, first + (i + count - 1) % count, first + (i + 1) % count, false, false});
+    }
+    return first;
+}
+
+// Joins a hole by two edges between the same corners, in opposite directions.
+void EarClipping::join(std::int32_t hole, std::int32_t outline) {
+    const std::int32_t bridge = find_bridge(hole, outline);
+    const auto hole_again = static_cast<std::int32_t>(nodes_.size()), bridge_again = hole_again + 1;
+    nodes_.push_back(node(hole));
+    nodes_.push_back(node(bridge));
+    const std::int32_t after = node(bridge).next, before = node(hole).previous;
+    node(bridge).next = hole;
+    node(hole).previous = bridge;
+    node(before).next = hole_again;
+    node(hole_again).previous = before;
+    node(hole_again).next = bridge_again;
+    node(bridge_again).previous = hole_again;
+    node(bridge_again).next = after;
+    node(after).previous = bridge_again;
+}
+
+// Returns a corner of the outline that the rightmost corner of a hole sees: the end of the edge to its right, or a
+// corner in front of that.
+std::int32_t EarClipping::find_bridge(std::int32_t hole, std::int32_t outline) const {
+    const Node& m = node(hole);
+    double hit = std::numeric_limits<double>::infinity();
+    std::int32_t best = -1, nearest = outline;
+    double nearest_square = std::numeric_limits<double>::infinity();
+    std::int32_t n = outline;
+    do {
+        const Node &a = node(n), &b = node(a.next);
+        const double square = (a.x - m.x) * (a.x - m.x) + (a.y - m.y) * (a.y - m.y);
+        if (square < nearest_square) nearest_square = square, nearest = n;
+        if (a.y <= m.y && m.y <= b.y && a.y < b.y) {  // upward
+            const double x = a.x + (m.y - a.y) / (b.y - a.y) * (b.x - a.x);
+            if (x >= m.x && x < hit) {
+                hit = x;
+                best = m.y == a.y ? n : m.y == b.y ? a.next : a.x > b.x ? n : a.next;
+            }
+        }
+        n = a.next;
+    } while (n != outline);
+    if (best < 0) return nearest;
+    const Node end = node(best);
+    if (end.y == m.y) return best;
+    const auto in_front = [&](const Node& p) {
+        const auto side = [](double ax, double ay, double bx, double by, const Node& q) {
+            return (bx - ax) * (q.y - ay) - (by - ay) * (q.x - ax);
+        };
+        const double s0 = side(m.x, m.y, hit, m.y, p), s1 = side(hit, m.y, end.x, end.y, p),
+                     s2 = side(end.x, end.y, m.x, m.y, p);
+        return (s0 >= 0 && s1 >= 0 && s2 >= 0) || (s0 <= 0 && s1 <= 0 && s2 <= 0);
+    };
+    double slope = std::numeric_limits<double>::infinity();
+    n = outline;
+    do {
+        const Node& p = node(n);
+        if (p.x > m.x && in_front(p)) {
+            const double its = std::abs(p.y - m.y) / (p.x - m.x);
+            const bool nearer = its == slope && p.x < node(best).x;
+            // Of two corners at one place, the one whose angle holds the hole.
+            const bool opens = turn(p.previous, n, hole) >= 0 || turn(n, p.next, hole) >= 0;
+            if ((its < slope || nearer) && opens) slope = its, best = n;
+        }
+        n = p.next;
+    } while (n != outline);
+    return best;
+}
+
+void EarClipping::set_reflex(std::int32_t n) {
+    node(n).reflex = turn(node(n).previous, n, node(n).next) <= 0;
+}
+
+bool EarClipping::is_ear(std::int32_t n, Demand demand) const {
+    const Node &b = node(n), &a = node(b.previous), &c = node(b.next);
+    if (demand == Demand::any) return true;
+    if (a.id == b.id || b.id == c.id || c.id == a.id) return false;
+    const double area = turn(b.previous, n, b.next);
+    const auto square = [](const Node& p, const Node& q) {
+        return (q.x - p.x) * (q.x - p.x) + (q.y - p.y) * (q.y - p.y);
+    };
+    if (demand == Demand::flat ? area < 0 : !(area > 0)) return false;
+    if (demand == Demand::overlapping) return true;
+    if (demand == Demand::thick && area < thin_ear * std::max({square(a, b), square(b, c), square(c, a)})) return false;
+    const double left = std::min({a.x, b.x, c.x}), right = std::max({a.x, b.x, c.x});
+    const double low = std::min({a.y, b.y, c.y}), high = std::max({a.y, b.y, c.y});
+    const auto at = std::ranges::lower_bound(by_x_, left, {}, [&](std::int32_t k) { return node(k).x; });
+    for (auto it = at; it != by_x_.end() && node(*it).x <= right; ++it) {
+        const Node& p = node(*it);
+        if (p.gone || !p.reflex || p.y < low || p.y > high || *it == n || *it == b.previous || *it == b.next) continue;
+        if ((p.x == a.x && p.y == a.y) || (p.x == b.x && p.y == b.y) || (p.x == c.x && p.y == c.y)) continue;
+        if (turn(b.previous, n, *it) >= 0 && turn(n, b.next, *it) >= 0 && turn(b.next, b.previous, *it) >= 0)
+            return false;
+    }
+    return true;
+}
+
+void EarClipping::clip(std::int32_t start) {
+    by_x_.clear();
+    std::int32_t n = start;
+    do {
+        set_reflex(n);
+        by_x_.push_back(n);
+        n = node(n).next;
+    } while (n != start);
+    std::ranges::sort(by_x_, {}, [&](std::int32_t k) { return node(k).x; });
+    std::size_t count = by_x_.size(), tried = 0;
+    for (auto demand = Demand::thick; count >= 3;) {
+        if (count == 3 || is_ear(n, demand)) {
+            const std::int32_t previous = node(n).previous, next = node(n).next;
+            triangles_.push_back({node(previous).id, node(n).id, node(next).id});
+            node(n).gone = true;
+            if (--count < 3) return;
+            node(previous).next = next;
+            node(next).previous = previous;
+            set_reflex(previous);
+            set_reflex(next);
+            n = node(next).next;  // not a fan around one corner
+            demand = Demand::thick;
+            tried = 0;
+            continue;
+        }
+        n = node(n).next;
+        if (++tried < count) continue;
+        check_stop();
+        demand = static_cast<Demand>(static_cast<std::uint8_t>(demand) + 1);
+        tried = 0;
+    }
+}
+
+}  // namespace votess::solid
