@@ -13,7 +13,7 @@
 namespace votess::files {
 
 inline constexpr std::uint64_t largest_glb = std::numeric_limits<std::uint32_t>::max();  // the format counts in 32 bits
-inline constexpr std::uint64_t short_vertices = 65535;  // 65535 itself is not an index
+inline constexpr std::uint64_t short_vertices = 65535;                                   // 65535 itself is not an index
 
 inline std::uint64_t in_words(std::uint64_t bytes) {
     return (bytes + 3) / 4 * 4;
@@ -65,8 +65,8 @@ public:
     [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
     // Returns the members of the head that list the arrays.
     [[nodiscard]] std::string members() const {
-        return "\"accessors\":[" + accessors_ + "],\"bufferViews\":[" + views_ + "],\"buffers\":[{\"byteLength\":" +
-               std::to_string(bytes_) + "}]";
+        return "\"accessors\":[" + accessors_ + "],\"bufferViews\":[" + views_ +
+               "],\"buffers\":[{\"byteLength\":" + std::to_string(bytes_) + "}]";
     }
 
 private:
@@ -75,8 +75,8 @@ private:
     int count_ = 0;
 };
 
-inline constexpr const char* gltf_asset = R"({"asset":{"version":"2.0","generator":"votess )" VOTESS_VERSION_STRING
-                                          "\"}";
+inline constexpr const char* gltf_asset =
+    R"({"asset":{"version":"2.0","generator":"votess )" VOTESS_VERSION_STRING "\"}";
 
 // Begins a file with its head. The arrays must follow. Throws invalid_argument beyond 4 GiB. remedy: what to do then.
 inline void begin_glb(std::string head, std::uint64_t array_bytes, const char* remedy, ByteSink& out) {

@@ -16,8 +16,8 @@ struct Material {
     const char* linear;  // red, green, blue, alpha
     const char* hex;     // of sRGB
 };
-constexpr std::array<Material, 2> materials{{{"inside", "[0.8,0.36,0.16,1]", "#E6A170"},
-                                             {"surface", "[0.52,0.52,0.52,1]", "#BFBFBF"}}};
+constexpr std::array<Material, 2> materials{
+    {{"inside", "[0.8,0.36,0.16,1]", "#E6A170"}, {"surface", "[0.52,0.52,0.52,1]", "#BFBFBF"}}};
 
 // A view of a piece.
 struct Piece {
@@ -162,8 +162,8 @@ void write_pieces_glb(const NamedPieces& given, ByteSink& out) {
         const std::string positions = arrays.add_positions(piece.vertex_count(), lower, upper);
         std::string primitives;
         for (std::size_t m = 0; m < materials.size(); ++m) {
-            const auto triangles = static_cast<std::uint64_t>(
-                std::ranges::count(piece.on_surface, static_cast<std::uint8_t>(m)));
+            const auto triangles =
+                static_cast<std::uint64_t>(std::ranges::count(piece.on_surface, static_cast<std::uint8_t>(m)));
             if (triangles == 0) continue;
             const std::string indices = arrays.add_indices(3 * triangles, piece.vertex_count() <= short_vertices);
             add_to_list(primitives, "{\"attributes\":{\"POSITION\":" + positions + "},\"indices\":" + indices +
@@ -178,9 +178,10 @@ void write_pieces_glb(const NamedPieces& given, ByteSink& out) {
     }
     std::string head = gltf_asset, list;
     for (const Material& material : materials)
-        add_to_list(list, std::string("{\"name\":\"") + material.name +
-                              R"(","pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.9,"baseColorFactor":)" +
-                              material.linear + "}}");
+        add_to_list(list,
+                    std::string("{\"name\":\"") + material.name +
+                        R"(","pbrMetallicRoughness":{"metallicFactor":0,"roughnessFactor":0.9,"baseColorFactor":)" +
+                        material.linear + "}}");
     if (count > 0)
         head += R"(,"scene":0,"scenes":[{"nodes":[)" + roots + "]}],\"nodes\":[" + nodes + "],\"meshes\":[" + meshes +
                 "],\"materials\":[" + list + "]," + arrays.members();

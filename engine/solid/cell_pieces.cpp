@@ -5,7 +5,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "core/text.hpp"
+#include "core/arithmetic.hpp"
 
 namespace votess::solid {
 namespace {
@@ -94,8 +94,8 @@ void CellPieces::add_triangles() {
     const auto& given = cut_->polygon_sides_;
     for (std::size_t p = 0; p < cut_->polygons_.size(); ++p) {
         const CutCell::Polygon& polygon = cut_->polygons_[p];
-        const Id begin = polygon.begin, end = p + 1 < cut_->polygons_.size() ? cut_->polygons_[p + 1].begin
-                                                                             : static_cast<Id>(given.size());
+        const Id begin = polygon.begin,
+                 end = p + 1 < cut_->polygons_.size() ? cut_->polygons_[p + 1].begin : static_cast<Id>(given.size());
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[polygon.triangle];
         polygons_.push_back({triangle.given, -1});
         for (Id i = begin; i < end; ++i) {
@@ -531,7 +531,8 @@ void CellPieces::write(Pieces& out) {
                     new_vertex_[at(v)] = count++;
                     const Id of_mesh = mesh_vertices_[at(v)];
                     for (std::size_t k = 0; k < 3; ++k) {
-                        const double x = of_mesh >= 0 ? mesh_.vertex(of_mesh)[k] : places_[at(v)][k] + apex[k] + seed[k];
+                        const double x =
+                            of_mesh >= 0 ? mesh_.vertex(of_mesh)[k] : places_[at(v)][k] + apex[k] + seed[k];
                         out.vertices.push_back(x * unscale);
                     }
                 }

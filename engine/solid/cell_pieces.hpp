@@ -38,11 +38,11 @@ public:
 private:
     using Id = std::int32_t;
     struct Side {
-        Id polygon;       // -1 until a loop of a face has one
-        Id next;          // around the polygon
-        Id partner = -1;  // glued to it, in the opposite direction
-        Vector3 corner;   // where it begins, relative to the apex
-        Id face = -1;     // of the cell; -1 in a triangle
+        Id polygon;        // -1 until a loop of a face has one
+        Id next;           // around the polygon
+        Id partner = -1;   // glued to it, in the opposite direction
+        Vector3 corner{};  // where it begins, relative to the apex
+        Id face = -1;      // of the cell; -1 in a triangle
         Id vertex = -1;
         Id mesh_vertex = -1;  // at the corner
     };
@@ -127,7 +127,7 @@ private:
     std::vector<std::vector<FlatCorner>> polygon_loops_;
     EarClipping ears_;
     std::vector<Triangle> triangles_;
-    std::vector<Vector3> places_;   // by vertex
+    std::vector<Vector3> places_;    // by vertex
     std::vector<Id> mesh_vertices_;  // by vertex
     std::vector<Surface> surfaces_;
     std::vector<Id> new_vertex_;  // by vertex, in the current piece

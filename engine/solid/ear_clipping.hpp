@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 namespace votess::solid {
@@ -44,8 +45,16 @@ private:
     void set_reflex(std::int32_t n);
     void clip(std::int32_t start);
 
+    // At a corner: counterclockwise from one neighbor to another.
+    struct Angle {
+        std::int32_t from, to;
+    };
+    [[nodiscard]] bool overlap(std::int32_t corner, const Angle& one, const Angle& other) const;
+
+    double unit_ = 1, slack_ = 0;  // of positions; of areas
     std::vector<Node> nodes_;
     std::vector<std::int32_t> by_x_, holes_;
+    std::unordered_set<std::uint64_t> edges_;  // of the loops, the bridges and the ears
     std::vector<std::array<std::int32_t, 3>> triangles_;
 };
 

@@ -22,11 +22,11 @@ struct MeshCells {
     ClosedMesh mesh;  // times scale
     std::shared_ptr<const Domain> domain;
     double scale = 1;
-    std::vector<double> seeds;            // 3N, times scale
-    std::vector<std::int32_t> ids;        // of the rows, in a subset
-    Buffer<std::int64_t> indptr;          // by row
-    Buffer<std::int32_t> indices;         // all neighbors
-    std::vector<int> winding;             // by row: of plain cells; `cut` for others; 0 for none
+    std::vector<double> seeds;      // 3N, times scale
+    std::vector<std::int32_t> ids;  // of the rows, in a subset
+    Buffer<std::int64_t> indptr;    // by row
+    Buffer<std::int32_t> indices;   // all neighbors
+    std::vector<int> winding;       // by row: of plain cells; `cut` for others; 0 for none
 
     [[nodiscard]] std::size_t rows() const { return winding.size(); }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
