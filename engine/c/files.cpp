@@ -16,19 +16,25 @@ namespace files = votess::files;
 
 constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
 static_assert(sizeof(votess_mesh) == first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
+constexpr std::size_t first_pieces_size =
+    offsetof(votess_piece_arrays, centroids) + sizeof(votess_piece_arrays::centroids);
+static_assert(sizeof(votess_piece_arrays) == first_pieces_size && first_pieces_size <= VOTESS_LARGEST_STRUCT);
+constexpr auto max_count = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
 
 template <class Element>
-std::span<const Element> array(const Element* values, std::uint64_t count, const char* name) {
-    const std::string field = std::string("mesh.") + name;
+std::span<const Element> array(const Element* values, std::uint64_t count, const char* name,
+                               const char* owner = "mesh") {
+    const std::string field = std::string(owner) + "." + name;
     if (values == nullptr && count != 0) refuse(field + " is NULL");
     return {values, count};
 }
 
 // count: of rows, which offsets delimit.
-std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t count, const char* name) {
-    const auto result = array(values, count + 1, name);
+std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t count, const char* name,
+                                      const char* owner = "mesh") {
+    const auto result = array(values, count + 1, name, owner);
     if (result[0] != 0 || !std::ranges::is_sorted(result))
-        refuse(std::string("mesh.") + name + " must begin with 0 and ascend");
+        refuse(std::string(owner) + "." + name + " must begin with 0 and ascend");
     return result;
 }
 
@@ -62,9 +68,8 @@ files::Column column(const votess_column& given, std::uint64_t cells) {
 }
 
 files::Mesh checked(const votess_mesh& given) {
-    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-    if (given.cells > most || given.vertex_count > most)
-        refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(most) + " at most");
+    if (given.cells > max_count || given.vertex_count > max_count)
+        refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(max_count) + " at most");
     files::Mesh mesh;
     mesh.indptr = offsets(given.indptr, given.cells, "indptr");
     const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
@@ -83,6 +88,35 @@ files::Mesh checked(const votess_mesh& given) {
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
         mesh.columns.push_back(column(one, given.cells));
     return mesh;
+}
+
+files::Pieces checked(const votess_piece_arrays& given) {
+    if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
+    files::Pieces pieces;
+    pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
+    const auto count = static_cast<std::uint64_t>(pieces.indptr.back());
+    pieces.ids = array(given.ids, given.rows, "ids", "pieces");
+    pieces.vertex_offsets = offsets(given.vertex_offsets, count, "vertex_offsets", "pieces");
+    pieces.vertices =
+        array(given.vertices, 3 * static_cast<std::uint64_t>(pieces.vertex_offsets.back()), "vertices", "pieces");
+    pieces.triangle_offsets = offsets(given.triangle_offsets, count, "triangle_offsets", "pieces");
+    const auto triangles = static_cast<std::uint64_t>(pieces.triangle_offsets.back());
+    pieces.triangles = array(given.triangles, 3 * triangles, "triangles", "pieces");
+    for (std::size_t p = 0; p < count; ++p) {
+        const std::int64_t vertices = pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p];
+        if (vertices == 0) refuse("the piece " + std::to_string(p) + " has no vertices");
+        for (std::int64_t k = 3 * pieces.triangle_offsets[p]; k < 3 * pieces.triangle_offsets[p + 1]; ++k) {
+            const std::int32_t v = pieces.triangles[static_cast<std::size_t>(k)];
+            if (v < 0 || v >= vertices)
+                refuse("pieces.triangles[" + std::to_string(k) + "] is " + std::to_string(v) + ", but the piece has " +
+                       std::to_string(vertices) + " vertices");
+        }
+    }
+    pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
+    if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
+        refuse("pieces.on_surface must hold 0 and 1");
+    pieces.centroids = array(given.centroids, 3 * count, "centroids", "pieces");
+    return pieces;
 }
 
 files::ByteSink sink(votess_write_callback write, void* user) {
@@ -124,24 +158,24 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
     });
 }
 
-votess_status votess_write_pieces(const votess_pieces* pieces, const int64_t* ids, const char* format,
-                                  votess_write_callback write, void* user) {
+votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format, votess_write_callback write,
+                                  void* user) {
     return guarded([&] {
         require(pieces, "pieces");
         require(format, "format");
+        require_struct_size(pieces->struct_size, first_pieces_size, "pieces.struct_size",
+                            "give sizeof(votess_piece_arrays)");
+        const files::Pieces arrays = checked(*pieces);
         files::ByteSink out = sink(write, user);
-        std::vector<std::int64_t> numbers(pieces->seeds.begin(), pieces->seeds.end());
-        if (ids != nullptr) std::copy_n(ids, numbers.size(), numbers.begin());
-        const files::NamedPieces named{pieces->pieces, files::piece_names(pieces->pieces, numbers)};
         const std::string_view name = format;
         if (name == ".glb") {
-            files::write_pieces_glb(named, out);
+            files::write_pieces_glb(arrays, out);
         } else if (name == ".obj") {
-            files::write_pieces_obj(named, out);
+            files::write_pieces_obj(arrays, out);
         } else if (name == ".stl") {
-            files::write_pieces_stl(named, out);
+            files::write_pieces_stl(arrays, out);
         } else if (name == ".3mf") {
-            files::write_pieces_3mf(named, out);
+            files::write_pieces_3mf(arrays, out);
         } else {
             refuse_format(name, ".glb .obj .stl .3mf");
         }

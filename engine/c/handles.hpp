@@ -63,7 +63,6 @@ struct votess_network {
 
 struct votess_pieces {
     votess::Pieces pieces;
-    std::vector<std::int32_t> seeds;  // of the rows
 };
 
 namespace votess::c {

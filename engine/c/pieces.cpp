@@ -1,6 +1,4 @@
 // Pieces of cells in a mesh.
-#include <numeric>
-
 #include "c/handles.hpp"
 
 using namespace votess::c;
@@ -28,13 +26,7 @@ votess_status votess_pieces_new(const votess_result* result, double gap, uint32_
             options.progress = [progress, user](double fraction) {
                 return call_back("progress", [&] { return progress(fraction, user) != 0; });
             };
-        const votess::Tessellation& cells = result->tessellation;
-        std::vector<std::int32_t> seeds(cells.ids().begin(), cells.ids().end());
-        if (!cells.is_subset()) {
-            seeds.resize(cells.size());
-            std::iota(seeds.begin(), seeds.end(), 0);
-        }
-        *out = new votess_pieces{votess::pieces(cells, options), std::move(seeds)};
+        *out = new votess_pieces{votess::pieces(result->tessellation, options)};
     });
 }
 

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
+#include <votess/votess.hpp>
 
 #include "core/vector3.hpp"
 #include "files/gltf.hpp"
@@ -42,9 +44,9 @@ struct Piece {
 Piece piece_of(const Pieces& all, std::size_t p) {
     const auto row = [&](const auto& values, const auto& offsets, std::size_t width) {
         const auto begin = static_cast<std::size_t>(offsets[p]), end = static_cast<std::size_t>(offsets[p + 1]);
-        return std::span(values).subspan(width * begin, width * (end - begin));
+        return values.subspan(width * begin, width * (end - begin));
     };
-    return {row(all.vertices, all.vertex_offsets, 3), std::span(all.centroids).subspan(3 * p, 3),
+    return {row(all.vertices, all.vertex_offsets, 3), all.centroids.subspan(3 * p, 3),
             row(all.triangles, all.triangle_offsets, 3), row(all.on_surface, all.triangle_offsets, 1)};
 }
 
@@ -55,6 +57,20 @@ void put_triple(std::span<const Number> numbers, const std::array<const char*, 3
         out.put(before[k]);
         out.put_number(numbers[k]);
     }
+}
+
+// Returns the ids of the rows, and after a point the number of the piece if a row has several.
+std::vector<std::string> names_of(const Pieces& pieces) {
+    std::vector<std::string> names;
+    names.reserve(pieces.size());
+    for (std::size_t i = 0; i < pieces.ids.size(); ++i) {
+        const std::int64_t count = pieces.indptr[i + 1] - pieces.indptr[i];
+        for (std::int64_t k = 0; k < count; ++k) {
+            std::string& name = names.emplace_back(std::to_string(pieces.ids[i]));
+            if (count > 1) name.append(1, '.').append(std::to_string(k));
+        }
+    }
+    return names;
 }
 
 void put_indices(const Piece& piece, std::size_t material, bool is_short, ByteSink& out) {
@@ -133,24 +149,14 @@ void put_zip(std::span<const std::pair<std::string, std::string>> members, ByteS
 
 }  // namespace
 
-std::vector<std::string> piece_names(const Pieces& pieces, std::span<const std::int64_t> ids) {
-    std::vector<std::string> names;
-    names.reserve(pieces.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-        const std::int64_t count = pieces.indptr[i + 1] - pieces.indptr[i];
-        for (std::int64_t k = 0; k < count; ++k)
-            names.push_back(std::to_string(ids[i]) + (count > 1 ? "." + std::to_string(k) : ""));
-    }
-    return names;
-}
-
 // A node for each piece, at its centroid.
-void write_pieces_glb(const NamedPieces& given, ByteSink& out) {
-    const std::size_t count = given.names.size();
+void write_pieces_glb(const Pieces& pieces, ByteSink& out) {
+    const std::size_t count = pieces.size();
+    const std::vector<std::string> names = names_of(pieces);
     GltfArrays arrays;
     std::string nodes, roots, meshes;
     for (std::size_t p = 0; p < count; ++p) {
-        const Piece piece = piece_of(given.pieces, p);
+        const Piece piece = piece_of(pieces, p);
         std::array<float, 3> lower = piece.from_centroid(0), upper = lower;
         for (std::size_t v = 1; v < piece.vertex_count(); ++v) {
             const auto place = piece.from_centroid(v);
@@ -169,7 +175,7 @@ void write_pieces_glb(const NamedPieces& given, ByteSink& out) {
             add_to_list(primitives, "{\"attributes\":{\"POSITION\":" + positions + "},\"indices\":" + indices +
                                         ",\"material\":" + std::to_string(m) + "}");
         }
-        const std::string number = std::to_string(p), name = ",\"name\":\"" + given.names[p] + "\"";
+        const std::string number = std::to_string(p), name = ",\"name\":\"" + names[p] + "\"";
         add_to_list(meshes, "{\"primitives\":[" + primitives + "]" + name + "}");
         add_to_list(nodes, "{\"mesh\":" + number + name + ",\"translation\":" +
                                text_of(with_y_up<double>(piece.centroid[0], piece.centroid[1], piece.centroid[2])) +
@@ -187,19 +193,20 @@ void write_pieces_glb(const NamedPieces& given, ByteSink& out) {
                 "],\"materials\":[" + list + "]," + arrays.members();
     begin_glb(head + "}", arrays.bytes(), "write fewer pieces", out);
     for (std::size_t p = 0; p < count; ++p) {
-        const Piece piece = piece_of(given.pieces, p);
+        const Piece piece = piece_of(pieces, p);
         for (std::size_t v = 0; v < piece.vertex_count(); ++v) out.put_binary(piece.from_centroid(v));
         for (std::size_t m = 0; m < materials.size(); ++m)
             put_indices(piece, m, piece.vertex_count() <= short_vertices, out);
     }
 }
 
-void write_pieces_obj(const NamedPieces& given, ByteSink& out) {
+void write_pieces_obj(const Pieces& pieces, ByteSink& out) {
     out.put("# Pieces of Voronoi cells by votess\n");
+    const std::vector<std::string> names = names_of(pieces);
     std::int64_t first = 1;
-    for (std::size_t p = 0; p < given.names.size(); ++p) {
-        const Piece piece = piece_of(given.pieces, p);
-        out.put("o " + given.names[p] + "\n");
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const Piece piece = piece_of(pieces, p);
+        out.put("o " + names[p] + "\n");
         for (std::size_t v = 0; v < piece.vertex_count(); ++v) {
             put_triple(piece.vertices.subspan(3 * v, 3), {"v ", " ", " "}, out);
             out.put("\n");
@@ -220,16 +227,15 @@ void write_pieces_obj(const NamedPieces& given, ByteSink& out) {
     }
 }
 
-void write_pieces_stl(const NamedPieces& given, ByteSink& out) {
-    const Pieces& all = given.pieces;
-    const std::uint64_t triangles = all.on_surface.size();
+void write_pieces_stl(const Pieces& pieces, ByteSink& out) {
+    const std::uint64_t triangles = pieces.on_surface.size();
     out.set_total(84 + 50 * triangles);
     std::string head = "Pieces of Voronoi cells by votess";
     head.resize(80, ' ');
     out.put(head);
     out.put_binary(static_cast<std::uint32_t>(triangles));
-    for (std::size_t p = 0; p < given.names.size(); ++p) {
-        const Piece piece = piece_of(all, p);
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const Piece piece = piece_of(pieces, p);
         for (std::size_t t = 0; t < piece.on_surface.size(); ++t) {
             std::array<Vector3, 3> x;
             for (std::size_t i = 0; i < 3; ++i)
@@ -245,7 +251,7 @@ void write_pieces_stl(const NamedPieces& given, ByteSink& out) {
     }
 }
 
-void write_pieces_3mf(const NamedPieces& given, ByteSink& out) {
+void write_pieces_3mf(const Pieces& pieces, ByteSink& out) {
     std::string model;
     ByteSink text([&](std::string_view bytes, std::uint64_t) { model += bytes; });
     text.put(R"(<?xml version="1.0" encoding="UTF-8"?>)"
@@ -255,11 +261,12 @@ void write_pieces_3mf(const NamedPieces& given, ByteSink& out) {
     for (const Material& material : materials)
         text.put(std::string("<base name=\"") + material.name + "\" displaycolor=\"" + material.hex + "\"/>");
     text.put("</basematerials>\n");
+    const std::vector<std::string> names = names_of(pieces);
     std::string build;
-    for (std::size_t p = 0; p < given.names.size(); ++p) {
-        const Piece piece = piece_of(given.pieces, p);
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        const Piece piece = piece_of(pieces, p);
         const std::string id = std::to_string(p + 2);
-        text.put("<object id=\"" + id + R"(" type="model" pid="1" pindex="0" name=")" + given.names[p] +
+        text.put("<object id=\"" + id + R"(" type="model" pid="1" pindex="0" name=")" + names[p] +
                  "\"><mesh><vertices>\n");
         for (std::size_t v = 0; v < piece.vertex_count(); ++v) {
             put_triple(piece.vertices.subspan(3 * v, 3), {"<vertex x=\"", "\" y=\"", "\" z=\""}, text);

@@ -468,13 +468,28 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
 
-// Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
-// cell has several. ids: a number for each row to name cells by; NULL for the indices of seeds. format:
+// P pieces of N cells in a mesh. Arrays are laid out as those of votess_pieces; the caller owns them.
+typedef struct votess_piece_arrays {
+    uint32_t struct_size;             // sizeof(votess_piece_arrays)
+    uint32_t reserved;                // 0
+    uint64_t rows;                    // N
+    const int64_t* indptr;            // N + 1
+    const int64_t* ids;               // N, to name cells by
+    const int64_t* vertex_offsets;    // P + 1
+    const double* vertices;           // 3 * vertex_offsets[P]
+    const int64_t* triangle_offsets;  // P + 1
+    const int32_t* triangles;         // 3 * triangle_offsets[P]
+    const uint8_t* on_surface;        // triangle_offsets[P]
+    const double* centroids;          // 3 * P
+} votess_piece_arrays;
+
+// Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the cell
+// has several. format:
 //   - ".glb": y is up. The origin of each object is at its centroid. Materials: surface, inside
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
-VOTESS_API votess_status votess_write_pieces(const votess_pieces* pieces, const int64_t* ids, const char* format,
+VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);
 
 // Write walls around round bodies, see sphere_walls() in votess.hpp: 4 * faces numbers, as votess_options.walls.

@@ -247,6 +247,22 @@ class Bytes(ctypes.Structure):
 
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
+
+class PieceArrays(ctypes.Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("rows", c_uint64),
+        ("indptr", c_void_p),
+        ("ids", c_void_p),
+        ("vertex_offsets", c_void_p),
+        ("vertices", c_void_p),
+        ("triangle_offsets", c_void_p),
+        ("triangles", c_void_p),
+        ("on_surface", c_void_p),
+        ("centroids", c_void_p),
+    ]
+
 # Handles are void pointers. Arrays are addresses (c_void_p), which NumPy wraps.
 _HANDLE = c_void_p
 _ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
@@ -402,7 +418,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
     "votess_write_mesh": (c_int, (POINTER(Mesh), c_char_p, WriteCallback, c_void_p)),
-    "votess_write_pieces": (c_int, (_HANDLE, c_void_p, c_char_p, WriteCallback, c_void_p)),
+    "votess_write_pieces": (c_int, (POINTER(PieceArrays), c_char_p, WriteCallback, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),

@@ -5,16 +5,19 @@ from __future__ import annotations
 import ctypes
 import operator
 import os
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Iterator, NamedTuple, Optional, Union
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
 
 import numpy as np
 
+from . import _c_api
 from ._call import Callbacks, Handle, Progress, array_of, raise_on_failure, showing
 from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+
+    from ._state import SeedCells
 
     BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
@@ -52,7 +55,7 @@ class Pieces:
     sources: Int32Array  #: (T,) the triangle of the mesh, or the seed beyond the plane
     volumes: Float64Array  #: (P,)
     centroids: Float64Array  #: (P, 3)
-    _handle: Optional[Handle] = field(repr=False, compare=False)
+    ids: Int64Array  #: (N,) the seeds of the cells
 
     def __len__(self) -> int:
         """P, the number of pieces."""
@@ -73,10 +76,6 @@ class Pieces:
 
     def __repr__(self) -> str:
         return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} triangles>"
-
-    def __getstate__(self) -> Dict[str, Any]:
-        """Returns the arrays without the library's object."""
-        return dict(self.__dict__, _handle=None)
 
     @property
     def counts(self) -> Int64Array:
@@ -101,28 +100,38 @@ class Pieces:
 
         ids : (N,) whole numbers to name cells by.
 
-        Raises ValueError for an unknown extension, a wrong number of ids, a file above 4 GiB, and unpickled pieces; OSError
-        when the file cannot be written.
+        Raises ValueError for an unknown extension, a wrong number of ids, and a file above 4 GiB; OSError when the file
+        cannot be written.
         """
         from .export.mesh_file import writing
         from .export.whole_file import whole_file
 
-        name = os.fspath(path)
-        extension = os.path.splitext(name)[1].lower()
+        file = os.fspath(path)
+        extension = os.path.splitext(file)[1].lower()
         if extension not in _FORMATS:
-            raise ValueError(f"cannot write {name!r}: known are {' '.join(_FORMATS)}")
-        if self._handle is None:
-            raise ValueError("a pickle holds no object of the library: save the pieces that t.pieces() returned")
-        numbers = None if ids is None else np.ascontiguousarray(ids, np.int64)
-        if numbers is not None and numbers.shape != (len(self.indptr) - 1,):
-            raise ValueError(f"ids have shape {numbers.shape}: give one for each of the {len(self.indptr) - 1} cells")
-        address = None if numbers is None else numbers.ctypes.data
-        with whole_file(name) as temporary, writing(temporary) as write:
-            status = lib.votess_write_pieces(self._handle.pointer, address, extension.encode(), write, None)
+            raise ValueError(f"cannot write {file!r}: known are {' '.join(_FORMATS)}")
+        numbers = np.asarray(self.ids if ids is None else ids)
+        if numbers.shape != self.ids.shape or numbers.dtype.kind not in "iu":
+            raise ValueError(
+                f"ids have shape {numbers.shape} and type {numbers.dtype}: give a whole number for each of the "
+                f"{len(self.ids)} cells"
+            )
+        names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids")
+        arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
+        arrays["ids"] = np.ascontiguousarray(numbers, np.int64)
+        given = _c_api.PieceArrays(
+            struct_size=ctypes.sizeof(_c_api.PieceArrays),
+            rows=len(self.ids),
+            **{name: array.ctypes.data for name, array in arrays.items()},
+        )
+        with whole_file(file) as temporary, writing(temporary) as write:
+            status = lib.votess_write_pieces(ctypes.byref(given), extension.encode(), write, None)
         raise_on_failure(status)
 
 
-def make_pieces(result: Handle, gap: float, threads: int, progress: Union[None, bool, Progress]) -> Pieces:
+def make_pieces(
+    t: SeedCells, result: Handle, gap: float, threads: int, progress: Union[None, bool, Progress]
+) -> Pieces:
     handle = Handle(lib.votess_pieces_free)
     with showing(progress) as show, Callbacks() as callbacks:
         status = lib.votess_pieces_new(
@@ -143,5 +152,5 @@ def make_pieces(result: Handle, gap: float, threads: int, progress: Union[None, 
         sources=array("sources", np.int32),
         volumes=array("volumes", np.float64),
         centroids=array("centroids", np.float64, 3),
-        _handle=handle,
+        ids=np.arange(len(t)) if t.ids is None else np.asarray(t.ids, np.int64),
     )

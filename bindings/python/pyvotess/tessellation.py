@@ -114,7 +114,7 @@ class Tessellation(SeedCells):
         Without a gap, volumes of the pieces sum to those of the cells. Raises ValueError without ``mesh`` and for a negative
         gap.
         """
-        return make_pieces(self._handle(), gap, threads, progress)
+        return make_pieces(self, self._handle(), gap, threads, progress)
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
