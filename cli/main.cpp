@@ -191,7 +191,7 @@ int run(Arguments& arguments) {
         }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
                                           carried, arguments.coloring, !arguments.quiet, options.threads,
-                                          FramePlace::alone, arguments.has_radii, all_ids});
+                                          FramePlace::alone, arguments.has_radii, all_ids, arguments.gap});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

@@ -483,8 +483,8 @@ typedef struct votess_piece_arrays {
     const double* centroids;          // 3 * P
 } votess_piece_arrays;
 
-// Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the cell
-// has several. format:
+// Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
+// cell has several. format:
 //   - ".glb": y is up. The origin of each object is at its centroid. Materials: surface, inside
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
