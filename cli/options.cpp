@@ -106,11 +106,12 @@ domain that INPUT states; --box must hold it. Into text without polygons,
 .csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into .glb,
 .obj, .stl and .3mf the connected pieces of cells: closed objects, named by
 id, as "17", or "17.0", "17.1" if a cell has several; materials are inside
-and surface)",
+and surface. --image draws pieces)",
          {.needs = Needs::all_cells, .solid = true}},
         {"--gap WIDTH",
-         R"(in .glb, .obj, .stl and .3mf: leave this distance between pieces. The planes
-of each cell move inward by half of it; the surface of the mesh stays)",
+         R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between pieces.
+The planes of each cell move inward by half of it; the surface of the mesh
+stays)",
          {.with = "--mesh"}},
         {"--mesh-repair merge", R"(make vertices of the mesh at equal places one, as for .stl)", {.with = "--mesh"}},
         {"--outside error|drop|keep",

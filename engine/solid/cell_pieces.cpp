@@ -445,10 +445,9 @@ void CellPieces::find_surfaces() {
         for (std::size_t k = 0; k < 3; ++k) surface.moment[k] += volume * (a[k] + b[k] + c[k]) / 4;
         surface.triangles.push_back(static_cast<Id>(t));
     }
-    const bool tied = meets_surface_ && cut_->signs_.met_tie();
     for (Surface& surface : surfaces_) {
         surface.volume = surface.sum.value();
-        surface.dropped = tied && std::abs(surface.volume) <= surface.area * cut_->place_error_;
+        surface.dropped = meets_surface_ && std::abs(surface.volume) <= surface.area * cut_->place_error_;
     }
 }
 

@@ -73,9 +73,9 @@ const CutMeasures& CutCell::measure() {
     out_.volume = sum_volume_.value();
     out_.surface = sum_surface_.value();
     // Without a tie no part is thinner than any number.
-    if (!signs_.met_tie()) place_error_ = 0;
-    out_.volume_error = sum_area_ * place_error_;
-    for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
+    const double thickness = signs_.met_tie() ? place_error_ : 0;
+    out_.volume_error = sum_area_ * thickness;
+    for (CutMeasures::Face& face : out_.faces) face.error *= thickness;
     for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
 }

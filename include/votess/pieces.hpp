@@ -21,11 +21,13 @@ struct PieceOptions {
     ProgressCallback progress = {};  // as Options::progress
 };
 
-// The connected parts of cells in a mesh: P pieces. Each is bounded by closed surfaces, one more for each cavity. Every
-// edge of its triangles occurs once in each direction, and triangles are counterclockwise seen from outside. Triangles
-// without an area are possible. Pieces with an edge or corner in common do not share vertices.
+// The connected parts of cells in a mesh: P pieces. Closed surfaces bound each, one more for each cavity. Triangles are
+// counterclockwise seen from outside. An edge occurs as often in one direction as in the other: once, except where more
+// than two triangles of the mesh meet in an edge, and where ties leave triangles without an area. Pieces that touch in
+// an edge or corner share no vertices.
 //
 // Where a surface intersects itself, pieces overlap. Where its winding number is negative, they are inside out.
+// Surfaces without a volume, except for rounding, are dropped.
 struct Pieces {
     std::vector<std::int64_t> indptr;            // N+1: pieces of row i are indptr[i] to indptr[i + 1] - 1
     std::vector<std::int64_t> vertex_offsets;    // P+1: the first vertex of each piece
