@@ -1,4 +1,4 @@
-// What all .glb files share: the binary form of glTF 2.0 (ISO/IEC 12113).
+// The common part of all .glb files: the binary form of glTF 2.0 (ISO/IEC 12113).
 #pragma once
 
 #include <array>

@@ -13,7 +13,7 @@
 // solids that only touch remain two pieces. Edges of several pairs of triangles are glued the same way, around the
 // edge.
 //
-// Positions decide only what lies inside what: holes in a part of a face, and cavities in a piece.
+// Positions decide only nesting: to which part of a face a hole belongs, and to which piece a cavity.
 #pragma once
 
 #include <array>

@@ -85,8 +85,8 @@ void EarClipping::join(std::int32_t hole, std::int32_t outline) {
     node(after).previous = bridge_again;
 }
 
-// Returns a corner of the outline that the rightmost corner of a hole sees: the end of the edge to its right, or a
-// corner in front of that.
+// Returns a corner of the outline that the rightmost corner of a hole sees. It is the end of the edge to its right, or
+// a corner in front of that.
 std::int32_t EarClipping::find_bridge(std::int32_t hole, std::int32_t outline) const {
     const Node& m = node(hole);
     double hit = std::numeric_limits<double>::infinity();
@@ -123,7 +123,7 @@ std::int32_t EarClipping::find_bridge(std::int32_t hole, std::int32_t outline) c
         if (p.x > m.x && in_front(p)) {
             const double its = std::abs(p.y - m.y) / (p.x - m.x);
             const bool nearer = its == slope && p.x < node(best).x;
-            // Of two corners at one place, the one whose angle holds the hole.
+            // Two corners may be at one place: the angle of the right one holds the hole.
             const bool left_of_first = turn(p.previous, n, hole) >= 0, left_of_second = turn(n, p.next, hole) >= 0;
             const bool opens =
                 turn(p.previous, n, p.next) > 0 ? left_of_first && left_of_second : left_of_first || left_of_second;

@@ -32,7 +32,7 @@ private:
         std::int32_t id, previous, next;
         bool reflex, gone;
     };
-    // What an ear may be, from good ones to any.
+    // Demands on an ear, from strict to none.
     enum class Demand : std::uint8_t { thick, convex, flat, overlapping, any };
 
     [[nodiscard]] const Node& node(std::int32_t n) const { return nodes_[static_cast<std::size_t>(n)]; }

@@ -22,9 +22,9 @@ struct PieceOptions {
 };
 
 // The connected parts of cells in a mesh: P pieces. Closed surfaces bound each, one more for each cavity. Triangles are
-// counterclockwise seen from outside. An edge occurs as often in one direction as in the other: once, except where more
-// than two triangles of the mesh meet in an edge, and where ties leave triangles without an area. Pieces that touch in
-// an edge or corner share no vertices.
+// counterclockwise seen from outside. An edge occurs once in each direction, and more often in two cases: where more
+// than two triangles of the mesh meet in it, and where ties leave triangles without an area. Pieces that touch in an
+// edge or corner share no vertices.
 //
 // Where a surface intersects itself, pieces overlap. Where its winding number is negative, they are inside out.
 // Surfaces without a volume, except for rounding, are dropped.

@@ -41,9 +41,9 @@ class Pieces:
     """The connected parts of cells in a mesh: P pieces. ``pieces[k]`` is one of them.
 
     Those of cell i are ``range(indptr[i], indptr[i + 1])``, the largest first. Closed surfaces bound each piece, one more
-    for each cavity. Each edge occurs as often in one direction as in the other: once, except where more than two triangles
-    of the mesh meet in an edge, and where ties leave triangles without an area. Pieces that touch share no vertices. Where
-    a surface intersects itself, pieces overlap.
+    for each cavity. An edge occurs once in each direction, and more often in two cases: where more than two triangles of
+    the mesh meet in it, and where ties leave triangles without an area. Pieces that touch share no vertices. Where a
+    surface intersects itself, pieces overlap.
     """
 
     indptr: Int64Array  #: (N + 1,) the first piece of each cell
@@ -66,10 +66,13 @@ class Pieces:
         k = number + len(self) if number < 0 else number
         if not 0 <= k < len(self):
             raise IndexError(f"piece {number} of {len(self)} pieces")
-        of_vertices = slice(self.vertex_offsets[k], self.vertex_offsets[k + 1])
-        of_triangles = slice(self.triangle_offsets[k], self.triangle_offsets[k + 1])
-        arrays = (array[of_triangles] for array in (self.triangles, self.on_surface, self.sources))
-        return Piece(self.vertices[of_vertices], *arrays)
+        part = slice(self.triangle_offsets[k], self.triangle_offsets[k + 1])
+        return Piece(
+            self.vertices[self.vertex_offsets[k] : self.vertex_offsets[k + 1]],
+            self.triangles[part],
+            self.on_surface[part],
+            self.sources[part],
+        )
 
     def __iter__(self) -> Iterator[Piece]:
         return (self[k] for k in range(len(self)))
