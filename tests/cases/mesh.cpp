@@ -472,6 +472,11 @@ TEST_SUITE("cases") {
         bad.vertices[10] = std::numeric_limits<double>::quiet_NaN();
         CHECK(message(bad) == "mesh: vertex 3: y = nan is not finite");
         bad = unit;
+        bad.vertices[10] = std::numeric_limits<double>::infinity();
+        CHECK(message(bad) == "mesh: vertex 3: y = inf is not finite");
+        bad.vertices[10] = 1e308;
+        bad.vertices[1] = -1e308;
+        CHECK(test::has(message(bad), "exceeds the largest double"));
         bad.triangles.clear();
         CHECK(test::has(message(bad), "no triangles"));
         bad.triangles = {0, 1, 2, 0, 2, 1};
