@@ -137,10 +137,10 @@ int run(Arguments& arguments) {
     std::vector<std::int64_t> only;
     if (!arguments.only.empty()) options.only = only = read_only(arguments.only, input.size());
     // Faces for a picture add walls to the rows. An output without --list-walls then needs a second run.
-    const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty();
+    const bool once = !arguments.picture || options.list_walls || arguments.outputs.empty() || options.mesh;
     votess::Options for_picture = options;
     if (arguments.picture) {
-        for_picture.want.faces = true;
+        for_picture.want.faces = !options.mesh;
         arguments.coloring.add_needs(for_picture.want);
     }
     votess::VolumeFit fit;
@@ -170,9 +170,9 @@ int run(Arguments& arguments) {
         const auto write_began = Clock::now();
         std::string png;
         if (arguments.picture) {
-            png =
-                draw_picture(*arguments.picture, arguments.coloring, input,
-                             once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began), carried);
+            png = draw_picture(*arguments.picture, arguments.coloring, input,
+                               once ? tessellation : tessellate(input, for_picture, arguments.quiet, run_began),
+                               carried, arguments.gap);
         }
         const InterruptGuard guard;
         std::optional<OutputFile> image;
@@ -191,7 +191,7 @@ int run(Arguments& arguments) {
         }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
                                           carried, arguments.coloring, !arguments.quiet, options.threads,
-                                          FramePlace::alone, arguments.has_radii, all_ids});
+                                          FramePlace::alone, arguments.has_radii, all_ids, arguments.gap});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

@@ -88,13 +88,20 @@ std::optional<PictureArguments> read_picture(const Typed& typed, const std::stri
 }
 
 std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
-                         const votess::Tessellation& tessellation, const std::vector<InputColumn>& carried) {
+                         const votess::Tessellation& tessellation, const std::vector<InputColumn>& carried,
+                         double gap) {
     const std::vector<double> values = coloring.values(input, tessellation, carried);
     votess::PictureOptions options = picture.options;
     options.values = values;
     options.colormap = coloring.colormap;
     options.label = coloring.label();
-    return to_png(votess::render(tessellation, input.points, options));
+    if (!tessellation.in_mesh()) return to_png(votess::render(tessellation, input.points, options));
+    const votess::Pieces pieces = votess::pieces(tessellation, {.gap = gap, .threads = options.threads});
+    std::vector<double> of_pieces;
+    for (std::size_t i = 0; i < tessellation.size(); ++i)
+        of_pieces.resize(static_cast<std::size_t>(pieces.indptr[i + 1]), values[i]);
+    options.values = of_pieces;
+    return to_png(votess::render(pieces, options));
 }
 
 }  // namespace clvotess

@@ -23,9 +23,10 @@ struct PictureArguments {
 [[nodiscard]] std::optional<PictureArguments> read_picture(const Typed& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
 
-// Returns the bytes of the PNG file. The tessellation must hold faces and the arrays of the coloring.
+// Returns the bytes of the PNG file. The tessellation must hold faces, unless it is in a mesh, and the arrays of the
+// coloring. gap: of pieces in a mesh.
 [[nodiscard]] std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
                                        const votess::Tessellation& tessellation,
-                                       const std::vector<InputColumn>& carried);
+                                       const std::vector<InputColumn>& carried, double gap);
 
 }  // namespace clvotess

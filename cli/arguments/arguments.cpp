@@ -174,6 +174,8 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         if (file->empty()) throw bad_input("--mesh is empty: give the file of a triangle mesh");
         arguments.mesh_file = *file;
     }
+    if (const std::string* gap = typed.value("--gap")) arguments.gap = read_numbers<1>("--gap", *gap)[0];
+    if (arguments.gap < 0) throw bad_input("--gap is negative: give a length from 0 on");
     if (const std::string* repair = typed.value("--mesh-repair")) {
         if (*repair != "merge") throw bad_input("--mesh-repair is " + in_quotes(*repair) + ": give merge");
         arguments.mesh.merge = true;
@@ -276,6 +278,12 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     }
     for (const std::string& path : arguments.outputs)
         if (is_mesh_output(path)) need_space("output " + in_quotes(path), arguments);
+    const bool pieces = std::ranges::any_of(arguments.outputs, is_pieces_output);
+    if (typed.has("--gap") && !pieces && !typed.has("--image"))
+        throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl or .3mf");
+    for (const std::string& path : arguments.outputs)
+        if (is_pieces_output(path) && !is_mesh_output(path) && arguments.mesh_file.empty())
+            throw bad_input("output " + in_quotes(path) + " holds pieces of cells in a mesh: add --mesh FILE");
     if ((typed.has("--copy") || typed.has("--density") || arguments.has_zones) && !typed.has("--image") &&
         !arguments.points_alone &&
         std::ranges::none_of(arguments.outputs, [](auto& path) { return carries_columns(path) || is_colored(path); })) {
@@ -363,16 +371,19 @@ void check_endless(const Arguments& arguments) {
 // Parts of cells in a mesh have no polygons, and only a run makes them.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
-    if (arguments.verify || arguments.has_volumes || arguments.picture)
-        throw bad_input("--verify, --volumes and --image do not work in a mesh: leave out " +
-                        std::string(arguments.verify        ? "--verify"
-                                    : arguments.has_volumes ? "--volumes"
-                                                            : "--image"));
+    if (arguments.verify || arguments.has_volumes)
+        throw bad_input("--verify and --volumes do not work in a mesh: leave out " +
+                        std::string(arguments.verify ? "--verify" : "--volumes"));
+    if (arguments.picture && arguments.picture->options.slice)
+        throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
-        if (is_mesh_output(path))
+        if (is_mesh_output(path) && !is_pieces_output(path))
             throw bad_input("output " + in_quotes(path) +
-                            " holds polygons, which parts of cells in a mesh do not have: write text, .csv, .xyz, " +
-                            ".dump, .npz or .h5");
+                            " holds polygons of whole cells: write pieces as .glb, .obj, .stl or .3mf");
+    for (const Option* option : arguments.given)
+        if (const std::string name = long_name(*option);
+            (name == "--color" || name == "--colormap") && !arguments.picture)
+            throw bad_input(name + " does not color pieces, which have the materials inside and surface: leave it out");
 }
 
 // Refuses options that mean nothing without another one.

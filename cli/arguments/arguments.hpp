@@ -28,6 +28,7 @@ struct Arguments {
     bool hull = false;                 // --box hull
     std::string mesh_file;             // --mesh
     Surface mesh;                      // once load_mesh() has read it
+    double gap = 0;                    // --gap
     bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent
     // Meaning of read.columns, in order: weights or radii, volumes, masses for --density, values for --watershed, then

@@ -15,16 +15,17 @@ namespace {
 struct Kind {
     std::string_view extension;
     void (*write)(OutputFile&, const OutputData&);
-    bool mesh;     // holds polygons of faces
-    bool carries;  // holds columns of the input
-    bool frames;   // may hold several frames
+    bool mesh;            // holds polygons of faces
+    bool carries;         // holds columns of the input
+    bool frames;          // may hold several frames
+    bool pieces = false;  // of cells in a mesh
 };
 
 void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 14> kinds{{{".txt", write_text, false, true, true},
+constexpr std::array<Kind, 16> kinds{{{".txt", write_text, false, true, true},
                                       {".vol", write_text, false, true, true},
                                       {".npz", write_npz, false, true, false},
                                       {".h5", write_hdf5, false, true, true},
@@ -36,8 +37,10 @@ constexpr std::array<Kind, 14> kinds{{{".txt", write_text, false, true, true},
                                       {".lammpstrj", write_dump, false, true, true},
                                       {".vtu", write_vtu, true, true, false},
                                       {".ply", write_ply, true, false, false},
-                                      {".obj", write_obj, true, false, false},
-                                      {".glb", write_glb, true, false, false}}};
+                                      {".obj", write_obj, true, false, false, true},
+                                      {".glb", write_glb, true, false, false, true},
+                                      {".stl", write_stl, false, false, false, true},
+                                      {".3mf", write_3mf, false, false, false, true}}};
 
 bool is_table(const Kind& kind) {
     return kind.write == write_csv || kind.write == write_xyz || kind.write == write_dump;
@@ -86,6 +89,11 @@ bool is_mesh_output(const std::string& path) {
     return kind && kind->mesh;
 }
 
+bool is_pieces_output(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->pieces;
+}
+
 bool is_colored(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->write == write_glb;
@@ -125,7 +133,7 @@ void add_output_needs(const std::string& path, bool want_given, votess::Want& wa
         want.neighbors = want.volumes = true;
         want.faces = !in_mesh;
     }
-    if (!kind || !kind->mesh) return;
+    if (!kind || !kind->mesh || in_mesh) return;
     want.faces = true;
     if (kind->write == write_vtu) want.volumes = want.centroids = true;
 }
@@ -155,9 +163,11 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
     for (const std::string& path : paths) {
         const Kind* const kind = kind_of(path);
         if (!kind) {
-            throw bad_input("cannot write " + in_quotes(path) +
-                            ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb, and text on stdout "
-                            "as -");
+            throw bad_input(
+                "cannot write " + in_quotes(path) +
+                ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb, with --mesh .stl and .3mf, "
+                "and text on stdout "
+                "as -");
         }
         if (kind->write == write_hdf5) check_hdf5(path);
     }

@@ -31,6 +31,8 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 [[nodiscard]] bool needs_box(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
 [[nodiscard]] bool is_mesh_output(const std::string& path);  // whether it holds polyhedra
+// Whether it holds the pieces of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing.
+[[nodiscard]] bool is_pieces_output(const std::string& path);
 [[nodiscard]] bool is_colored(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
@@ -56,6 +58,7 @@ struct OutputData {
     FramePlace place = FramePlace::alone;        // among the frames of the output
     bool has_radii = false;                      // --radii is given, also where there are no points
     std::span<const std::int64_t> all_ids = {};  // of all points, where the input has those of a subset; may be empty
+    double gap = 0;                              // between pieces
 };
 
 // An output of several frames.
@@ -107,5 +110,7 @@ void write_vtu(OutputFile& file, const OutputData& data);
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);
+void write_stl(OutputFile& file, const OutputData& data);
+void write_3mf(OutputFile& file, const OutputData& data);
 
 }  // namespace clvotess

@@ -1,4 +1,5 @@
-// .vtu, .ply, .obj and .glb, written by votess_write_mesh().
+// .vtu, .ply, .obj and .glb, written by votess_write_mesh(). In a mesh .obj, .glb, .stl and .3mf of pieces, written by
+// votess_write_pieces().
 #include <votess/votess.h>
 
 #include <array>
@@ -7,6 +8,7 @@
 #include <numeric>
 #include <string>
 #include <vector>
+#include <votess/pieces.hpp>
 
 #include "failure.hpp"
 #include "files/output_file.hpp"
@@ -58,13 +60,50 @@ votess_mesh mesh_of(const votess::Tessellation& cells) {
     return mesh;
 }
 
-void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool reports_size = false) {
+// function: votess_write_mesh or votess_write_pieces.
+template <typename Arrays>
+void write_by(votess_status (*function)(const Arrays*, const char*, votess_write_callback, void*), const Arrays& arrays,
+              OutputFile& file, const char* format, bool reports_size) {
     Target target{file, reports_size, nullptr};
-    const votess_status status = votess_write_mesh(&mesh, format, take, &target);
+    const votess_status status = function(&arrays, format, take, &target);
     if (target.error) std::rethrow_exception(target.error);
     if (status == VOTESS_OK) return;
     throw votess::Error(static_cast<votess::ErrorCode>(status),
                         "cannot write " + file.description() + ": " + votess_last_error());
+}
+
+void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool reports_size = false) {
+    write_by(votess_write_mesh, mesh, file, format, reports_size);
+}
+
+// Returns the ids of the rows, or their numbers.
+std::vector<std::int64_t> ids_of(const OutputData& data) {
+    std::vector<std::int64_t> ids = data.input.ids;
+    if (!ids.empty()) return ids;
+    ids.resize(data.tessellation.size());
+    std::iota(ids.begin(), ids.end(), std::int64_t{0});
+    return ids;
+}
+
+void write_pieces(OutputFile& file, const OutputData& data, const char* format) {
+    votess::PieceOptions options;
+    options.gap = data.gap;
+    options.threads = data.threads;
+    const votess::Pieces pieces = votess::pieces(data.tessellation, options);
+    const std::vector<std::int64_t> ids = ids_of(data);
+    votess_piece_arrays arrays{};
+    arrays.struct_size = sizeof arrays;
+    arrays.rows = ids.size();
+    arrays.indptr = pieces.indptr.data();
+    arrays.ids = ids.data();
+    arrays.vertex_offsets = pieces.vertex_offsets.data();
+    arrays.vertices = pieces.vertices.data();
+    arrays.triangle_offsets = pieces.triangle_offsets.data();
+    arrays.triangles = pieces.triangles.data();
+    arrays.on_surface = pieces.on_surface.data();
+    arrays.centroids = pieces.centroids.data();
+    const bool is_glb = std::string_view(format) == ".glb";
+    write_by(votess_write_pieces, arrays, file, format, is_glb && data.reports_size);
 }
 
 template <typename Number>
@@ -81,11 +120,7 @@ bool is_vtu_array(std::string_view name) {
 
 void write_vtu(OutputFile& file, const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
-    std::vector<std::int64_t> ids = data.input.ids;
-    if (ids.empty()) {
-        ids.resize(cells.size());
-        std::iota(ids.begin(), ids.end(), std::int64_t{0});
-    }
+    const std::vector<std::int64_t> ids = ids_of(data);
     std::vector<std::int32_t> neighbors;
     for (std::size_t i = 0; i < cells.size(); ++i)
         neighbors.push_back(static_cast<std::int32_t>(
@@ -107,10 +142,20 @@ void write_ply(OutputFile& file, const OutputData& data) {
 }
 
 void write_obj(OutputFile& file, const OutputData& data) {
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".obj");
     write(file, mesh_of(data.tessellation), ".obj");
 }
 
+void write_stl(OutputFile& file, const OutputData& data) {
+    write_pieces(file, data, ".stl");
+}
+
+void write_3mf(OutputFile& file, const OutputData& data) {
+    write_pieces(file, data, ".3mf");
+}
+
 void write_glb(OutputFile& file, const OutputData& data) {
+    if (data.tessellation.in_mesh()) return write_pieces(file, data, ".glb");
     votess::PictureOptions options;
     options.colormap = data.coloring.colormap;
     const std::vector<double> values = data.coloring.values(data.input, data.tessellation, data.carried);

@@ -1,4 +1,4 @@
-// votess_write_mesh(): its arrays are checked here and become a files::Mesh.
+// votess_write_mesh(): its arrays are checked here and become a files::Mesh. votess_write_pieces().
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -6,6 +6,7 @@
 
 #include "c/handles.hpp"
 #include "files/mesh.hpp"
+#include "files/pieces.hpp"
 
 using namespace votess::c;
 
@@ -15,19 +16,25 @@ namespace files = votess::files;
 
 constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
 static_assert(sizeof(votess_mesh) == first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
+constexpr std::size_t first_pieces_size =
+    offsetof(votess_piece_arrays, centroids) + sizeof(votess_piece_arrays::centroids);
+static_assert(sizeof(votess_piece_arrays) == first_pieces_size && first_pieces_size <= VOTESS_LARGEST_STRUCT);
+constexpr auto max_count = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
 
 template <class Element>
-std::span<const Element> array(const Element* values, std::uint64_t count, const char* name) {
-    const std::string field = std::string("mesh.") + name;
+std::span<const Element> array(const Element* values, std::uint64_t count, const char* name,
+                               const char* owner = "mesh") {
+    const std::string field = std::string(owner) + "." + name;
     if (values == nullptr && count != 0) refuse(field + " is NULL");
     return {values, count};
 }
 
 // count: of rows, which offsets delimit.
-std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t count, const char* name) {
-    const auto result = array(values, count + 1, name);
+std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t count, const char* name,
+                                      const char* owner = "mesh") {
+    const auto result = array(values, count + 1, name, owner);
     if (result[0] != 0 || !std::ranges::is_sorted(result))
-        refuse(std::string("mesh.") + name + " must begin with 0 and ascend");
+        refuse(std::string(owner) + "." + name + " must begin with 0 and ascend");
     return result;
 }
 
@@ -61,9 +68,8 @@ files::Column column(const votess_column& given, std::uint64_t cells) {
 }
 
 files::Mesh checked(const votess_mesh& given) {
-    constexpr auto most = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-    if (given.cells > most || given.vertex_count > most)
-        refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(most) + " at most");
+    if (given.cells > max_count || given.vertex_count > max_count)
+        refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(max_count) + " at most");
     files::Mesh mesh;
     mesh.indptr = offsets(given.indptr, given.cells, "indptr");
     const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
@@ -84,20 +90,57 @@ files::Mesh checked(const votess_mesh& given) {
     return mesh;
 }
 
+files::Pieces checked(const votess_piece_arrays& given) {
+    if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
+    files::Pieces pieces;
+    pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
+    const auto count = static_cast<std::uint64_t>(pieces.indptr.back());
+    pieces.ids = array(given.ids, given.rows, "ids", "pieces");
+    pieces.vertex_offsets = offsets(given.vertex_offsets, count, "vertex_offsets", "pieces");
+    pieces.vertices =
+        array(given.vertices, 3 * static_cast<std::uint64_t>(pieces.vertex_offsets.back()), "vertices", "pieces");
+    pieces.triangle_offsets = offsets(given.triangle_offsets, count, "triangle_offsets", "pieces");
+    const auto triangles = static_cast<std::uint64_t>(pieces.triangle_offsets.back());
+    pieces.triangles = array(given.triangles, 3 * triangles, "triangles", "pieces");
+    for (std::size_t p = 0; p < count; ++p) {
+        const std::int64_t vertices = pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p];
+        if (vertices == 0) refuse("the piece " + std::to_string(p) + " has no vertices");
+        for (std::int64_t k = 3 * pieces.triangle_offsets[p]; k < 3 * pieces.triangle_offsets[p + 1]; ++k) {
+            const std::int32_t v = pieces.triangles[static_cast<std::size_t>(k)];
+            if (v < 0 || v >= vertices)
+                refuse("pieces.triangles[" + std::to_string(k) + "] is " + std::to_string(v) + ", but the piece has " +
+                       std::to_string(vertices) + " vertices");
+        }
+    }
+    pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
+    if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
+        refuse("pieces.on_surface must hold 0 and 1");
+    pieces.centroids = array(given.centroids, 3 * count, "centroids", "pieces");
+    return pieces;
+}
+
+files::ByteSink sink(votess_write_callback write, void* user) {
+    if (write == nullptr) refuse("write is NULL");
+    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total) {
+        const votess_bytes piece{bytes.data(), bytes.size(), total};
+        if (call_back("write", [&] { return write(&piece, user); }) == 0)
+            throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
+    });
+}
+
+[[noreturn]] void refuse_format(std::string_view name, const char* known) {
+    refuse("the format is '" + std::string(name) + "': known are " + known);
+}
+
 }  // namespace
 
 votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
     return guarded([&] {
         require(mesh, "mesh");
         require(format, "format");
-        if (write == nullptr) refuse("write is NULL");
         require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
         const files::Mesh arrays = checked(*mesh);
-        files::ByteSink out([&](std::string_view bytes, std::uint64_t total) {
-            const votess_bytes piece{bytes.data(), bytes.size(), total};
-            if (call_back("write", [&] { return write(&piece, user); }) == 0)
-                throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
-        });
+        files::ByteSink out = sink(write, user);
         const std::string_view name = format;
         if (name == ".vtu") {
             files::write_vtu(arrays, out);
@@ -109,7 +152,32 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
             if (arrays.colors.empty() && mesh->cells != 0) refuse("mesh.colors is NULL, but .glb needs colors");
             files::write_glb(arrays, out);
         } else {
-            refuse("the format is '" + std::string(name) + "': known are .vtu .ply .obj .glb");
+            refuse_format(name, ".vtu .ply .obj .glb");
+        }
+        out.flush();
+    });
+}
+
+votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format, votess_write_callback write,
+                                  void* user) {
+    return guarded([&] {
+        require(pieces, "pieces");
+        require(format, "format");
+        require_struct_size(pieces->struct_size, first_pieces_size, "pieces.struct_size",
+                            "give sizeof(votess_piece_arrays)");
+        const files::Pieces arrays = checked(*pieces);
+        files::ByteSink out = sink(write, user);
+        const std::string_view name = format;
+        if (name == ".glb") {
+            files::write_pieces_glb(arrays, out);
+        } else if (name == ".obj") {
+            files::write_pieces_obj(arrays, out);
+        } else if (name == ".stl") {
+            files::write_pieces_stl(arrays, out);
+        } else if (name == ".3mf") {
+            files::write_pieces_3mf(arrays, out);
+        } else {
+            refuse_format(name, ".glb .obj .stl .3mf");
         }
         out.flush();
     });

@@ -15,6 +15,7 @@
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/network.hpp>
+#include <votess/pieces.hpp>
 #include <votess/votess.hpp>
 #include <votess/zones.hpp>
 
@@ -58,6 +59,10 @@ struct votess_zones {
 
 struct votess_network {
     votess::Network network;
+};
+
+struct votess_pieces {
+    votess::Pieces pieces;
 };
 
 namespace votess::c {

@@ -101,6 +101,7 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();
     result_.is_subset = job.only != nullptr;
+    result_.mesh_cells.reset();
     result_.ids = job.only ? job.only->ids() : std::vector<std::int32_t>();
     result_.least_face = 0;
     result_.dropped_offsets.resize_uninitialized(0);

@@ -18,6 +18,7 @@ struct Mesh {
     std::span<const std::int64_t> face_offsets;
     std::span<const std::int32_t> face_vertices;
     std::span<const double> vertices;
+    std::span<const char> lines{};  // for each of face_vertices: 1 if the side from it is a line; empty: all are
 
     [[nodiscard]] std::size_t cells() const { return indptr.empty() ? 0 : indptr.size() - 1; }
     [[nodiscard]] std::size_t first_face(std::size_t cell) const { return static_cast<std::size_t>(indptr[cell]); }
@@ -25,6 +26,9 @@ struct Mesh {
     [[nodiscard]] std::span<const std::int32_t> polygon(std::size_t face) const {
         const auto begin = static_cast<std::size_t>(face_offsets[face]);
         return face_vertices.subspan(begin, static_cast<std::size_t>(face_offsets[face + 1]) - begin);
+    }
+    [[nodiscard]] bool is_line(std::size_t face, std::size_t side) const {
+        return lines.empty() || lines[static_cast<std::size_t>(face_offsets[face]) + side] != 0;
     }
     [[nodiscard]] Vec3 vertex(std::int32_t v) const {
         const double* p = &vertices[3 * static_cast<std::size_t>(v)];

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/arithmetic.hpp"
 #include "core/text.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
@@ -38,11 +39,32 @@ void check_slice(const Slice& slice, const Box& box) {
     }
 }
 
+void check_values(const PictureOptions& options, std::size_t count, const char* of) {
+    if (!options.values.empty() && options.values.size() != count)
+        refuse("picture: " + std::to_string(options.values.size()) + " values for " + std::to_string(count) + " " + of);
+}
+
+// Checks what does not depend on the cells.
+void check_look(const PictureOptions& options) {
+    check_size("width", options.width);
+    check_size("height", options.height);
+    check_colors(options);
+    if (!std::isfinite(options.azimuth) || !(std::abs(options.elevation) <= 89)) {
+        refuse("picture: view " + number(options.azimuth) + ", " + number(options.elevation) +
+               ": the elevation is at most 89 degrees either way");
+    }
+    if (options.cut_at) {
+        for (const double x : *options.cut_at)
+            if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
+    }
+    Options run;  // the option that both share
+    run.threads = options.threads;
+    check_options(run);
+}
+
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
     require_whole_diagram(t, "picture");
     const std::size_t n = t.size();
-    check_size("width", options.width);
-    check_size("height", options.height);
     if (points.size() != 3 * n) {
         refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
     }
@@ -53,22 +75,9 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     if (options.values.empty() && t.volumes().size() != n) {
         refuse("picture: no values to color by: give some, or ask the tessellation for volumes");
     }
-    if (!options.values.empty() && options.values.size() != n) {
-        refuse("picture: " + std::to_string(options.values.size()) + " values for " + std::to_string(n) + " cells");
-    }
-    check_colors(options);
-    if (!std::isfinite(options.azimuth) || !(std::abs(options.elevation) <= 89)) {
-        refuse("picture: view " + number(options.azimuth) + ", " + number(options.elevation) +
-               ": the elevation is at most 89 degrees either way");
-    }
-    if (options.cut_at) {
-        for (const double x : *options.cut_at)
-            if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
-    }
+    check_values(options, n, "cells");
+    check_look(options);
     if (options.slice) check_slice(*options.slice, t.box());
-    Options run;  // the option that both share
-    run.threads = options.threads;
-    check_options(run);
 }
 
 // The domain's corners, bit k of the index telling the end along edge k; none for a polyhedron.
@@ -106,6 +115,59 @@ std::vector<Vec3> domain_periods(const Tessellation& t) {
     return periods;
 }
 
+// Pieces as the picture sees them. Their triangles are faces.
+struct PieceMesh {
+    explicit PieceMesh(const Pieces& pieces) {
+        const std::size_t triangles = pieces.sources.size();
+        ids.assign(triangles, -1);
+        for (std::size_t t = 0; t <= triangles; ++t) offsets.push_back(static_cast<std::int64_t>(3 * t));
+        vertices = pieces.triangles;
+        lines.assign(3 * triangles, 0);
+        for (std::size_t p = 0; p < pieces.size(); ++p) add(pieces, p);
+        mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices, lines};
+        domain.box = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+        for (std::size_t i = 0; i < pieces.vertices.size(); ++i) {
+            double &lower = domain.box.lower[i % 3], &upper = domain.box.upper[i % 3];
+            lower = std::min(lower, pieces.vertices[i]);
+            upper = std::max(upper, pieces.vertices[i]);
+        }
+        domain.of_pieces = true;
+    }
+    PieceMesh(const PieceMesh&) = delete;
+    PieceMesh& operator=(const PieceMesh&) = delete;
+
+    std::vector<std::int32_t> ids, vertices;
+    std::vector<std::int64_t> offsets;
+    std::vector<char> lines;
+    Mesh mesh;
+    DomainShape domain;
+
+private:
+    // Draws a line where a plane meets another one or the surface.
+    void add(const Pieces& pieces, std::size_t p) {
+        struct Side {
+            std::pair<std::int32_t, std::int32_t> ends;
+            std::int32_t plane;  // -1: the surface
+            std::size_t at;
+        };
+        std::vector<Side> sides;
+        const auto begin = static_cast<std::size_t>(pieces.triangle_offsets[p]),
+                   end = static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
+        for (std::size_t at = 3 * begin; at < 3 * end; ++at) {
+            const std::int32_t from = pieces.triangles[at], to = pieces.triangles[at % 3 == 2 ? at - 2 : at + 1];
+            sides.push_back({std::minmax(from, to), pieces.on_surface[at / 3] != 0 ? -1 : pieces.sources[at / 3], at});
+            vertices[at] += static_cast<std::int32_t>(pieces.vertex_offsets[p]);
+        }
+        std::ranges::sort(sides, {}, &Side::ends);
+        for (std::size_t i = 0, j = 0; i < sides.size(); i = j) {
+            bool differ = false;
+            for (j = i; j < sides.size() && sides[j].ends == sides[i].ends; ++j)
+                differ |= sides[j].plane != sides[i].plane;
+            for (std::size_t k = i; k < j && differ; ++k) lines[sides[k].at] = 1;
+        }
+    }
+};
+
 }  // namespace
 
 Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const double> points,
@@ -135,7 +197,8 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
         area = build_slice({mesh, shown, points, colors, options, domain.periods, area}, sizes, pool, scene);
     } else {
         const auto corners = options.frame && !shown.walls_hidden ? std::span(domain.corners) : std::span<const Vec3>();
-        build_solid({mesh, shown, points, colors, options, area, domain.corners.empty() || !domain.periods.empty()},
+        build_solid({mesh, shown, points, colors, options, area, domain.corners.empty() || !domain.periods.empty(),
+                     domain.of_pieces},
                     corners, pool, scene);
         area.top = 0.14 * scene.height;
         area.bottom = 0.86 * scene.height;
@@ -160,6 +223,22 @@ Picture render(const Tessellation& tessellation, std::span<const double> given, 
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
     ThreadPool pool(options.threads);
     const picture::Scene scene = picture::build_scene(mesh, domain, points, values, options, pool);
+    return {scene.width, scene.height, picture::draw(scene, pool)};
+}
+
+Picture render(const Pieces& pieces, const PictureOptions& options) {
+    picture::check_look(options);
+    picture::check_values(options, pieces.size(), "pieces");
+    if (pieces.size() == 0) throw Error(ErrorCode::invalid_argument, "picture: there are no pieces to draw");
+    if (options.slice) throw Error(ErrorCode::invalid_argument, "picture: pieces have no slice: leave it out");
+    PictureOptions of_pieces = options;
+    of_pieces.wall_cells = WallCells::show;
+    of_pieces.frame = false;
+    const picture::PieceMesh shape(pieces);
+    ThreadPool pool(options.threads);
+    const picture::Scene scene =
+        picture::build_scene(shape.mesh, shape.domain, pieces.centroids,
+                             options.values.empty() ? std::span(pieces.volumes) : options.values, of_pieces, pool);
     return {scene.width, scene.height, picture::draw(scene, pool)};
 }
 

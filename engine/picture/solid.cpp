@@ -107,15 +107,17 @@ public:
         for (std::size_t f = mesh.first_face(cell); f < mesh.end_face(cell); ++f) {
             // Behind a face between two cells there is nothing to see.
             if (mesh.joins(f) && kept_[static_cast<std::size_t>(mesh.indices[f])]) continue;
-            add_face(mesh.polygon(f), job_.colors[cell], out);
+            add_face(f, job_.colors[cell], out);
         }
         for (std::size_t k = 0; k < space_.planes.size(); ++k) add_cap(cell, k, out);
     }
 
 private:
-    void add_face(std::span<const std::int32_t> loop, Color color, std::vector<FillVertex>& out) {
+    void add_face(std::size_t face, Color color, std::vector<FillVertex>& out) {
         rest_.clear();
-        for (const std::int32_t v : loop) rest_.add(frame_(job_.mesh.vertex(v)), true);
+        const auto loop = job_.mesh.polygon(face);
+        for (std::size_t i = 0; i < loop.size(); ++i)
+            rest_.add(frame_(job_.mesh.vertex(loop[i])), job_.mesh.is_line(face, i));
         Vec3 normal{};
         for (std::size_t i = 2; i < loop.size(); ++i) {
             normal = normal + cross(rest_.corners[i - 1] - rest_.corners[0], rest_.corners[i] - rest_.corners[0]);
@@ -266,7 +268,7 @@ void build_solid(const SolidJob& job, std::span<const Vec3> corners, ThreadPool&
     const CutSpace opening = cut_space(job.options, view, job.shown.bounds);
     CutSpace space = opening;
     std::vector<char> kept = job.shown.cells;
-    if (job.options.cut == Cut::cells) {
+    if (job.options.cut == Cut::cells || job.whole_cells) {
         for (std::size_t i = 0; i < kept.size(); ++i) {
             if (space.holds({job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]})) kept[i] = 0;
         }

@@ -21,6 +21,7 @@ struct SolidJob {
     const PictureOptions& options;
     Area area;         // to fill
     bool own_outline;  // cells reach beyond the bounds, or do not fill them
+    bool whole_cells;  // all cuts remove whole cells
 };
 
 // Adds the view, the triangles and the domain's edges. `corners` holds the domain's eight corners, bit a of the index
@@ -35,6 +36,7 @@ struct DomainShape {
     Box box;                    // its bounds
     std::vector<Vec3> corners;  // as in build_solid
     std::vector<Vec3> periods;  // vectors by which the cells repeat
+    bool of_pieces = false;     // the bounds of pieces, which cuts remove as a whole
 };
 
 // All of a picture but the drawing. values: what the cells are colored by.

@@ -2,9 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "core/buffer.hpp"
 #include "votess/votess.hpp"
+
+namespace votess::solid {
+struct MeshCells;
+}
 
 namespace votess::detail {
 
@@ -18,8 +23,8 @@ struct Result {
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     bool is_subset = false;
-    bool in_mesh = false;
-    std::vector<std::int32_t> ids;  // of the rows, in a subset
+    std::shared_ptr<const solid::MeshCells> mesh_cells;  // of a run in a mesh: what pieces() reads
+    std::vector<std::int32_t> ids;                       // of the rows, in a subset
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;

@@ -132,7 +132,7 @@ bool Tessellation::lists_walls() const noexcept {
     return result_->lists_walls;
 }
 bool Tessellation::in_mesh() const noexcept {
-    return result_->in_mesh;
+    return result_->mesh_cells != nullptr;
 }
 bool Tessellation::is_subset() const noexcept {
     return result_->is_subset;

@@ -179,11 +179,11 @@ void ClosedMesh::scale_by(double scale) {
     triangles_.clear();
     for (const auto& t : given_) {
         const exact::Point &u = vertex(t[0]), &v = vertex(t[1]), &w = vertex(t[2]);
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
         const int upward = cross_sign(u, v, w, 2);
-        if (upward == 0 && cross_sign(u, v, w, 0) == 0 && cross_sign(u, v, w, 1) == 0) continue;
         const Vector3 a = minus(v, u), b = minus(w, u), n = cross(a, b);
         const double length = length3(n[0], n[1], n[2]);
-        Triangle triangle{t, static_cast<std::int8_t>(upward), {}, 0};
+        Triangle triangle{t, static_cast<std::int32_t>(&t - given_.data()), static_cast<std::int8_t>(upward), {}, 0};
         if (length > thin * length3(a[0], a[1], a[2]) * length3(b[0], b[1], b[2])) {
             for (std::size_t k = 0; k < 3; ++k) triangle.normal[k] = n[k] / length;
             triangle.offset = dot(triangle.normal, u);

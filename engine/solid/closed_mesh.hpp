@@ -25,12 +25,13 @@ public:
 
     struct Triangle {
         std::array<std::int32_t, 3> vertex;
+        std::int32_t given;  // its index as given
         std::int8_t upward;  // sign of the z component of the normal
         // normal.x = offset on its plane, to rounding; 0 if the triangle is too thin for that.
         Vector3 normal;
         double offset;
     };
-    // Those of positive area.
+    // Those of three vertices, in the order of the tree. Their edges pair up as those of all triangles do.
     [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
     // Visits triangles whose boxes meet `box`, until visit(t) returns false.

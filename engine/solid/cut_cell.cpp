@@ -43,9 +43,10 @@ void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight) {
     signs_.begin(seed);
 }
 
-void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight) {
+void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight, double inward) {
     exact::Plane bisector = exact::Plane::bisector(neighbor);
     bisector.power = exact::two_sum(weight_, -weight);
+    if (inward != 0) bisector.power = {bisector.power.high - inward, 0};
     cell_.clip(id, bisector);
 }
 
@@ -57,18 +58,13 @@ const CutMeasures& CutCell::measure() {
     sum_volume_ = sum_surface_ = {};
     sum_moment_ = {};
     sum_area_ = 0;
-    cell_.canonical_faces(faces_);
-    read_faces();
+    find_faces();
     find_candidates();
-    crossings_.clear();
-    segments_.clear();
-    on_faces_.clear();
-    outlines_.clear();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
         const bool meets = clip(triangle);
-        if (meets) add_polygon(triangle);
-        if (face_of_triangle_ >= 0) add_on_face();
+        if (meets) add_polygon(t);
+        if (face_of_triangle_ >= 0) add_on_face(triangle.given);
         if (meets || face_of_triangle_ >= 0) out_.meets_surface = true;
     }
     find_windings();
@@ -77,11 +73,23 @@ const CutMeasures& CutCell::measure() {
     out_.volume = sum_volume_.value();
     out_.surface = sum_surface_.value();
     // Without a tie no part is thinner than any number.
-    if (!signs_.met_tie()) place_error_ = 0;
-    out_.volume_error = sum_area_ * place_error_;
-    for (CutMeasures::Face& face : out_.faces) face.error *= place_error_;
+    const double thickness = signs_.met_tie() ? place_error_ : 0;
+    out_.volume_error = sum_area_ * thickness;
+    for (CutMeasures::Face& face : out_.faces) face.error *= thickness;
     for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
+}
+
+void CutCell::find_faces() {
+    out_.faces.clear();
+    cell_.canonical_faces(faces_);
+    read_faces();
+    crossings_.clear();
+    segments_.clear();
+    polygons_.clear();
+    polygon_sides_.clear();
+    on_faces_.clear();
+    outlines_.clear();
 }
 
 // Makes the edges, and their planes' bisectors.
@@ -317,12 +325,18 @@ Vector3 CutCell::position(const Corner& corner, const ClosedMesh::Triangle& tria
     return between(x, y, place);
 }
 
-void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
+void CutCell::add_polygon(std::uint32_t t) {
     const std::size_t size = sides_.size();
     std::vector<Vector3>& corners = corners_;
     corners.clear();
-    for (std::size_t i = 0; i < size; ++i)
-        corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, triangle));
+    polygons_.push_back({t, static_cast<std::int32_t>(polygon_sides_.size())});
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t before = crossings_.size();
+        corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, mesh_.triangles()[t]));
+        const bool crosses = crossings_.size() > before;
+        if (crosses) crossings_[before].polygon = static_cast<std::int32_t>(polygons_.size()) - 1;
+        polygon_sides_.push_back({sides_[i], crosses ? static_cast<std::int32_t>(before) : -1, corners[i]});
+    }
     Vector3 doubled{};
     for (std::size_t i = 2; i < size; ++i) {
         doubled = plus(doubled, cross(minus(corners[i - 1], corners[0]), minus(corners[i], corners[0])));
@@ -337,9 +351,9 @@ void CutCell::add_polygon(const ClosedMesh::Triangle& triangle) {
         if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
 }
 
-void CutCell::add_on_face() {
+void CutCell::add_on_face(std::int32_t given) {
     const std::size_t f = index(face_of_triangle_);
-    OnFace on{face_of_triangle_, {}, values_[f][0].sign < 0, false};
+    OnFace on{face_of_triangle_, given, {}, values_[f][0].sign < 0, false};
     for (std::size_t i = 0; i < 3; ++i) {
         on.corners[i] = minus(places_[i].relative, apex_);
         for (const double x : places_[i].relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));

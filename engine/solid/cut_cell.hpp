@@ -48,10 +48,17 @@ public:
 
     // Begins the cell of a seed; add() all its neighbors, then call measure().
     void begin(const exact::Point& seed, std::int32_t id, double weight);
-    void add(std::int32_t id, const exact::Point& neighbor, double weight);
+    // inward: twice the distance by which the plane moves inward, times the distance of the neighbor.
+    void add(std::int32_t id, const exact::Point& neighbor, double weight, double inward = 0);
+    // Whether the planes leave nothing.
+    [[nodiscard]] bool empty() const { return cell_.empty(); }
     const CutMeasures& measure();
+    // Finds the faces without a measure, for a cell that no triangle passes through.
+    void find_faces();
 
 private:
+    friend class CellPieces;
+
     struct Edge {
         std::int32_t from, to;     // slots of vertices
         std::int32_t left, right;  // faces: counterclockwise around the left one
@@ -66,6 +73,7 @@ private:
         double at;  // from 0 to 1 along the edge
         int jump;   // of the winding number
         std::int32_t next;
+        std::int32_t polygon = -1;
     };
     // Edges of a polygon: -1 to -3 are those of the triangle, the others faces.
     using Side = std::int32_t;
@@ -80,6 +88,7 @@ private:
     // A triangle in the plane of a face. Ties put it into this cell or into the neighbor.
     struct OnFace {
         std::int32_t face;
+        std::int32_t given;  // the triangle's index
         std::array<Vector3, 3> corners;
         bool in_cell, faces_out;
     };
@@ -94,10 +103,10 @@ private:
     [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
     [[nodiscard]] int side(const Corner& corner, std::size_t face);
     [[nodiscard]] Vector3 position(const Corner& corner, const ClosedMesh::Triangle& triangle);
-    void add_polygon(const ClosedMesh::Triangle& triangle);
+    void add_polygon(std::uint32_t t);
     void find_windings();
     [[nodiscard]] int winding_at(std::int32_t slot);
-    void add_on_face();
+    void add_on_face(std::int32_t given);
     void add_faces();
     void share_face(std::int32_t face);
     void add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight);
@@ -125,6 +134,18 @@ private:
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;
+    // The parts of triangles in the cell, one after the other. Side i leads from corner i.
+    struct Polygon {
+        std::uint32_t triangle;  // of mesh_
+        std::int32_t begin;
+    };
+    struct PolygonSide {
+        Side side;
+        std::int32_t crossing;  // at the corner; -1 off the edges of the cell
+        Vector3 corner;
+    };
+    std::vector<Polygon> polygons_;
+    std::vector<PolygonSide> polygon_sides_;
     std::vector<Vector3> corners_;  // of a polygon
     std::vector<OnFace> on_faces_;
     std::vector<std::uint8_t> has_triangles_;  // by face

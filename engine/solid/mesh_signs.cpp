@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "exact/integer/rows.hpp"
+#include "core/vector3.hpp"
 
 namespace votess::solid {
 namespace {
 
 constexpr double unit = 0x1p-53;
+constexpr int narrow_bits = 55;  // a determinant of three values then fits six words
 
 using exact::WideInt;
 
@@ -105,23 +106,39 @@ int MeshSigns::upright_determinant(const std::array<std::size_t, 3>& k, const Pl
     return sign != 0 ? sign : exact_sign(3, k, {&u.x, &v.x, nullptr}, true);
 }
 
+exact::BitRange MeshSigns::range_of(std::span<const std::size_t> rows) const {
+    exact::BitRange range;
+    range.add(seed_);
+    for (const std::size_t k : rows) {
+        exact::Plane plane = exact::Plane::bisector(bisectors_[k].q);
+        plane.power = bisectors_[k].power;
+        range.add(plane);
+    }
+    return range;
+}
+
 // Returns 2 for one value that is exactly 0.
 int MeshSigns::exact_sign(int count, const std::array<std::size_t, 3>& rows,
                           const std::array<const exact::Point*, 3>& columns, bool upright) const {
-    exact::BitRange range;
-    range.add(seed_);
-    for (int r = 0; r < count; ++r) {
-        const Bisector& b = bisectors_[rows[r]];
-        exact::Plane plane = exact::Plane::bisector(b.q);
-        plane.power = b.power;
-        range.add(plane);
+    exact::BitRange range = range_of(std::span(rows).first(static_cast<std::size_t>(count)));
+    for (int r = 0; r < count; ++r)
         if (columns[r] != nullptr) range.add(*columns[r]);
-    }
-    constexpr int narrow_bits = 55;  // a determinant of three values then fits six words
     const int span = range.span(), quantum = range.quantum();
     if (span <= narrow_bits) return integer_sign<1>(count, rows, columns, upright, quantum);
     if (span <= exact::middle_bits - 10) return integer_sign<exact::middle>(count, rows, columns, upright, quantum);
     return integer_sign<exact::widest>(count, rows, columns, upright, quantum);
+}
+
+template <int W>
+WideInt<2 * W> MeshSigns::integer_row(std::size_t k, int quantum, std::array<WideInt<W>, 3>& n) const {
+    const Bisector& b = bisectors_[k];
+    for (std::size_t i = 0; i < 3; ++i)
+        n[i] = exact::to_wide<W>(b.q[i], quantum) - exact::to_wide<W>(seed_[i], quantum);
+    auto constant = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (b.power.high != 0)
+        constant = constant + exact::to_wide<2 * W>(b.power.high, 2 * quantum) +
+                   exact::to_wide<2 * W>(b.power.low, 2 * quantum);
+    return constant;
 }
 
 template <int W>
@@ -133,12 +150,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     for (int k = 0; k < 3; ++k) p[k] = exact::to_wide<W>(seed_[k], quantum);
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
     for (int r = 0; r < count; ++r) {
-        const Bisector& b = bisectors_[rows[r]];
-        for (int k = 0; k < 3; ++k) n[r][k] = exact::to_wide<W>(b.q[k], quantum) - p[k];
-        auto constant = n[r][0] * n[r][0] + n[r][1] * n[r][1] + n[r][2] * n[r][2];
-        if (b.power.high != 0)
-            constant = constant + exact::to_wide<2 * W>(b.power.high, 2 * quantum) +
-                       exact::to_wide<2 * W>(b.power.low, 2 * quantum);
+        const auto constant = integer_row<W>(rows[r], quantum, n[r]);
         for (int c = 0; c < moving; ++c) {
             WideInt<2 * W> s{};
             for (int k = 0; k < 3; ++k) s = s + n[r][k] * (exact::to_wide<W>((*columns[c])[k], quantum) - p[k]);
@@ -159,6 +171,70 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         if (const int sign = sum.sign(); sign != 0) return sign;
     }
     return -1;  // of planes that share a line, and do not all have faces
+}
+
+int MeshSigns::crossing_order(std::size_t a, std::size_t b, const Places& u, const Places& v) const {
+    const std::array<std::size_t, 2> rows{a, b};
+    exact::BitRange range = range_of(rows);
+    for (const Places* places : {&u, &v})
+        for (const Place& place : *places) range.add(place.x);
+    const int span = range.span(), quantum = range.quantum();
+    if (span <= narrow_bits) return integer_order<1>(rows, {&u, &v}, quantum);
+    if (span <= exact::middle_bits - 10) return integer_order<exact::middle>(rows, {&u, &v}, quantum);
+    return integer_order<exact::widest>(rows, {&u, &v}, quantum);
+}
+
+// The line meets a triangle where the weights of its vertices are the cross product of its two rows of values, over
+// their sum D. A shift of the mesh leaves D as it is.
+template <int W>
+int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
+                             int quantum) const {
+    std::array<std::array<WideInt<W>, 3>, 2> n;
+    std::array<WideInt<2 * W>, 2> constant;
+    for (std::size_t r = 0; r < 2; ++r) constant[r] = integer_row<W>(rows[r], quantum, n[r]);
+    const auto across = cross(n[0], n[1]);
+    std::size_t axis = 0;
+    while (axis < 2 && across[axis].zero()) ++axis;
+    const auto sum = [](const auto& x) { return x[0] + x[1] + x[2]; };
+    std::array<WideInt<4 * W>, 2> d;
+    std::array<WideInt<5 * W>, 2> place;                 // along the axis, times d
+    std::array<std::array<WideInt<5 * W>, 3>, 2> moved;  // derivatives of these, by a shift along each axis
+    for (std::size_t t = 0; t < 2; ++t) {
+        std::array<std::array<WideInt<2 * W>, 3>, 2> s;
+        std::array<WideInt<W>, 3> x;
+        for (std::size_t i = 0; i < 3; ++i) {
+            std::array<WideInt<W>, 3> from;
+            for (std::size_t k = 0; k < 3; ++k)
+                from[k] = exact::to_wide<W>((*u[t])[i].x[k], quantum) - exact::to_wide<W>(seed_[k], quantum);
+            x[i] = from[axis];
+            for (std::size_t r = 0; r < 2; ++r) {
+                const auto half = n[r][0] * from[0] + n[r][1] * from[1] + n[r][2] * from[2];
+                s[r][i] = half + half - constant[r];
+            }
+        }
+        const auto at = [&](const std::array<WideInt<4 * W>, 3>& weights) {
+            return weights[0] * x[0] + weights[1] * x[1] + weights[2] * x[2];
+        };
+        const auto weights = cross(s[0], s[1]);
+        d[t] = sum(weights);
+        place[t] = at(weights);
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::array<WideInt<2 * W>, 3> by_a, by_b;
+            by_a.fill(exact::resize<2 * W>(n[0][k] + n[0][k]));
+            by_b.fill(exact::resize<2 * W>(n[1][k] + n[1][k]));
+            const auto one = cross(by_a, s[1]), other = cross(s[0], by_b);
+            moved[t][k] = at({one[0] + other[0], one[1] + other[1], one[2] + other[2]});
+            if (k == axis) moved[t][k] = moved[t][k] + exact::resize<5 * W>(d[t]);
+        }
+    }
+    const int turn = across[axis].sign() * d[0].sign() * d[1].sign();
+    const auto order = [&](const WideInt<5 * W>& first, const WideInt<5 * W>& second) {
+        return turn * (first * d[1] - second * d[0]).sign();
+    };
+    if (const int sign = order(place[0], place[1]); sign != 0) return sign;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (const int sign = order(moved[0][k], moved[1][k]); sign != 0) return sign;
+    return 0;
 }
 
 int cross_sign(const exact::Point& u, const exact::Point& v, const exact::Point& w, int axis) {

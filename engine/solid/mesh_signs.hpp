@@ -8,6 +8,7 @@
 //     the triangle uvw on bisectors a and b     outside f:     | a ; b ; f | / D,  D = sum of s_a x s_b
 //     the vertex of bisectors a, b, c           below uvw:     | a ; b ; c | / det(Na, Nb, Nc)
 //     that vertex, seen along z,                left of uv:    the same with Nz instead of the last column
+//     the line of a and b                       meets uvw before xyz: |a ; b ; coordinates of vertices| / D of each
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
 // Ties. The mesh counts as moved by (e, e^2, e^3), where e is positive and smaller than anything else (Edelsbrunner and
@@ -21,8 +22,10 @@
 
 #include <array>
 #include <cmath>
+#include <span>
 #include <vector>
 
+#include "exact/integer/rows.hpp"
 #include "exact/predicate.hpp"
 
 namespace votess::solid {
@@ -77,6 +80,9 @@ public:
                                   const Values& b, const Values& c) const;
     // Returns the same with the z components of the normals in place of the third column.
     [[nodiscard]] int upright_determinant(const std::array<std::size_t, 3>& k, const Place& u, const Place& v) const;
+    // Compares where the line of bisectors a and b meets two triangles, in the direction of the cross product of their
+    // normals: -1 if it meets u first, +1 if v, 0 if both always lie in one plane.
+    [[nodiscard]] int crossing_order(std::size_t a, std::size_t b, const Places& u, const Places& v) const;
 
 private:
     static constexpr double value_rounding = 16 * 0x1p-53;
@@ -92,6 +98,13 @@ private:
     template <int W>
     [[nodiscard]] int integer_sign(int count, const std::array<std::size_t, 3>& rows,
                                    const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const;
+    template <int W>
+    [[nodiscard]] int integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
+                                    int quantum) const;
+    [[nodiscard]] exact::BitRange range_of(std::span<const std::size_t> rows) const;
+    // Writes the normal of a bisector in integers. Returns |n|^2 + power.
+    template <int W>
+    exact::WideInt<2 * W> integer_row(std::size_t k, int quantum, std::array<exact::WideInt<W>, 3>& n) const;
 
     exact::Point seed_{};
     mutable bool met_tie_ = false;

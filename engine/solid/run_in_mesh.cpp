@@ -16,6 +16,7 @@
 #include "input/options.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
+#include "solid/mesh_cells.hpp"
 #include "solid/sum.hpp"
 
 namespace votess::solid {
@@ -97,7 +98,12 @@ Options options_in_box(const ClosedMesh& mesh, const Points& points, const Optio
 class MeshRun {
 public:
     MeshRun(const Points& points, const Options& options, const RunInBox& run)
-        : options_(options), run_(run), points_(points), progress_(options.progress), mesh_(checked(options)) {
+        : options_(options),
+          run_(run),
+          points_(points),
+          progress_(options.progress),
+          cells_(std::make_shared<MeshCells>(checked(options))),
+          mesh_(cells_->mesh) {
         copy(options_.weights, weights_);
         copy(options_.radii, radii_);
         if (options_.only) copy(*options_.only, only_);
@@ -112,6 +118,7 @@ public:
         job_ = validate(points_, in_box);
         mesh_.scale_by(job_.scale);
         result_ = run_(points_, in_box);
+        keep_cells();
         const Stoppable stoppable(progress_);
         if (progress_) Stoppable::enter_stage({0.5, 0.95});
         cut_cells();
@@ -123,7 +130,7 @@ public:
     }
 
 private:
-    static constexpr int unknown = std::numeric_limits<int>::min();
+    static constexpr int unknown = MeshCells::cut;
     static constexpr double dropped = -1;  // instead of the area of a face
 
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
@@ -138,34 +145,30 @@ private:
         numbers = to;
     }
     [[nodiscard]] std::size_t rows() const { return result_.status.size(); }
-    [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
-        return result_.is_subset ? result_.ids[row] : static_cast<std::int32_t>(row);
-    }
+    [[nodiscard]] std::int32_t seed_of(std::size_t row) const { return cells_->seed_of(row); }
     [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
-    [[nodiscard]] exact::Point place(std::int32_t seed) const {
-        exact::Point x;
-        for (std::size_t k = 0; k < 3; ++k) x[k] = points_[3 * to_index(seed) + k] * job_.scale;
-        return x;
-    }
-    [[nodiscard]] double weight(std::int32_t seed) const {
-        const auto& weights = job_.domain->weights;
-        return weights.empty() ? 0 : weights[to_index(seed)];
-    }
-    [[nodiscard]] std::span<const std::int32_t> row(std::size_t r) const {
-        const auto begin = to_index(result_.indptr[r]);
-        return std::span<const std::int32_t>(result_.indices).subspan(begin, to_index(result_.indptr[r + 1]) - begin);
-    }
+    [[nodiscard]] exact::Point place(std::int32_t seed) const { return cells_->place(seed); }
+    [[nodiscard]] std::span<const std::int32_t> row(std::size_t r) const { return cells_->row(r); }
     [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor) const {
         const auto ids = row(r);
         const auto at = std::ranges::lower_bound(ids, neighbor);
-        return at != ids.end() && *at == neighbor ? to_index(result_.indptr[r]) + to_index(at - ids.begin()) : no_entry;
+        return at != ids.end() && *at == neighbor ? to_index(cells_->indptr[r]) + to_index(at - ids.begin()) : no_entry;
     }
     static constexpr std::size_t no_entry = std::numeric_limits<std::size_t>::max();
 
+    // Keeps all neighbors, for pieces() too.
+    void keep_cells() {
+        cells_->domain = job_.domain;
+        cells_->scale = job_.scale;
+        cells_->seeds.resize(points_.coordinates());
+        for (std::size_t i = 0; i < points_.coordinates(); ++i) cells_->seeds[i] = points_[i] * job_.scale;
+        cells_->ids = result_.ids;
+        cells_->indptr = std::move(result_.indptr);
+        cells_->indices = std::move(result_.indices);
+    }
+
     const CutMeasures& cut(std::size_t r, CutCell& cell) const {
-        const std::int32_t seed = seed_of(r);
-        cell.begin(place(seed), seed, weight(seed));
-        for (const std::int32_t j : row(r)) cell.add(j, place(j), weight(j));
+        cells_->make(r, cell);
         return cell.measure();
     }
 
@@ -266,7 +269,7 @@ private:
             result_.volumes[r] *= winding_[r];
             empty_[r] = winding_[r] == 0 ? 1 : 0;
             if (winding_[r] == 1) continue;
-            for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e)
+            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
                 result_.face_areas[e] *= std::abs(winding_[r]);
         }
     }
@@ -274,16 +277,17 @@ private:
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
         auto& areas = result_.face_areas;
-        std::vector<std::int64_t> next(result_.indptr.begin(), result_.indptr.end());  // entries of lower seeds
+        const auto& indptr = cells_->indptr;
+        std::vector<std::int64_t> next(indptr.begin(), indptr.end());  // entries of lower seeds
         const auto find_back = [&](std::size_t other, std::int32_t seed) {
             const std::int64_t at = next[other];
-            if (at == result_.indptr[other + 1] || result_.indices[to_index(at)] != seed) return entry(other, seed);
+            if (at == indptr[other + 1] || cells_->indices[to_index(at)] != seed) return entry(other, seed);
             ++next[other];
             return to_index(at);
         };
         for (std::size_t r = 0; r < rows(); ++r)
-            for (std::size_t e = to_index(result_.indptr[r]); e < to_index(result_.indptr[r + 1]); ++e) {
-                const std::int32_t seed = seed_of(r), neighbor = result_.indices[e];
+            for (std::size_t e = to_index(indptr[r]); e < to_index(indptr[r + 1]); ++e) {
+                const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
                 const std::int64_t other = row_of(neighbor);
                 if (empty_[r] != 0) areas[e] = dropped;
                 if (other < 0) continue;
@@ -301,12 +305,12 @@ private:
 
     // Drops faces outside, and empties the cells outside.
     void write_rows() {
-        Buffer<std::int64_t> indptr;
-        indptr.resize_uninitialized(rows() + 1);
-        indptr[0] = 0;
+        result_.indptr.resize_uninitialized(rows() + 1);
+        result_.indptr[0] = 0;
+        result_.indices.resize_uninitialized(cells_->indices.size());
         std::size_t out = 0;
         for (std::size_t r = 0; r < rows(); ++r) {
-            const auto begin = to_index(result_.indptr[r]), end = to_index(result_.indptr[r + 1]);
+            const auto begin = to_index(cells_->indptr[r]), end = to_index(cells_->indptr[r + 1]);
             const bool empty = empty_[r] != 0 || result_.status[r] != CellStatus::certified;
             if (empty && result_.status[r] == CellStatus::certified) {
                 result_.status[r] = CellStatus::empty;
@@ -320,22 +324,25 @@ private:
                 const double area = result_.face_areas[e];
                 if (area == dropped) continue;
                 surface += area;
-                result_.indices[out] = result_.indices[e];
+                result_.indices[out] = cells_->indices[e];
                 result_.face_areas[out] = area;
                 if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
             if (wanted_.surfaces) result_.surface_areas[r] = empty ? 0 : surface;
-            indptr[r + 1] = static_cast<std::int64_t>(out);
+            result_.indptr[r + 1] = static_cast<std::int64_t>(out);
         }
-        std::ranges::copy(indptr, result_.indptr.begin());
         result_.indices.resize_uninitialized(out);
         result_.face_areas.resize_uninitialized(out);
         if (wanted_.normals) result_.face_normals.resize_uninitialized(3 * out);
     }
 
     void finish() {
-        result_.in_mesh = true;
+        for (std::size_t r = 0; r < rows(); ++r)
+            cells_->winding.push_back(result_.status[r] != CellStatus::certified ? 0
+                                      : plain_[r] != 0                           ? winding_[r]
+                                                                                 : MeshCells::cut);
+        result_.mesh_cells = cells_;
         result_.lists_walls = false;
         result_.security_radii = {};
         Stats& stats = result_.stats;
@@ -359,7 +366,8 @@ private:
     const RunInBox& run_;
     Points points_;
     Progress progress_;
-    ClosedMesh mesh_;
+    std::shared_ptr<MeshCells> cells_;
+    ClosedMesh& mesh_;
     Want wanted_;
     Job job_;
     Result result_;

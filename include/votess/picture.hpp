@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <votess/pieces.hpp>
 #include <votess/votess.hpp>
 
 namespace votess {
@@ -88,6 +89,10 @@ struct Picture {
 // missing or wrong value), out_of_memory.
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
+
+// Returns a picture of pieces, with lines where their planes end. options.values: P; empty: the volumes. Cuts remove
+// whole pieces, whose centroids lie there. Throws invalid_argument for a slice and without pieces; else as above.
+[[nodiscard]] VOTESS_API Picture render(const Pieces& pieces, const PictureOptions& options = {});
 
 // Returns red, green and blue of sRGB for each of options.values, as render() colors cells. Uses range, scale and
 // colormap of the options; NaN is gray. Throws Error: invalid_argument.

@@ -161,6 +161,7 @@ typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
 typedef struct votess_network votess_network;
+typedef struct votess_pieces votess_pieces;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -383,6 +384,22 @@ VOTESS_API votess_status votess_network_largest_included(const votess_network* n
 VOTESS_API votess_status votess_network_largest_free(const votess_network* network, int32_t axis, double* radius,
                                                      int32_t* edge, double* included_radius, int32_t* included_vertex);
 
+// The pieces of cells in a mesh, see pieces() in pieces.hpp. gap: between pieces, 0 for none. threads: as in
+// votess_options. progress: may be NULL; user: passed to it. On success *out is new, else NULL. The arrays are those of
+// Pieces.
+VOTESS_API votess_status votess_pieces_new(const votess_result* result, double gap, uint32_t threads,
+                                           votess_progress_callback progress, void* user, votess_pieces** out);
+VOTESS_API void votess_pieces_free(votess_pieces* pieces);
+VOTESS_API const int64_t* votess_pieces_indptr(const votess_pieces* pieces, size_t* length);
+VOTESS_API const int64_t* votess_pieces_vertex_offsets(const votess_pieces* pieces, size_t* length);
+VOTESS_API const double* votess_pieces_vertices(const votess_pieces* pieces, size_t* length);
+VOTESS_API const int64_t* votess_pieces_triangle_offsets(const votess_pieces* pieces, size_t* length);
+VOTESS_API const int32_t* votess_pieces_triangles(const votess_pieces* pieces, size_t* length);
+VOTESS_API const uint8_t* votess_pieces_on_surface(const votess_pieces* pieces, size_t* length);
+VOTESS_API const int32_t* votess_pieces_sources(const votess_pieces* pieces, size_t* length);
+VOTESS_API const double* votess_pieces_volumes(const votess_pieces* pieces, size_t* length);
+VOTESS_API const double* votess_pieces_centroids(const votess_pieces* pieces, size_t* length);
+
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number
 // of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for about a second's work. sampled: number of cells clipped again, up
@@ -450,6 +467,30 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".glb": solids in colors
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
+
+// P pieces of N cells in a mesh. Arrays are laid out as those of votess_pieces; the caller owns them.
+typedef struct votess_piece_arrays {
+    uint32_t struct_size;             // sizeof(votess_piece_arrays)
+    uint32_t reserved;                // 0
+    uint64_t rows;                    // N
+    const int64_t* indptr;            // N + 1
+    const int64_t* ids;               // N, to name cells by
+    const int64_t* vertex_offsets;    // P + 1
+    const double* vertices;           // 3 * vertex_offsets[P]
+    const int64_t* triangle_offsets;  // P + 1
+    const int32_t* triangles;         // 3 * triangle_offsets[P]
+    const uint8_t* on_surface;        // triangle_offsets[P]
+    const double* centroids;          // 3 * P
+} votess_piece_arrays;
+
+// Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
+// cell has several. format:
+//   - ".glb": y is up. The origin of each object is at its centroid. Materials: surface, inside
+//   - ".obj": the same materials, without a file of them
+//   - ".3mf": the same materials, in millimeters
+//   - ".stl": binary; all pieces in one
+VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
+                                             votess_write_callback write, void* user);
 
 // Write walls around round bodies, see sphere_walls() in votess.hpp: 4 * faces numbers, as votess_options.walls.
 VOTESS_API votess_status votess_sphere_walls(const double center[3], double radius, size_t faces, double* walls);

@@ -184,7 +184,7 @@ struct Options {
     // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Throws
     // invalid_argument for a mesh that is not closed or oriented alike, and names the first edge or triangle. Only
     // tessellate() clips by a mesh, in a domain that is not periodic, without walls, min_face, min_area and `outside`.
-    // It cannot make vertices, faces, counts and radii of the parts.
+    // It cannot make vertices, faces, counts and radii of the parts: pieces() makes closed meshes of them.
     //
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
     // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A
@@ -304,6 +304,8 @@ struct TessellatorState;
 
 struct Delaunay;
 struct Network;
+struct PieceOptions;
+struct Pieces;
 struct VerifyOptions;
 struct VerifyReport;
 
@@ -372,6 +374,7 @@ public:
 private:
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
     friend VOTESS_API Network network(const Tessellation& tessellation, std::span<const double> points);
+    friend VOTESS_API Pieces pieces(const Tessellation& tessellation, const PieceOptions& options);
     friend VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                           const VerifyOptions& options);
     std::shared_ptr<const detail::Result> result_;

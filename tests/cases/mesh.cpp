@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <string>
 #include <vector>
+#include <votess/pieces.hpp>
 
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -91,6 +93,152 @@ std::string difference(const Tessellation& a, const Tessellation& b, double erro
     for (std::size_t i = 0; i < a.centroids().size(); ++i)
         if (std::abs(a.centroids()[i] - b.centroids()[i]) * a.volumes()[i / 3] > error) return "centroids";
     return far(&Tessellation::surface_areas) ? "surfaces" : "";
+}
+
+// The triangles of a piece.
+struct View {
+    View(const votess::Pieces& pieces, std::size_t p)
+        : first(static_cast<std::size_t>(pieces.triangle_offsets[p])),
+          triangles(std::span(pieces.triangles)
+                        .subspan(3 * first, 3 * (static_cast<std::size_t>(pieces.triangle_offsets[p + 1]) - first))),
+          vertices(
+              std::span(pieces.vertices)
+                  .subspan(3 * static_cast<std::size_t>(pieces.vertex_offsets[p]),
+                           3 * static_cast<std::size_t>(pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p]))) {}
+    [[nodiscard]] Solid solid() const {
+        return {{vertices.begin(), vertices.end()}, {triangles.begin(), triangles.end()}};
+    }
+
+    std::size_t first;
+    std::span<const std::int32_t> triangles;
+    std::span<const double> vertices;
+};
+
+// "" if the edges of a piece cancel, and Euler's formula holds: V - E + F is even, and at most 2 for each surface.
+std::string check_closed(const View& piece, int& handles) {
+    const std::size_t count = piece.vertices.size() / 3;
+    std::map<std::pair<std::int32_t, std::int32_t>, int> edges;
+    std::vector<std::size_t> set(count), used(count);
+    std::iota(set.begin(), set.end(), std::size_t{0});
+    const auto root = [&](std::size_t v) {
+        while (set[v] != v) v = set[v] = set[set[v]];
+        return v;
+    };
+    for (std::size_t i = 0; i < piece.triangles.size(); ++i) {
+        const std::int32_t from = piece.triangles[i], to = piece.triangles[i % 3 == 2 ? i - 2 : i + 1];
+        if (from == to) return "an edge begins and ends at one vertex";
+        ++edges[{from, to}];
+        --edges[{to, from}];
+        set[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
+        used[static_cast<std::size_t>(from)] = 1;
+    }
+    for (const auto& [edge, sum] : edges)
+        if (sum != 0) return test::text("the edge ", edge.first, " ", edge.second, " is open");
+    if (std::ranges::count(used, std::size_t{0}) != 0) return "a vertex of no triangle";
+    int surfaces = 0;
+    for (std::size_t v = 0; v < count; ++v) surfaces += root(v) == v ? 1 : 0;
+    const int faces = static_cast<int>(piece.triangles.size() / 3);
+    const int euler = static_cast<int>(count) - 3 * faces / 2 + faces;
+    handles += (2 * surfaces - euler) / 2;
+    return faces % 2 == 0 && euler % 2 == 0 && euler <= 2 * surfaces ? "" : test::text("V - E + F = ", euler);
+}
+
+// "" if the pieces are closed, and the volumes are those of their triangles and sum to those of the cells.
+std::string check_pieces(const Tessellation& t, const votess::Pieces& pieces, int* handles = nullptr) {
+    int found = 0;
+    const double whole = t.stats().box_volume;
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        double volume = 0;
+        for (auto k = pieces.indptr[i]; k < pieces.indptr[i + 1]; ++k) {
+            const auto p = static_cast<std::size_t>(k);
+            const View piece(pieces, p);
+            if (const std::string failure = check_closed(piece, found); !failure.empty())
+                return test::text("piece ", p, ": ", failure);
+            if (!(std::abs(piece.solid().volume() - pieces.volumes[p]) <= 1e-12 * whole))
+                return test::text("piece ", p, " has the volume ", piece.solid().volume(), ", not ", pieces.volumes[p]);
+            if (k > pieces.indptr[i] && pieces.volumes[p] > pieces.volumes[p - 1]) return "a larger piece comes later";
+            volume += pieces.volumes[p];
+        }
+        if (!(std::abs(volume - t.volumes()[i]) <= 1e-12 * std::max(std::abs(volume), 1e-3 * whole)))
+            return test::text("cell ", i, " has the volume ", t.volumes()[i], ", its pieces ", volume);
+    }
+    if (handles != nullptr) *handles = found;
+    return "";
+}
+
+// "" if the areas of the pieces on each plane and on the surface are those of the cells.
+std::string check_sources(const Tessellation& t, const votess::Pieces& pieces, const Solid& solid) {
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        std::map<std::int32_t, double> areas;
+        double surface = 0;
+        for (auto k = pieces.indptr[i]; k < pieces.indptr[i + 1]; ++k) {
+            const View piece(pieces, static_cast<std::size_t>(k));
+            for (std::size_t f = 0; 3 * f < piece.triangles.size(); ++f) {
+                const auto corners = piece.triangles.subspan(3 * f, 3);
+                const double area = Solid{piece.solid().vertices, {corners.begin(), corners.end()}}.area();
+                const std::int32_t source = pieces.sources[piece.first + f];
+                if (pieces.on_surface[piece.first + f] == 0) {
+                    areas[source] += area;
+                    continue;
+                }
+                surface += area;
+                // The part of a triangle with one of its corners has no volume.
+                Solid flat{piece.solid().vertices, {corners.begin(), corners.end()}};
+                for (std::size_t corner = 0; corner < 3; ++corner) {
+                    const auto v =
+                        static_cast<std::size_t>(solid.triangles[3 * static_cast<std::size_t>(source) + corner]);
+                    std::array<std::array<double, 3>, 4> x;
+                    std::copy_n(&solid.vertices[3 * v], 3, x[3].begin());
+                    for (std::size_t c = 0; c < 3; ++c)
+                        std::copy_n(&flat.vertices[3 * static_cast<std::size_t>(corners[c])], 3, x[c].begin());
+                    if (std::abs(test::tetrahedron(x).volume()) > 1e-12) return test::text("the source of a triangle");
+                }
+            }
+        }
+        if (std::abs(surface - t.mesh_areas()[i]) > 1e-11) return test::text("the surface of cell ", i);
+        const auto row = t.neighbors(i);
+        for (std::size_t k = 0; k < row.size(); ++k) {
+            const double area = t.face_areas()[static_cast<std::size_t>(t.indptr()[i]) + k];
+            if (std::abs(areas[row[k]] - area) > 1e-11) return test::text("the face of cells ", i, " and ", row[k]);
+            areas.erase(row[k]);
+        }
+        for (const auto& [j, area] : areas)
+            if (area > 1e-11) return test::text("cells ", i, " and ", j, " are not neighbors");
+    }
+    return "";
+}
+
+std::vector<std::int64_t> piece_counts(const votess::Pieces& pieces) {
+    std::vector<std::int64_t> counts;
+    for (std::size_t i = 0; i + 1 < pieces.indptr.size(); ++i)
+        counts.push_back(pieces.indptr[i + 1] - pieces.indptr[i]);
+    return counts;
+}
+
+// Returns the number of parts of a grid of cubes that share faces.
+int connected_cubes(const std::array<int, 3>& count, std::vector<bool> filled) {
+    int parts = 0;
+    for (std::size_t start = 0; start < filled.size(); ++start) {
+        if (!filled[start]) continue;
+        ++parts;
+        std::vector<std::size_t> pending{start};
+        filled[start] = false;
+        while (!pending.empty()) {
+            const auto at = static_cast<int>(pending.back());
+            pending.pop_back();
+            const std::array<int, 3> x{at / (count[1] * count[2]), at / count[2] % count[1], at % count[2]};
+            for (std::size_t k = 0; k < 3; ++k)
+                for (const int step : {-1, 1}) {
+                    auto y = x;
+                    y[k] += step;
+                    if (y[k] < 0 || y[k] >= count[k]) continue;
+                    const auto next = static_cast<std::size_t>((y[0] * count[1] + y[1]) * count[2] + y[2]);
+                    if (filled[next]) pending.push_back(next);
+                    filled[next] = false;
+                }
+        }
+    }
+    return parts;
 }
 
 }  // namespace
@@ -324,6 +472,11 @@ TEST_SUITE("cases") {
         bad.vertices[10] = std::numeric_limits<double>::quiet_NaN();
         CHECK(message(bad) == "mesh: vertex 3: y = nan is not finite");
         bad = unit;
+        bad.vertices[10] = std::numeric_limits<double>::infinity();
+        CHECK(message(bad) == "mesh: vertex 3: y = inf is not finite");
+        bad.vertices[10] = 1e308;
+        bad.vertices[1] = -1e308;
+        CHECK(test::has(message(bad), "exceeds the largest double"));
         bad.triangles.clear();
         CHECK(test::has(message(bad), "no triangles"));
         bad.triangles = {0, 1, 2, 0, 2, 1};
@@ -368,5 +521,154 @@ TEST_SUITE("cases") {
         std::string said;
         CHECK(test::error_of([&] { (void)votess::verify(t, points); }, &said) == votess::ErrorCode::invalid_argument);
         CHECK(test::has(said, "mesh"));
+    }
+
+    TEST_CASE("mesh: pieces of a torus, a comb, a spring and a shell") {
+        const auto pieces_of = [](const Solid& solid, const Coordinates& points, std::vector<std::int64_t> counts,
+                                  int handles) {
+            const Tessellation t = votess::tessellate(points, options_in(solid));
+            const votess::Pieces pieces = votess::pieces(t);
+            int found = 0;
+            CHECK(check_pieces(t, pieces, &found) == "");
+            CHECK(piece_counts(pieces) == counts);
+            CHECK(found == handles);
+            return pieces;
+        };
+        const Solid ring = test::torus(24, 12);
+        pieces_of(ring, {0.1, 0.2, 0.3}, {1}, 1);
+        pieces_of(ring, {-1, 0.01, 0.02, 1, 0.02, 0.01}, {1, 1}, 0);
+        pieces_of(ring, {-0.6, 0, 0.01, 0.01, 0, 0, 0.6, 0.01, 0}, {1, 2, 1}, 0);
+        pieces_of(ring, {0, 0.01, -0.3, 0.01, 0, 0, 0, 0, 0.3}, {1, 1, 1}, 3);  // across the axis: annuli
+        // A back with five teeth, and two seeds that part them from it.
+        std::vector<bool> comb(9 * 1 * 3);
+        for (std::size_t x = 0; x < 9; ++x)
+            for (std::size_t z = 0; z < 3; ++z) comb[3 * x + z] = z == 0 || x % 2 == 0;
+        const votess::Pieces teeth = pieces_of(test::cubes({9, 1, 3}, comb), {4.4, 0.4, 1, 4.4, 0.4, 2}, {1, 5}, 0);
+        CHECK(teeth.volumes[1] == doctest::Approx(1.5));
+        pieces_of(test::spring(3, 16, 7), {-0.5, 0.01, 1.4, 0.5, 0, 1.5}, {3, 4}, 0);
+        const Solid shell = test::joined(test::cuboid(0, 1), test::cuboid(0.25, 0.75).reversed());
+        const votess::Pieces hollow = pieces_of(shell, {0.4, 0.4, 0.4}, {1}, 0);
+        CHECK(hollow.triangles.size() == shell.triangles.size());
+        CHECK(hollow.volumes[0] == doctest::Approx(0.875));
+        pieces_of(test::joined(shell, test::cuboid(0.375, 0.625)), {0.4, 0.4, 0.4}, {2}, 0);
+        pieces_of(shell, {0.4, 0.4, 0.1, 0.4, 0.4, 0.5}, {1, 1}, 0);  // two bowls
+        // Cubes that touch in a face or an edge.
+        pieces_of(test::joined(test::cuboid(0, 1), test::cuboid({1, 0, 0}, {2, 1, 1})), {0.9, 0.4, 0.3}, {2}, 0);
+        pieces_of(test::cubes({2, 2, 1}, {true, false, false, true}), {0.9, 0.4, 0.3}, {2}, 0);
+        // Triangles of no area at the edges of others.
+        Solid thin = test::cuboid(0, 1);
+        thin.vertices.insert(thin.vertices.end(), {0.5, 0, 0});
+        thin.triangles.insert(thin.triangles.end(), {0, 4, 8, 4, 0, 8, 5, 5, 6, 6, 6, 5});
+        pieces_of(thin, {0.2, 0.1, 0.3, 0.7, 0.6, 0.4}, {1, 1}, 0);
+    }
+
+    TEST_CASE("mesh: pieces have the faces and the surface of their cells") {
+        const Solid ring = test::torus(24, 12);
+        const Coordinates points = random_seeds(test::by_size(300, 80), -1.4, 1.4, 8);
+        Options options = options_in(ring);
+        const Tessellation t = votess::tessellate(points, options);
+        const votess::Pieces pieces = votess::pieces(t);
+        CHECK(check_pieces(t, pieces) == "");
+        CHECK(check_sources(t, pieces, ring) == "");
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            Coordinates sum(3);
+            for (auto k = pieces.indptr[i]; k < pieces.indptr[i + 1]; ++k)
+                for (std::size_t a = 0; a < 3; ++a)
+                    sum[a] += pieces.volumes[static_cast<std::size_t>(k)] *
+                              pieces.centroids[3 * static_cast<std::size_t>(k) + a];
+            for (std::size_t a = 0; a < 3 && t.volumes()[i] > 0; ++a)
+                CHECK(std::abs(sum[a] - t.volumes()[i] * t.centroids()[3 * i + a]) < 1e-13);
+        }
+        votess::PieceOptions choice;
+        choice.threads = 3;
+        const votess::Pieces again = votess::pieces(t, choice);
+        CHECK(again.vertices == pieces.vertices);
+        CHECK(again.triangles == pieces.triangles);
+        const std::vector<std::int64_t> ids{7, 3};
+        options.only = ids;
+        const votess::Pieces some = votess::pieces(votess::tessellate(points, options));
+        REQUIRE(some.indptr.size() == 3);
+        CHECK(some.indptr[1] == pieces.indptr[8] - pieces.indptr[7]);
+    }
+
+    TEST_CASE("mesh: pieces are closed where seeds and mesh share planes") {
+        test::Random random(43);
+        for (std::size_t run = 0; run < test::by_size(60, 12); ++run) {
+            CAPTURE(run);
+            const std::array<int, 3> count{1 + static_cast<int>(random.uniform(0, 4)),
+                                           1 + static_cast<int>(random.uniform(0, 4)),
+                                           1 + static_cast<int>(random.uniform(0, 4))};
+            std::vector<bool> filled(static_cast<std::size_t>(count[0] * count[1] * count[2]));
+            for (std::size_t c = 0; c < filled.size(); ++c) filled[c] = random.uniform(0, 1) < 0.6;
+            filled[0] = true;
+            Solid solid = test::cubes(count, filled);
+            const int parts = connected_cubes(count, filled);
+            const Tessellation whole = votess::tessellate(Coordinates{0.3, 0.4, 0.6}, options_in(solid));
+            CHECK(check_pieces(whole, votess::pieces(whole)) == "");
+            CHECK(piece_counts(votess::pieces(whole)) == std::vector<std::int64_t>{parts});
+            if (run % 3 == 1) solid = test::torus(4 + static_cast<int>(run) % 5, 3 + static_cast<int>(run) % 4);
+            if (run % 6 == 1)
+                for (double& x : solid.vertices) x = std::round(8 * x) / 8;
+            Coordinates points = random_seeds(1 + run % 25, -1, 3, run);
+            const double steps = 1 << run % 4;
+            for (double& x : points) x = run % 5 == 0 ? x : std::round(steps * x) / steps;
+            if (run % 7 == 3) points.insert(points.end(), solid.vertices.begin(), solid.vertices.end());
+            const Tessellation t = votess::tessellate(points, options_in(solid));
+            CHECK(check_pieces(t, votess::pieces(t)) == "");
+        }
+    }
+
+    TEST_CASE("mesh: a gap between pieces") {
+        // Cubes of 0.5, of which each loses 0.05 at its three inner faces.
+        const Solid unit = test::cuboid(0, 1);
+        Coordinates points;
+        for (const double x : {0.25, 0.75})
+            for (const double y : {0.25, 0.75})
+                for (const double z : {0.25, 0.75}) points.insert(points.end(), {x, y, z});
+        Options options = options_in(unit);
+        const Tessellation t = votess::tessellate(points, options);
+        votess::PieceOptions choice;
+        choice.gap = 0.1;
+        for (const double volume : votess::pieces(t, choice).volumes)
+            CHECK(std::abs(volume - 0.45 * 0.45 * 0.45) < 1e-15);
+        choice.gap = 1;
+        CHECK(votess::pieces(t, choice).size() == 0);
+        // No vertex of a piece is nearer to a plane than half of the gap. The planes of a power diagram are shifted.
+        points = random_seeds(40, 0, 1, 6);
+        const std::vector<double> weights = random_seeds(14, 0, 0.03, 2);
+        options.weights = std::span(weights).first(40);
+        choice.gap = 0.03;
+        const Tessellation power = votess::tessellate(points, options);
+        const votess::Pieces apart = votess::pieces(power, choice);
+        for (std::size_t i = 0; i < power.size(); ++i)
+            for (auto k = apart.indptr[i]; k < apart.indptr[i + 1]; ++k) {
+                const View piece(apart, static_cast<std::size_t>(k));
+                int handles = 0;
+                CHECK(check_closed(piece, handles) == "");
+                for (std::size_t f = 0; 3 * f < piece.triangles.size(); ++f) {
+                    if (apart.on_surface[piece.first + f] != 0) continue;
+                    const auto j = static_cast<std::size_t>(apart.sources[piece.first + f]);
+                    const double* x = &piece.vertices[3 * static_cast<std::size_t>(piece.triangles[3 * f])];
+                    double to_i = -weights[i], to_j = -weights[j], between = 0;
+                    for (std::size_t a = 0; a < 3; ++a) {
+                        to_i += (x[a] - points[3 * i + a]) * (x[a] - points[3 * i + a]);
+                        to_j += (x[a] - points[3 * j + a]) * (x[a] - points[3 * j + a]);
+                        between += (points[3 * i + a] - points[3 * j + a]) * (points[3 * i + a] - points[3 * j + a]);
+                    }
+                    CHECK(std::abs((to_j - to_i) / (2 * std::sqrt(between)) - 0.015) < 1e-13);
+                }
+            }
+        for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN()}) {
+            choice.gap = bad;
+            CHECK(test::error_of([&] { (void)votess::pieces(t, choice); }) == votess::ErrorCode::invalid_argument);
+        }
+        // Arrays of a run in a mesh are used again for one without.
+        votess::Tessellator tessellator;
+        (void)tessellator.tessellate(points, options_in(unit));
+        Options plain;
+        plain.device = "cpu";
+        const Tessellation outside = tessellator.tessellate(points, plain);
+        CHECK_FALSE(outside.in_mesh());
+        CHECK(test::error_of([&] { (void)votess::pieces(outside); }) == votess::ErrorCode::invalid_argument);
     }
 }

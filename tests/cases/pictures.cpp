@@ -12,6 +12,7 @@
 #include "picture/solid.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/solids.hpp"
 
 namespace {
 
@@ -239,6 +240,38 @@ TEST_SUITE("cases") {
         CHECK(test::error_of([&] { static_cast<void>(votess::render(t, moved, bare())); }) ==
               votess::ErrorCode::invalid_argument);
         CHECK(test::error_of([&] { static_cast<void>(votess::render({}, {}, bare())); }) ==
+              votess::ErrorCode::invalid_argument);
+    }
+
+    TEST_CASE("pictures: pieces of cells in a mesh") {
+        const test::Solid unit = test::cuboid(0, 1);
+        votess::Options run = test::all_options(test::cube(-1, 2));
+        run.want = {};
+        run.mesh = unit.mesh();
+        // Four columns; the nearest one to the camera is cut away, so that inner faces show.
+        const std::vector<double> points{0.25, 0.25, 0.5, 0.75, 0.25, 0.5, 0.25, 0.75, 0.5, 0.75, 0.75, 0.5};
+        votess::Pieces pieces = votess::pieces(votess::tessellate(points, run));
+        PictureOptions options = bare();
+        options.cut = Cut::none;
+        const std::vector<double> values{0, 1, 2, 3};
+        options.values = values;
+        options.azimuth = 45;
+        const auto shown = [](const Pixel& p) { return p.r != 255 || p.g != 255 || p.b != 255; };
+        const Picture whole = votess::render(pieces, options);
+        CHECK(count(whole, shown) > 10000);
+        options.edges = true;
+        CHECK(votess::render(pieces, options).pixels != whole.pixels);
+        options.edges = false;
+        options.cut = Cut::half;  // along x, the nearer of two axes: the columns of larger x
+        const Picture half = votess::render(pieces, options);
+        CHECK(count(half, shown) > 5000);
+        CHECK(count(half, shown) < count(whole, shown));
+        options.slice = votess::Slice{2, 0.5};
+        CHECK(test::error_of([&] { (void)votess::render(pieces, options); }) == votess::ErrorCode::invalid_argument);
+        options.slice.reset();
+        options.values = std::span(values).first(3);
+        CHECK(test::error_of([&] { (void)votess::render(pieces, options); }) == votess::ErrorCode::invalid_argument);
+        CHECK(test::error_of([&] { (void)votess::render(votess::Pieces{}, bare()); }) ==
               votess::ErrorCode::invalid_argument);
     }
 }

@@ -1,6 +1,8 @@
 """--mesh: a closed triangle mesh as the domain, from each format."""
 
+import json
 import struct
+import zipfile
 
 import numpy as np
 
@@ -104,6 +106,29 @@ class Mesh(CliTest):
         self.assertEqual((found["mesh"], found["triangles"], found["empty_cells"], found["box_volume"]), ("a.off", 12, 1, 1))
         self.assertEqual((found["domain"]["kind"], found["domain"]["upper"]), ("mesh", [4, 2, 2]))
 
+    def test_pieces(self):
+        """Pieces are objects, apart by the gap. As a mesh they have the volume of all."""
+        self.put("a.off", OFF)
+        points = self.put("points.txt", "7 0.25 0.5 0.5\n9 0.75 0.5 0.5\n8 3 0.5 0.5\n")
+        self.run_cli(points, "--mesh", "a.off", "--gap", "0.25", *(f for e in ["glb", "obj", "stl", "3mf"] for f in ("-o", f"p.{e}")), "-q")
+        lines_of_obj = (self.folder / "p.obj").read_text().splitlines()
+        self.assertEqual([line for line in lines_of_obj if line[0] == "o"], ["o 7", "o 9"])
+        self.assertEqual({line for line in lines_of_obj if line[0] == "u"}, {"usemtl inside", "usemtl surface"})
+        for name in ["p.obj", "p.stl"]:
+            self.assertEqual(self.json("--random", 9, "--mesh", name)["box_volume"], 0.75)
+        with zipfile.ZipFile(self.folder / "p.3mf") as archive:
+            self.assertEqual(archive.read("3D/3dmodel.model").count(b"<object "), 2)
+        data = (self.folder / "p.glb").read_bytes()
+        head = json.loads(data[20:20 + struct.unpack_from("<I", data, 12)[0]])
+        self.assertEqual([(node["name"], node["translation"]) for node in head["nodes"]],
+                         [("7", [0.1875, 0.5, -0.5]), ("9", [0.8125, 0.5, -0.5])])
+        run = [points, "--mesh", "a.off"]
+        for more, says in [(["--gap", "1"], "add -o FILE in .glb"), (["--gap", "-1", "-o", "p.stl"], "negative"),
+                           (["-o", "p.ply"], "whole cells"), (["-o", "p.glb", "--color", "x"], "materials")]:
+            self.refuse(*run, *more, says=says)
+        self.refuse(points, "-o", "p.stl", says="add --mesh FILE")
+        self.refuse(points, "--gap", "1", "-o", "p.glb", says="--mesh")
+
     def test_replaces_the_domain_of_the_file(self):
         self.put("a.off", OFF)
         frame = '2\nLattice="9 0 0 0 9 0 0 0 9" Properties=pos:R:3\n0.25 0.5 0.5\n0.75 0.5 0.5\n'
@@ -118,7 +143,7 @@ class Mesh(CliTest):
     def test_refusals(self):
         self.put("a.off", OFF)
         run = ["--random", 9, "--mesh"]
-        for more, says in [(["-o", "a.vtu"], "polygons"), (["--verify"], "--verify"), (["--image", "a.png"], "--image"),
+        for more, says in [(["-o", "a.vtu"], "whole cells"), (["--verify"], "--verify"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
                            (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
                            (["--mesh-repair", "holes"], "'holes': give merge"),

@@ -85,6 +85,59 @@ Solid torus(int around, int across) {
     return s;
 }
 
+Solid spring(int turns, int steps, int across) {
+    Solid s;
+    const int rings = turns * steps + 1;
+    for (int a = 0; a < rings; ++a)
+        for (int b = 0; b < across; ++b) {
+            const double u = 2 * std::numbers::pi * a / steps, v = 2 * std::numbers::pi * b / across;
+            const double r = 1 + 0.2 * std::cos(v);
+            s.vertices.insert(s.vertices.end(),
+                              {r * std::cos(u), r * std::sin(u), static_cast<double>(a) / steps + 0.2 * std::sin(v)});
+        }
+    const auto index = [&](int a, int b) { return a * across + b % across; };
+    for (int a = 0; a + 1 < rings; ++a)
+        for (int b = 0; b < across; ++b)
+            for (const int i :
+                 {index(a, b), index(a + 1, b), index(a + 1, b + 1), index(a, b), index(a + 1, b + 1), index(a, b + 1)})
+                s.triangles.push_back(i);
+    for (int b = 2; b < across; ++b) {
+        s.triangles.insert(s.triangles.end(), {index(0, 0), index(0, b - 1), index(0, b)});
+        s.triangles.insert(s.triangles.end(), {index(rings - 1, 0), index(rings - 1, b), index(rings - 1, b - 1)});
+    }
+    return s;
+}
+
+Solid cubes(const std::array<int, 3>& count, const std::vector<bool>& filled) {
+    Solid s;
+    using Place = std::array<int, 3>;
+    const auto is_filled = [&](const Place& x) {
+        for (std::size_t k = 0; k < 3; ++k)
+            if (x[k] < 0 || x[k] >= count[k]) return false;
+        return static_cast<bool>(filled[static_cast<std::size_t>((x[0] * count[1] + x[1]) * count[2] + x[2])]);
+    };
+    const auto vertex = [&](const Place& x) { return (x[0] * (count[1] + 1) + x[1]) * (count[2] + 1) + x[2]; };
+    Place x;
+    for (x[0] = 0; x[0] <= count[0]; ++x[0])
+        for (x[1] = 0; x[1] <= count[1]; ++x[1])
+            for (x[2] = 0; x[2] <= count[2]; ++x[2]) s.vertices.insert(s.vertices.end(), x.begin(), x.end());
+    for (x[0] = 0; x[0] < count[0]; ++x[0])
+        for (x[1] = 0; x[1] < count[1]; ++x[1])
+            for (x[2] = 0; x[2] < count[2]; ++x[2])
+                for (std::size_t k = 0; k < 3 && is_filled(x); ++k)
+                    for (const int side : {0, 1}) {
+                        Place beside = x, a = x;
+                        beside[k] += side == 1 ? 1 : -1;
+                        if (is_filled(beside)) continue;
+                        a[k] += side;
+                        Place b = a, c = a, d = a;
+                        ++b[(k + 1) % 3], ++c[(k + 1) % 3], ++c[(k + 2) % 3], ++d[(k + 2) % 3];
+                        if (side == 0) std::swap(b, d);
+                        for (const Place& corner : {a, b, c, a, c, d}) s.triangles.push_back(vertex(corner));
+                    }
+    return s;
+}
+
 Solid joined(const Solid& a, const Solid& b) {
     Solid s = a;
     s.vertices.insert(s.vertices.end(), b.vertices.begin(), b.vertices.end());

@@ -26,6 +26,10 @@ Solid cuboid(double lower, double upper);
 Solid tetrahedron(const std::array<std::array<double, 3>, 4>& corners);
 // Radii 1 and 0.4, around z; 2 * around * across triangles.
 Solid torus(int around, int across);
+// A tube of radius 0.2 along a helix of radius 1 and pitch 1 around z, from the x axis on, with flat ends.
+Solid spring(int turns, int steps, int across);
+// Unit cubes of a grid of nx * ny * nz, without the faces between them. filled: by cube, z fastest.
+Solid cubes(const std::array<int, 3>& count, const std::vector<bool>& filled);
 // Returns both surfaces.
 Solid joined(const Solid& a, const Solid& b);
 

@@ -20,6 +20,7 @@ from .frames import Frame, read_frames
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
 from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
+from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
@@ -44,6 +45,8 @@ __all__ = [
     "Neighbors",
     "Network",
     "Pairs",
+    "Piece",
+    "Pieces",
     "Probes",
     "RayCells",
     "Relaxation",

@@ -247,6 +247,22 @@ class Bytes(ctypes.Structure):
 
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
+
+class PieceArrays(ctypes.Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("rows", c_uint64),
+        ("indptr", c_void_p),
+        ("ids", c_void_p),
+        ("vertex_offsets", c_void_p),
+        ("vertices", c_void_p),
+        ("triangle_offsets", c_void_p),
+        ("triangles", c_void_p),
+        ("on_surface", c_void_p),
+        ("centroids", c_void_p),
+    ]
+
 # Handles are void pointers. Arrays are addresses (c_void_p), which NumPy wraps.
 _HANDLE = c_void_p
 _ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
@@ -372,6 +388,17 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         c_int,
         (_HANDLE, c_int32, POINTER(c_double), POINTER(c_int32), POINTER(c_double), POINTER(c_int32)),
     ),
+    "votess_pieces_new": (c_int, (_HANDLE, c_double, c_uint32, ProgressCallback, c_void_p, POINTER(_HANDLE))),
+    "votess_pieces_free": (None, (_HANDLE,)),
+    "votess_pieces_indptr": _ARRAY,  # int64
+    "votess_pieces_vertex_offsets": _ARRAY,  # int64
+    "votess_pieces_vertices": _ARRAY,  # float64
+    "votess_pieces_triangle_offsets": _ARRAY,  # int64
+    "votess_pieces_triangles": _ARRAY,  # int32
+    "votess_pieces_on_surface": _ARRAY,  # uint8
+    "votess_pieces_sources": _ARRAY,  # int32
+    "votess_pieces_volumes": _ARRAY,  # float64
+    "votess_pieces_centroids": _ARRAY,  # float64
     "votess_verify": (
         c_int,
         (
@@ -391,6 +418,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
     "votess_write_mesh": (c_int, (POINTER(Mesh), c_char_p, WriteCallback, c_void_p)),
+    "votess_write_pieces": (c_int, (POINTER(PieceArrays), c_char_p, WriteCallback, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
 import numpy as np
 
 from ._c_api import CellStatus, ErrorCode
-from ._call import Handle, VotessError, array_of, raise_on_failure
+from ._call import Handle, Progress, VotessError, array_of, raise_on_failure
 from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -18,6 +18,7 @@ from ._state import SeedCells, differing_array, read_result
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_derivatives, make_pairs
+from .pieces import Pieces, make_pieces
 from .stats import VerifyReport, verify
 from .zones import Zones, read_zones
 
@@ -100,6 +101,20 @@ class Tessellation(SeedCells):
         Raises ValueError for negative weights, with ``only``, and where :meth:`delaunay` refuses dropped faces.
         """
         return make_network(self, self._handle())
+
+    def pieces(
+        self, gap: float = 0.0, threads: int = 0, progress: Union[None, bool, Progress] = None
+    ) -> Pieces:
+        """Returns the connected parts of the cells as closed triangle meshes. Needs ``mesh``.
+
+        gap : moves the planes of each cell inward by half of this length, so that pieces are this far apart. The surface
+            of the mesh stays.
+        threads, progress : as for :func:`tessellate`.
+
+        Without a gap, volumes of the pieces sum to those of the cells. Raises ValueError without ``mesh`` and for a negative
+        gap.
+        """
+        return make_pieces(self, self._handle(), gap, threads, progress)
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""

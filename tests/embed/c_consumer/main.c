@@ -130,6 +130,53 @@ static void check_tessellations(void) {
 }
 
 // The cube as a mesh, around one seed at each of its corners.
+static int count_bytes(const votess_bytes* bytes, void* user) {
+    *(uint64_t*)user += bytes->count;
+    return 1;
+}
+
+// The result: eight cubes, each with three faces inside.
+static void check_pieces(const votess_result* result) {
+    votess_pieces* pieces = NULL;
+    CHECK_REFUSES(votess_pieces_new(result, -1, 1, NULL, NULL, &pieces), "gap is -1");
+    CHECK_REFUSES(votess_pieces_new(NULL, 0, 1, NULL, NULL, &pieces), "result");
+    CHECK(pieces == NULL && votess_pieces_new(result, 0, 1, NULL, NULL, &pieces) == VOTESS_OK);
+    size_t length = 0;
+    CHECK(fabs(votess_pieces_volumes(pieces, &length)[7] - 0.125) < 1e-14 && length == 8);
+    const int64_t ids[8] = {8, 7, 6, 5, 4, 3, 2, 1};
+    votess_piece_arrays arrays = {sizeof arrays,
+                                  0,
+                                  8,
+                                  votess_pieces_indptr(pieces, NULL),
+                                  ids,
+                                  votess_pieces_vertex_offsets(pieces, NULL),
+                                  votess_pieces_vertices(pieces, NULL),
+                                  votess_pieces_triangle_offsets(pieces, NULL),
+                                  votess_pieces_triangles(pieces, NULL),
+                                  votess_pieces_on_surface(pieces, &length),
+                                  votess_pieces_centroids(pieces, NULL)};
+    CHECK(length == (size_t)arrays.triangle_offsets[8]);
+    CHECK(votess_pieces_sources(pieces, &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
+    uint64_t bytes = 0;
+    CHECK(votess_write_pieces(&arrays, ".stl", count_bytes, &bytes) == VOTESS_OK && bytes == 84 + 50 * length);
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".vtu", count_bytes, &bytes), "known are .glb .obj .stl .3mf");
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".stl", NULL, NULL), "write");
+    CHECK_REFUSES(votess_write_pieces(NULL, ".stl", count_bytes, &bytes), "pieces");
+    const int32_t wrong[3] = {0, 1, 99};
+    const int64_t one[9] = {0, 1, 1, 1, 1, 1, 1, 1, 1};
+    arrays.triangles = wrong;
+    arrays.triangle_offsets = one;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".obj", count_bytes, &bytes), "pieces.triangles[2] is 99");
+    arrays.centroids = NULL;
+    arrays.triangles = NULL;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".obj", count_bytes, &bytes), "pieces.triangles is NULL");
+    arrays.struct_size = 8;
+    CHECK_REFUSES(votess_write_pieces(&arrays, ".obj", count_bytes, &bytes), "struct_size");
+    votess_pieces_free(pieces);
+    votess_pieces_free(NULL);
+    CHECK(votess_pieces_volumes(NULL, &length) == NULL && length == 0);
+}
+
 static void check_mesh(void) {
     static const int32_t triangles[36] = {0, 1, 3, 0, 3, 2, 4, 6, 7, 4, 7, 5, 0, 4, 5, 0, 5, 1,
                                           2, 3, 7, 2, 7, 6, 0, 2, 6, 0, 6, 4, 1, 5, 7, 1, 7, 3};
@@ -152,6 +199,7 @@ static void check_mesh(void) {
     CHECK(length == 8);
     for (size_t i = 0; i < length; ++i) CHECK(fabs(areas[i] - 0.75) < 1e-14);
     CHECK(votess_result_indices(result, &length) != NULL && length == 24);
+    check_pieces(result);
     votess_result_free(result);
 }
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
-from typing import TYPE_CHECKING, Any, Dict, Optional
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
 
 import numpy as np
 
@@ -17,6 +18,20 @@ if TYPE_CHECKING:
     from .._state import SeedCells
 
     Arrays = Dict[str, npt.NDArray[Any]]
+
+
+@contextlib.contextmanager
+def writing(path: str) -> Iterator[Any]:
+    """Yields the callback that writes the file."""
+    with open(path, "wb") as file:
+
+        def write(piece: Any) -> int:
+            data = (ctypes.c_char * piece[0].count).from_address(piece[0].data)
+            file.write(data)
+            return 1
+
+        with Callbacks() as callbacks:
+            yield callbacks.guarded(_c_api.WriteCallback, write, 0)
 
 
 def write_mesh(path: str, extension: str, t: SeedCells, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]]) -> None:
@@ -52,15 +67,6 @@ def write_mesh(path: str, extension: str, t: SeedCells, columns: Arrays, colors:
         box_upper=tuple(t.box[1]),
         **{name: None if array is None else array.ctypes.data for name, array in arrays.items()},
     )
-    with open(path, "wb") as file:
-
-        def write(piece: Any) -> int:
-            data = (ctypes.c_char * piece[0].count).from_address(piece[0].data)
-            file.write(data)
-            return 1
-
-        with Callbacks() as callbacks:
-            status = lib.votess_write_mesh(
-                ctypes.byref(mesh), extension.encode(), callbacks.guarded(_c_api.WriteCallback, write, 0), None
-            )
-        raise_on_failure(status)
+    with writing(path) as write:
+        status = lib.votess_write_mesh(ctypes.byref(mesh), extension.encode(), write, None)
+    raise_on_failure(status)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 
 import numpy as np
 
+from .._c_api import RepairWord
 from .._call import Progress, showing
 from .._input import as_count, as_points
 from ..fit import fit_volumes
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 # A seed nearer to a wall than this, in units of the box, moves to its centroid at most.
 _MARGIN = 1e-9
-_WANT = "faces,volumes,centroids"
+_WANT = "volumes,centroids"
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,7 @@ class Relaxation:
     points: Float64Array  #: (N, 3) float64, the final seeds, not wrapped
     energies: Float64Array  #: (S + 1,) float64, before the first step and after each
     moved: Float64Array  #: (S,) float64, the largest move in each step, in units of the mean spacing
-    tessellation: Tessellation  #: the cells of ``points``: faces, volumes and centroids
+    tessellation: Tessellation  #: the cells of ``points``: volumes, centroids and, outside meshes, faces
 
     def __repr__(self) -> str:
         first, last = self.energies[[0, -1]]
@@ -91,6 +92,8 @@ def lloyd(
     cell: Optional[npt.ArrayLike] = None,
     origin: Optional[npt.ArrayLike] = None,
     walls: npt.ArrayLike = (),
+    mesh: Any = None,
+    mesh_repair: Optional[RepairWord] = None,
     fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     over_relaxation: float = 1.0,
@@ -113,10 +116,10 @@ def lloyd(
     points : (N, 3) array of real numbers, as for :func:`tessellate`; not changed. Of equal seeds the first has the cell;
         the others stay until it moves away. A seed whose cell has no mass also stays.
     steps : maximum number of steps; 0 returns the energy of the given points.
-    density : a function of (K, 3) points inside the domain, up to rounding. It returns (K,) finite numbers >= 0. It is
+    density : a function of (K, 3) points inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
         called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
-    box, periodic, cell, origin, walls : the domain, as for :func:`tessellate`. The default box, around the initial
-        points, stays fixed.
+    box, periodic, cell, origin, walls, mesh, mesh_repair : the domain, as for :func:`tessellate`. The default box, around
+        the initial points, stays fixed. In a mesh the centroid is that of the cell's part inside. It may lie outside.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
         each seed. 0 stops only when nothing moves.
@@ -147,6 +150,8 @@ def lloyd(
         raise ValueError("volumes are those of a uniform density: leave out density or volumes")
 
     domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
+    domain.update(mesh=mesh, mesh_repair=mesh_repair)
+    want = _WANT if mesh is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
     energies: List[float] = []
     moved: List[float] = []
@@ -154,10 +159,10 @@ def lloyd(
         for step in range(steps + 1):
             part = None if show is None else _share(show, step, steps + 1)
             if volumes is None:
-                t = kept.tessellate(array, want=_WANT, progress=part, **domain)
+                t = kept.tessellate(array, want=want, progress=part, **domain)
             else:
                 fit = fit_volumes(
-                    array, volumes, weights=weights, normalize=normalize, want=_WANT, device=device, threads=threads,
+                    array, volumes, weights=weights, normalize=normalize, want=want, device=device, threads=threads,
                     precision="double", progress=part, **domain,
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Tuple
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
 
 import numpy as np
 
-from ..export.geometry import Mesh, mesh_of, triangles
+from ..export.geometry import mesh_of, triangles
 from ..pairs import edges_of
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .._state import SeedCells
+    from ..tessellation import Tessellation
 
+    BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
 
@@ -25,58 +26,82 @@ Density = Callable[[Any], Any]
 _NEAR, _FAR = (5 + 3 * 5**0.5) / 20, (5 - 5**0.5) / 20
 
 _FACES = 2048  # in a block, so that its arrays stay in the cache
+_TRIANGLES = 4 * _FACES  # in a block of pieces
+
+
+def _surfaces(
+    t: Tessellation, caller: str, chosen: Optional[BoolArray] = None
+) -> Tuple[Float64Array, Iterator[Tuple[Int64Array, Int64Array]]]:
+    """Returns vertices (V, 3) and blocks of the cells (M,) and vertices (M, 3) of triangles, by cell, of chosen faces.
+
+    The triangles of a cell enclose it, in a mesh its part inside. There faces cannot be chosen.
+    """
+    if t.in_mesh:
+        p = t.pieces()
+        sizes = np.diff(p.triangle_offsets)
+        cells = np.repeat(p.cells, sizes)
+        ids = p.triangles + np.repeat(p.vertex_offsets[:-1], sizes)[:, None]
+        blocks = (slice(first, first + _TRIANGLES) for first in range(0, len(ids), _TRIANGLES))
+        return p.vertices, ((cells[block], ids[block]) for block in blocks)
+    mesh = mesh_of(t, caller)
+    faces = np.arange(len(mesh.offsets) - 1) if chosen is None else np.flatnonzero(chosen)
+    cell_of_face = mesh.cell_of_face
+    fans = (triangles(mesh, faces[first : first + _FACES]) for first in range(0, len(faces), _FACES))
+    return mesh.vertices, ((cell_of_face[face], ids) for ids, face in fans)
 
 
 def _tetrahedra(
-    mesh: Mesh, places: Float64Array, faces: Int64Array
+    t: Tessellation, places: Float64Array, caller: str, chosen: Optional[BoolArray] = None
 ) -> Iterator[Tuple[Int64Array, Float64Array, Float64Array]]:
-    """Yields, block by block, the tetrahedra between the triangles of these faces and the seeds.
+    """Yields, block by block, the tetrahedra between the triangles of chosen faces and the seeds.
 
-    A block is: cells (M,), in the order of the faces; x, y, z of three corners relative to the seed (3, 3, M); and six
-    times the volumes (M,).
+    A block is: cells (M,), ascending; x, y, z of three corners relative to the seed (3, 3, M); and six times the volumes
+    (M,), negative where a triangle faces the seed.
     """
-    vertices, seeds = np.ascontiguousarray(mesh.vertices.T), np.ascontiguousarray(places.T)
-    cell_of_face = mesh.cell_of_face
-    for first in range(0, len(faces), _FACES):
-        ids, face = triangles(mesh, faces[first : first + _FACES])
-        cell = cell_of_face[face]
+    vertices, blocks = _surfaces(t, caller, chosen)
+    vertices, seeds = np.ascontiguousarray(vertices.T), np.ascontiguousarray(places.T)
+    for cell, ids in blocks:
         corners = vertices.take(np.ascontiguousarray(ids.T), axis=1)
         corners -= seeds.take(cell, axis=1)[:, None]
         (ax, bx, cx), (ay, by, cy), (az, bz, cz) = corners
         yield cell, corners, ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
 
 
-def uniform_energy(t: SeedCells, places: Float64Array, caller: str = "lloyd()") -> float:
+def uniform_energy(t: Tessellation, places: Float64Array, caller: str = "lloyd()") -> float:
     """Returns the sum of the integrals of |x - p|^2 over the cells of seeds p, which are at ``places`` in the domain.
 
     For a tetrahedron with corners at the seed and at a, b, c relative to it, the integral is
     volume / 20 (|a|^2 + |b|^2 + |c|^2 + |a + b + c|^2). It is negative for a face that faces the seed, as in a power
-    diagram. In a Voronoi diagram the contributions of a face to its two cells are equal by symmetry, so one of them is
+    diagram or a mesh. In a Voronoi diagram the contributions of a face to its two cells are equal by symmetry, so one of them is
     computed and counted twice.
     """
-    mesh = mesh_of(t, caller)
-    cell, neighbor = mesh.cell_of_face, t.neighbors.indices
+    twice: Optional[BoolArray] = None
+    once: Optional[BoolArray] = None
+    if not t.in_mesh and t.weights is None:
+        cell, neighbor = mesh_of(t, caller).cell_of_face, t.neighbors.indices
+        twice, once = cell < neighbor, (neighbor < 0) | (cell == neighbor)
     energy = 0.0
-    twice = (cell < neighbor) if t.weights is None else np.zeros(len(cell), dtype=bool)
-    once = ((neighbor < 0) | (cell == neighbor)) if t.weights is None else ~twice
-    for faces, times in ((twice, 2), (once, 1)):
-        for _, corners, size in _tetrahedra(mesh, places, np.flatnonzero(faces)):
+    for times, chosen in ((2, twice), (1, once)):
+        if times == 2 and chosen is None:
+            continue
+        for _, corners, size in _tetrahedra(t, places, caller, chosen):
             total = corners.sum(axis=1)
             squares = np.einsum("kcm,kcm->m", corners, corners) + np.einsum("km,km->m", total, total)
             energy += times * float(size @ squares)
     return energy / 120
 
 
-def transport_cost(tessellation: SeedCells) -> float:
+def transport_cost(tessellation: Tessellation) -> float:
     """Returns the cost of moving the uniform density of the domain to the seeds: the sum of the integrals of |x - p|^2.
 
     Each cell goes to its seed p. In a power diagram no other plan that gives each seed the volume of its cell costs less,
-    so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. Needs "faces" in want.
+    so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. Needs "faces" in want, but
+    not in a mesh.
     """
     return uniform_energy(tessellation, tessellation.wrapped_points, "transport_cost()")
 
 
-def _values(t: SeedCells, density: Density, points: Float64Array) -> Float64Array:
+def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64Array:
     """Returns the density at these points, which are wrapped into a periodic domain first."""
     if any(t.periodic):
         edges = edges_of(t)
@@ -95,11 +120,10 @@ def _values(t: SeedCells, density: Density, points: Float64Array) -> Float64Arra
     return values
 
 
-def weighted_centroids(t: SeedCells, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
+def weighted_centroids(t: Tessellation, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
     """Returns centroids relative to the seeds (N, 3), NaN without mass, and the energy, by the rule above."""
-    mesh = mesh_of(t, "lloyd()")
     mass, moment, energy = np.zeros(len(t)), np.zeros((3, len(t))), 0.0
-    for cell, corners, size in _tetrahedra(mesh, places, np.arange(len(mesh.offsets) - 1)):
+    for cell, corners, size in _tetrahedra(t, places, "lloyd()"):
         if len(cell) == 0:
             continue
         nodes = np.repeat(_FAR * corners.sum(axis=1)[:, None], 4, axis=1)  # x, y, z of the four points

@@ -1,0 +1,31 @@
+// Files of pieces, each of them an object.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "files/byte_sink.hpp"
+
+namespace votess::files {
+
+// A view of P pieces. Indices lie inside their arrays, and offsets ascend from 0.
+struct Pieces {
+    std::span<const std::int64_t> indptr;  // of the rows
+    std::span<const std::int64_t> ids;     // of the rows
+    std::span<const std::int64_t> vertex_offsets;
+    std::span<const double> vertices;
+    std::span<const std::int64_t> triangle_offsets;
+    std::span<const std::int32_t> triangles;
+    std::span<const std::uint8_t> on_surface;
+    std::span<const double> centroids;
+
+    [[nodiscard]] std::size_t size() const { return vertex_offsets.size() - 1; }
+};
+
+// Each writes a whole file. Throw invalid_argument for a file beyond 4 GiB.
+void write_pieces_glb(const Pieces& pieces, ByteSink& out);
+void write_pieces_obj(const Pieces& pieces, ByteSink& out);
+void write_pieces_stl(const Pieces& pieces, ByteSink& out);
+void write_pieces_3mf(const Pieces& pieces, ByteSink& out);
+
+}  // namespace votess::files

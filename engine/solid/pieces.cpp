@@ -1,0 +1,88 @@
+#include "votess/pieces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/arithmetic.hpp"
+#include "core/progress.hpp"
+#include "core/text.hpp"
+#include "core/thread_pool.hpp"
+#include "result/result.hpp"
+#include "solid/cell_pieces.hpp"
+#include "solid/mesh_cells.hpp"
+
+namespace votess {
+namespace {
+
+constexpr std::size_t cells_per_task = 64;
+
+// Appends the pieces of further rows.
+void append(const Pieces& more, Pieces& to) {
+    const auto add = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
+    const auto add_offsets = [](std::vector<std::int64_t>& all, const std::vector<std::int64_t>& part) {
+        const std::int64_t before = all.back();
+        for (const std::int64_t offset : std::span(part).subspan(1)) all.push_back(before + offset);
+    };
+    add_offsets(to.indptr, more.indptr);
+    add_offsets(to.vertex_offsets, more.vertex_offsets);
+    add_offsets(to.triangle_offsets, more.triangle_offsets);
+    add(to.vertices, more.vertices);
+    add(to.triangles, more.triangles);
+    add(to.on_surface, more.on_surface);
+    add(to.sources, more.sources);
+    add(to.volumes, more.volumes);
+    add(to.centroids, more.centroids);
+}
+
+Pieces no_pieces() {
+    Pieces none;
+    none.indptr = none.vertex_offsets = none.triangle_offsets = {0};
+    return none;
+}
+
+}  // namespace
+
+Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
+    const solid::MeshCells* const cells = tessellation.result_->mesh_cells.get();
+    if (cells == nullptr)
+        throw Error(ErrorCode::invalid_argument, "pieces: the cells are not cut by a mesh: tessellate with `mesh`");
+    if (!std::isfinite(options.gap) || options.gap < 0)
+        throw Error(ErrorCode::invalid_argument, "pieces: gap is " + number(options.gap) + ": give a length from 0 on");
+    Progress progress(options.progress);
+    const Stoppable stoppable(progress);
+    ThreadPool pool(options.threads);
+    struct Worker {
+        solid::CutCell cell;
+        solid::CellPieces pieces;
+    };
+    std::vector<std::unique_ptr<Worker>> workers(pool.size());
+    std::vector<Pieces> parts(ceil_div(cells->rows(), cells_per_task), no_pieces());
+    pool.run_stage(parts.size(), [&](std::size_t index, unsigned worker) {
+        if (!workers[worker])
+            workers[worker] =
+                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain}, {cells->mesh, cells->scale}});
+        auto& [cell, maker] = *workers[worker];
+        for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
+            check_stop();
+            const bool is_cut = cells->winding[r] == solid::MeshCells::cut;
+            if (cells->winding[r] != 0) cells->make(r, cell, options.gap * cells->scale);
+            if (cells->winding[r] == 0 || cell.empty()) {
+                parts[index].indptr.push_back(parts[index].indptr.back());
+            } else if (is_cut) {
+                const solid::CutMeasures& m = cell.measure();
+                maker.add(cell, m.meets_surface, m.winding, parts[index]);
+            } else {
+                cell.find_faces();
+                maker.add(cell, false, cells->winding[r], parts[index]);
+            }
+        }
+    });
+    Pieces all = no_pieces();
+    for (Pieces& part : parts) append(std::exchange(part, {}), all);
+    return all;
+}
+
+}  // namespace votess
