@@ -34,5 +34,6 @@ class RayCells:
         of_seeds: npt.NDArray[Any] = np.asarray(values, np.float64)
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
-        sums = [np.bincount(rays, column[self.seeds] * self.lengths, len(self)) for column in columns]
-        return np.stack(sums, axis=-1).reshape(len(self), *of_seeds.shape[1:])
+        sums: Any = [np.bincount(rays, column[self.seeds] * self.lengths, len(self)) for column in columns]
+        out: npt.NDArray[np.float64] = np.stack(sums, axis=-1).reshape(len(self), *of_seeds.shape[1:])
+        return out

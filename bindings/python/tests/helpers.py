@@ -23,6 +23,28 @@ signal.signal(signal.SIGINT, signal.default_int_handler)
 UNIT_BOX = (0, 0, 0, 1, 1, 1)
 EVERYTHING = ("neighbors", "volumes", "centroids", "counts", "areas")
 CELL = [(1, 0, 0), (0.3, 1, 0), (0.2, 0.4, 1)]
+CUBE = (
+    np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float),
+    np.array([
+        (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+        (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+    ]),
+)  # fmt: skip
+
+
+def _ell():
+    """Returns a closed mesh: a box of 2 x 2 x 1 without a quarter."""
+    outline = np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], float)
+    count = len(outline)
+    vertices = np.concatenate([np.insert(outline, 2, z, axis=1) for z in (0, 1)])
+    top = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]) + count
+    i = np.arange(count)
+    j = np.roll(i, -1)
+    sides = [np.stack([i, j, j + count], 1), np.stack([i, j + count, i + count], 1)]
+    return vertices, np.concatenate([top, top[:, ::-1] - count, *sides])
+
+
+ELL = _ell()
 
 
 def uniform(count, seed=1):

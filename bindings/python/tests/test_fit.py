@@ -7,7 +7,7 @@ import pickle
 import unittest
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, lattice, uniform
+from helpers import CELL, CUBE, ELL, UNIT_BOX, lattice, uniform
 
 import pyvotess as vt
 
@@ -36,18 +36,6 @@ def domains():
     yield points @ cell + 5, {"cell": cell, "origin": (5, 5, 5)}, 1
     yield points @ (cell * [[1], [1], [0.2]]), {"cell": cell * [[1], [1], [0.2]], "periodic": "xy"}, 0.2
     yield inside, {"walls": OCTAHEDRON}, 4 / 3
-
-
-def ell():
-    """Returns a closed mesh: a box of 2 x 2 x 1 without a quarter."""
-    outline = np.array([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], float)
-    count = len(outline)
-    vertices = np.concatenate([np.insert(outline, 2, z, axis=1) for z in (0, 1)])
-    top = np.array([(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]) + count
-    i = np.arange(count)
-    j = np.roll(i, -1)
-    sides = [np.stack([i, j, j + count], 1), np.stack([i, j + count, i + count], 1)]
-    return vertices, np.concatenate([top, top[:, ::-1] - count, *sides])
 
 
 def residual(points, weights, targets, **domain):
@@ -100,23 +88,18 @@ class Residuals(unittest.TestCase):
         points = points[(points[:, :2] < 1).any(axis=1)][:SEEDS]
         for kind in ("equal", "lognormal"):
             targets = 3 * shares(len(points), kind)
-            fit = vt.fit_volumes(points, targets, mesh=ell())
-            self.assertLessEqual(residual(points, fit.weights, targets, mesh=ell()), 1.001e-9)
+            fit = vt.fit_volumes(points, targets, mesh=ELL)
+            self.assertLessEqual(residual(points, fit.weights, targets, mesh=ELL), 1.001e-9)
             self.assertTrue(fit.tessellation.in_mesh)
-        corners = np.array(list(itertools.product((0, 1), repeat=3)), float)
-        cube = corners, np.array([
-            (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
-            (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
-        ])  # fmt: skip
         points, targets = uniform(50), shares(50, "lognormal")
         in_box = vt.fit_volumes(points, targets, UNIT_BOX, tolerance=1e-12)
-        in_mesh = vt.fit_volumes(points, targets, mesh=cube, tolerance=1e-12)
+        in_mesh = vt.fit_volumes(points, targets, mesh=CUBE, tolerance=1e-12)
         self.assertLess(np.abs(in_mesh.weights - in_box.weights).max(), 1e-11)
         points[7] = 3, 3, 3
         with self.assertRaisesRegex(vt.FitError, r"point \(3, 3, 3\) has no cell, move it into the mesh"):
-            vt.fit_volumes(points, targets, mesh=cube)
+            vt.fit_volumes(points, targets, mesh=CUBE)
         with self.assertRaisesRegex(ValueError, "but the domain has 3: correct them"):
-            vt.fit_volumes(points, targets, mesh=ell())
+            vt.fit_volumes(points, targets, mesh=ELL)
 
     def test_clusters(self):
         """50 of them; their cells lie far from their seeds."""

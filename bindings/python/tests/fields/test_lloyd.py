@@ -5,7 +5,7 @@ import unittest
 from unittest import mock
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, lattice, uniform
+from helpers import CELL, CUBE, ELL, UNIT_BOX, lattice, uniform
 
 import pyvotess as vt
 
@@ -24,6 +24,7 @@ def domains():
     yield points @ cell, {"cell": cell, "periodic": "z"}
     yield points / 3, {"box": UNIT_BOX, "walls": TETRAHEDRON}
     yield points / 3, {"walls": vt.walls.sphere((0.15, 0.15, 0.15), 0.4, 30)}
+    yield points * (1, 2, 1), {"mesh": ELL}
 
 
 def energy(points, density=None, **domain):
@@ -87,7 +88,7 @@ class Steps(unittest.TestCase):
                 r = vt.lloyd(points, 12, over_relaxation=over_relaxation, **domain)
                 self.assertEqual((len(r.energies), len(r.moved)), (13, 12))
                 self.assertLess(np.diff(r.energies).max(), 0, f"{over_relaxation} {domain}")
-                self.assertTrue(r.tessellation.verify())
+                self.assertTrue(r.tessellation.in_mesh or r.tessellation.verify())
                 np.testing.assert_array_equal(r.tessellation.points, r.points)
 
     def test_a_step_goes_to_the_centroids(self):
@@ -163,6 +164,44 @@ class Steps(unittest.TestCase):
     def test_none(self):
         r = vt.lloyd(np.empty((0, 3)), 3)
         self.assertEqual((r.points.shape, r.energies.tolist()), ((0, 3), [0.0, 0.0]))
+
+
+class Meshes(unittest.TestCase):
+    def test_cube(self):
+        points = uniform(SEEDS)
+        for density in (None, lambda x: 1 + x[:, 0]):
+            r, expected = (vt.lloyd(points, 4, density, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX}))
+            np.testing.assert_allclose(r.points, expected.points, atol=1e-13)
+            # The rule is not exact for the energy of this density, and the tetrahedra differ.
+            np.testing.assert_allclose(r.energies, expected.energies, rtol=1e-13 if density is None else 1e-4)
+        volumes = np.linspace(1, 2, SEEDS)
+        r, expected = (
+            vt.lloyd(points, 2, volumes=volumes, normalize=True, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX})
+        )
+        np.testing.assert_allclose(r.points, expected.points, atol=1e-9)
+        self.assertAlmostEqual(vt.transport_cost(r.tessellation), r.energies[-1], places=14)
+
+    def test_two_boxes(self):
+        """The mesh is their union. Seeds outside of it have cells too."""
+        points = 2 * uniform(SEEDS, seed=7) * (1, 1, 0.5)
+        r = vt.lloyd(points, 1, mesh=ELL)
+        mass, moment, total = 0, 0, 0
+        for box in ((0, 0, 0, 2, 1, 1), (0, 1, 0, 1, 2, 1)):
+            t = vt.tessellate(points, box=box, outside="keep", want="faces,volumes,centroids")
+            total += vt.transport_cost(t)
+            mass, moment = mass + t.volumes, moment + np.nan_to_num(t.volumes[:, None] * t.centroids)
+        centroids = np.where(mass > 0, moment.T / np.where(mass > 0, mass, 1), points.T).T
+        np.testing.assert_allclose(r.points, centroids, atol=1e-12)
+        self.assertAlmostEqual(r.energies[0], total, places=12)
+        self.assertLess(r.energies[1], r.energies[0])
+        r = vt.lloyd(points, 5, lambda x: 1 + x[:, 0] ** 2, mesh=ELL)
+        self.assertLess(np.diff(r.energies).max(), 0)
+
+    def test_blocks(self):
+        points = uniform(SEEDS)
+        expected = vt.lloyd(points, 1, mesh=CUBE)
+        with mock.patch("pyvotess.fields.moments._TRIANGLES", 7):
+            np.testing.assert_allclose(vt.lloyd(points, 1, mesh=CUBE).energies, expected.energies, rtol=1e-13)
 
 
 class Densities(unittest.TestCase):
