@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <votess/alpha.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/network.hpp>
@@ -58,6 +59,10 @@ struct votess_zones {
 
 struct votess_network {
     votess::Network network;
+};
+
+struct votess_alpha {
+    votess::AlphaComplex complex;
 };
 
 namespace votess::c {

@@ -161,6 +161,7 @@ typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
 typedef struct votess_network votess_network;
+typedef struct votess_alpha votess_alpha;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -382,6 +383,17 @@ VOTESS_API votess_status votess_network_largest_included(const votess_network* n
 // is -1 without such ways.
 VOTESS_API votess_status votess_network_largest_free(const votess_network* network, int32_t axis, double* radius,
                                                      int32_t* edge, double* included_radius, int32_t* included_vertex);
+
+// The alpha complex, see alpha_complex() in alpha.hpp. points: 3 * count coordinates of the result's points. replicate:
+// 3 numbers of copies along the box vectors, or NULL for one each. On success *out is new, else NULL. The arrays are
+// those of AlphaSimplices for a dimension of 0 to 3.
+VOTESS_API votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
+                                          const int32_t* replicate, votess_alpha** out);
+VOTESS_API void votess_alpha_free(votess_alpha* alpha);
+VOTESS_API const int32_t* votess_alpha_seeds(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const int8_t* votess_alpha_shifts(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const double* votess_alpha_values(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const uint8_t* votess_alpha_gabriel(const votess_alpha* alpha, int32_t dimension, size_t* length);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number

@@ -1,0 +1,510 @@
+// The alpha complex, from the dual of the mesh: tetrahedra first, then the faces of each dimension from the simplices
+// above.
+//
+// A simplex shows its faces which of them have another seed inside their smallest sphere (exact/orthosphere.hpp). The
+// seeds of the simplices around a face are enough for that. Over the triangulation, lift the seeds to the graph of a
+// convex function f and let A be the affine function that belongs to the face's sphere. f - A is 0 on the face. If it
+// is not negative at the seeds around, the face is a local minimum of a convex function, so a global one. Ties do not
+// matter: any triangulation of the polytopes has this f.
+#include "votess/alpha.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/progress.hpp"
+#include "domain/domain.hpp"
+#include "exact/orthosphere.hpp"
+#include "input/domain_of_result.hpp"
+#include "input/options.hpp"
+#include "mesh/dual.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+using Replicate = std::array<std::int32_t, 3>;
+constexpr std::size_t simplices_per_stop = 4096;
+
+[[noreturn]] void refuse_alpha(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "alpha_complex: " + message);
+}
+
+// Where the seeds lie exactly, at order one, and the copies of a periodic box.
+class Places {
+public:
+    Places(const Tessellation& t, std::span<const double> points, const Replicate& replicate)
+        : count_(t.size()), replicate_(replicate), copies_(replicate[0] * replicate[1] * replicate[2]) {
+        if (t.periodic()[0]) {
+            Options options = domain_options(t);
+            options.weights = t.weights();
+            const Job job = validate({points, {}}, options);
+            domain_ = job.domain;
+            scale_ = job.scale;
+            weights_ = domain_->weights;
+        } else {
+            double largest = 0;
+            for (const double x : points) largest = std::max(largest, std::abs(x));
+            scale_ = scale_for(largest);
+            for (const double weight : t.weights()) weights_.push_back(weight * scale_ * scale_);
+        }
+        points_.reserve(points.size());
+        for (const double x : points) points_.push_back(x * scale_);
+        if (domain_ == nullptr) return;
+        wraps_.resize(count_);
+        for (std::size_t i = 0; i < count_; ++i) wraps_[i] = wrap(*domain_, point(i)).value_or(exact::Shift{});
+    }
+
+    [[nodiscard]] bool periodic() const { return domain_ != nullptr; }
+    [[nodiscard]] std::size_t seeds() const { return count_; }
+    [[nodiscard]] std::size_t copies() const { return at(copies_); }
+    [[nodiscard]] double weight(std::int32_t id) const { return weights_.empty() ? 0 : weights_[original(id)]; }
+    // Returns a squared length in the unit of the caller.
+    [[nodiscard]] double unscaled(double square) const { return square / scale_ / scale_; }
+
+    // Returns the member of the large box that a member of a copy is.
+    [[nodiscard]] Member in_copy(const Member& m, std::size_t copy) const {
+        if (copies_ == 1) return m;
+        std::array<std::int32_t, 3> place = place_of(copy);
+        Member out{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t to = place[k] + m.shift[k], period = replicate_[k];
+            const std::int32_t turns = to >= 0 ? to / period : -((period - 1 - to) / period);
+            place[k] = to - turns * period;
+            out.shift[k] = static_cast<std::int8_t>(turns);
+        }
+        const std::int32_t number = (place[0] * replicate_[1] + place[1]) * replicate_[2] + place[2];
+        out.seed = static_cast<std::int32_t>(at(m.seed) + count_ * at(number));
+        return out;
+    }
+
+    // Returns the smallest orthogonal sphere of members with ascending ids.
+    template <std::size_t K>
+    [[nodiscard]] exact::Orthosphere<K> sphere(const std::array<Member, K + 1>& members) const {
+        const std::size_t first = original(members[0].seed);
+        const exact::Point from = point(first);
+        const double own = weights_.empty() ? 0 : weights_[first];
+        std::array<Vector3, K> seen;
+        std::array<double, K> powers{};
+        std::array<exact::Shift, K> shifts{};
+        for (std::size_t i = 0; i < K; ++i) {
+            const std::size_t seed = original(members[i + 1].seed);
+            if (periodic()) shifts[i] = between(members[0], members[i + 1]);
+            seen[i] = minus(point(seed), from);
+            if (shifts[i] != exact::Shift{}) {
+                const exact::Differences d = image_differences(from, bisector(seed, shifts[i]));
+                for (std::size_t k = 0; k < 3; ++k) seen[i][k] = d.x[k].high;
+            }
+            if (!weights_.empty()) powers[i] = own - weights_[seed];
+        }
+        if (const auto sure = exact::sure_orthosphere<K>(seen, powers, own)) return *sure;
+        std::array<exact::Plane, K> bisectors;
+        for (std::size_t i = 0; i < K; ++i) {
+            const std::size_t seed = original(members[i + 1].seed);
+            bisectors[i] = bisector(seed, shifts[i]);
+            if (!weights_.empty()) bisectors[i].power = exact::two_sum(own, -weights_[seed]);
+        }
+        return exact::orthosphere<K>(from, own, bisectors);
+    }
+    // See TurnSeenFrom. Not in a periodic domain.
+    [[nodiscard]] int turn(const Member& from, const std::array<Member, 3>& around) const {
+        std::array<exact::Plane, 3> planes;
+        for (std::size_t i = 0; i < 3; ++i) planes[i] = bisector(at(around[i].seed), {});
+        return exact::orientation(point(at(from.seed)), planes[0], planes[1], planes[2]);
+    }
+
+private:
+    [[nodiscard]] std::size_t original(std::int32_t id) const { return copies_ == 1 ? at(id) : at(id) % count_; }
+    [[nodiscard]] std::array<std::int32_t, 3> place_of(std::size_t copy) const {
+        const auto number = static_cast<std::int32_t>(copy);
+        return {number / replicate_[2] / replicate_[1], number / replicate_[2] % replicate_[1],
+                number % replicate_[2]};
+    }
+    [[nodiscard]] exact::Point point(std::size_t i) const {
+        return {points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
+    }
+    [[nodiscard]] exact::Plane bisector(std::size_t seed, const exact::Shift& shift) const {
+        return periodic() ? exact::Plane::bisector(point(seed), shift, domain_->lattice)
+                          : exact::Plane::bisector(point(seed));
+    }
+    // Returns the shift of one seed's point as seen from another's.
+    [[nodiscard]] exact::Shift between(const Member& from, const Member& to) const {
+        const exact::Shift a = shift_of(from), b = shift_of(to);
+        return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    }
+    [[nodiscard]] exact::Shift shift_of(const Member& m) const {
+        exact::Shift shift = wraps_[original(m.seed)];
+        if (copies_ == 1) {
+            for (std::size_t k = 0; k < 3; ++k) shift[k] += m.shift[k];
+            return shift;
+        }
+        const auto place = place_of(at(m.seed) / count_);
+        for (std::size_t k = 0; k < 3; ++k) shift[k] += place[k] + replicate_[k] * m.shift[k];
+        return shift;
+    }
+
+    std::size_t count_;
+    Replicate replicate_;
+    std::int32_t copies_;
+    double scale_ = 1;
+    std::shared_ptr<const Domain> domain_;  // null unless periodic
+    std::vector<double> points_, weights_;
+    std::vector<exact::Shift> wraps_;  // that bring the seeds into the domain
+};
+
+// One simplex with K + 1 seeds.
+template <std::size_t K>
+struct Simplex {
+    std::array<std::int32_t, K + 1> ids;  // ascending
+    std::array<ByteShift, K + 1> shifts;  // the first is 0
+    double value;
+    std::uint8_t outside;  // bit i: seed i lies strictly outside the smallest sphere of the face opposite to it
+    std::uint8_t inside;   // bit i: strictly inside
+
+    [[nodiscard]] std::array<Member, K + 1> members() const {
+        std::array<Member, K + 1> out;
+        for (std::size_t i = 0; i <= K; ++i) out[i] = {ids[i], shifts[i]};
+        return out;
+    }
+};
+
+template <std::size_t K>
+void set_sides(const exact::Orthosphere<K>& sphere, Simplex<K>& simplex) {
+    simplex.outside = simplex.inside = 0;
+    for (std::size_t i = 0; i <= K; ++i) {
+        simplex.outside |= static_cast<std::uint8_t>((sphere.signs[i] > 0) << i);
+        simplex.inside |= static_cast<std::uint8_t>((sphere.signs[i] < 0) << i);
+    }
+}
+
+// The tetrahedra, ascending.
+class Cutter {
+public:
+    Cutter(const Result& result, const Delaunay& dual, const Places& places)
+        : result_(result), dual_(dual), places_(places) {}
+
+    std::vector<Simplex<3>> cut() {
+        const std::size_t whole = dual_.tetrahedra.size() / 4;
+        out_.reserve(places_.copies() * whole);
+        for (std::size_t t = 0; t < whole; ++t) {
+            std::array<Member, 4> corners;
+            for (std::size_t k = 0; k < 4; ++k)
+                corners[k] = {dual_.tetrahedra[4 * t + k], shift_in(dual_.tetrahedra_shifts, 4 * t + k, 1)};
+            for (std::size_t copy = 0; copy < places_.copies(); ++copy) add(in_copy(corners, copy));
+        }
+        if (!dual_.polytope_centers.empty()) cut_polytopes();
+        return std::move(out_);
+    }
+
+private:
+    template <std::size_t N>
+    [[nodiscard]] std::array<Member, N> in_copy(std::array<Member, N> members, std::size_t copy) const {
+        for (Member& m : members) m = places_.in_copy(m, copy);
+        return members;
+    }
+
+    void add(std::array<Member, 4> corners) {
+        if (out_.size() % simplices_per_stop == 0) check_stop();
+        std::ranges::sort(corners, {}, &Member::seed);
+        Simplex<3> simplex{};
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (k > 0 && corners[k].seed == corners[k - 1].seed)
+                refuse_alpha("an edge joins seed " + std::to_string(corners[k].seed) +
+                             " to its own image: the box is too small for these seeds, replicate it 2 or 3 times "
+                             "along each vector");
+            simplex.ids[k] = corners[k].seed;
+            simplex.shifts[k] = sum(corners[k].shift, negative(corners[0].shift));
+        }
+        const exact::Orthosphere<3> sphere = places_.sphere<3>(simplex.members());
+        simplex.value = sphere.square;
+        set_sides(sphere, simplex);
+        out_.push_back(simplex);
+    }
+
+    // All parts of a polytope have the same empty sphere.
+    void cut_polytopes() {
+        const PolytopeFacets facets =
+            polytope_facets(result_, dual_, [&](const Member& from, const std::array<Member, 3>& around) {
+                return places_.turn(from, around);
+            });
+        for (std::size_t p = 0; p < dual_.polytope_centers.size(); ++p)
+            for (std::size_t copy = 0; copy < places_.copies(); ++copy) {
+                const std::size_t first = out_.size();
+                cut_polytope(facets, p, copy);
+                for (std::size_t t = first; t < out_.size(); ++t) out_[t].value = out_[first].value;
+            }
+    }
+    void cut_polytope(const PolytopeFacets& facets, std::size_t p, std::size_t copy) {
+        const auto lowest_of = [](std::span<const Member> members) {
+            return static_cast<std::size_t>(std::ranges::min_element(members) - members.begin());
+        };
+        std::vector<Member> members;
+        for (auto k = at(dual_.polytope_indptr[p]); k < at(dual_.polytope_indptr[p + 1]); ++k)
+            members.push_back(
+                places_.in_copy({dual_.polytope_indices[k], shift_in(dual_.polytope_shifts, k, 1)}, copy));
+        const Member lowest = members[lowest_of(members)];
+        for (std::size_t f = facets.facet_begin[p]; f < facets.facet_begin[p + 1]; ++f) {
+            members.clear();
+            for (std::size_t k = facets.corner_begin[f]; k < facets.corner_begin[f + 1]; ++k)
+                members.push_back(places_.in_copy(facets.corners[k], copy));
+            if (std::ranges::find(members, lowest) != members.end()) continue;
+            std::ranges::rotate(members, members.begin() + static_cast<std::ptrdiff_t>(lowest_of(members)));
+            for (std::size_t k = 1; k + 1 < members.size(); ++k)
+                add({lowest, members[0], members[k], members[k + 1]});
+        }
+    }
+
+    const Result& result_;
+    const Delaunay& dual_;
+    const Places& places_;
+    std::vector<Simplex<3>> out_;
+};
+
+// Simplices of one dimension, ascending, and where those begin that have seed v first, or second.
+template <std::size_t K>
+struct Level {
+    std::vector<Simplex<K>> simplices;
+    std::vector<std::size_t> first;         // by seed, and the end
+    std::vector<std::size_t> second_begin;  // likewise
+    std::vector<std::size_t> second;        // indices of simplices
+
+    // The simplices are sorted by their first seed.
+    void index(std::size_t seeds) {
+        first.assign(seeds + 1, 0);
+        second_begin.assign(seeds + 1, 0);
+        for (const auto& s : simplices) ++first[at(s.ids[0]) + 1], ++second_begin[at(s.ids[1]) + 1];
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        std::partial_sum(second_begin.begin(), second_begin.end(), second_begin.begin());
+        second.resize(simplices.size());
+        std::vector<std::size_t> next(second_begin.begin(), second_begin.end() - 1);
+        for (std::size_t t = 0; t < simplices.size(); ++t) second[next[at(simplices[t].ids[1])]++] = t;
+    }
+};
+
+Level<3> sorted_level(std::vector<Simplex<3>> simplices, std::size_t seeds) {
+    std::vector<std::size_t> begin(seeds + 2);
+    for (const auto& s : simplices) ++begin[at(s.ids[0]) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    Level<3> level;
+    level.simplices.resize(simplices.size());
+    for (const auto& s : simplices) level.simplices[begin[at(s.ids[0]) + 1]++] = s;
+    simplices = {};
+    for (std::size_t v = 0; v < seeds; ++v) {
+        if (v % simplices_per_stop == 0) check_stop();
+        std::sort(level.simplices.begin() + static_cast<std::ptrdiff_t>(begin[v]),
+                  level.simplices.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]),
+                  [](const auto& a, const auto& b) { return a.ids < b.ids; });
+    }
+    level.index(seeds);
+    return level;
+}
+
+// What the simplices around a face have found.
+struct Around {
+    double least = std::numeric_limits<double>::infinity();  // of their values
+    bool outside = true;                                     // all their seeds lie strictly outside
+    bool inside = false;                                     // one lies strictly inside
+
+    template <std::size_t K>
+    void add(const Simplex<K>& simplex, std::size_t omitted) {
+        least = std::min(least, simplex.value);
+        outside &= (simplex.outside >> omitted & 1) != 0;
+        inside |= (simplex.inside >> omitted & 1) != 0;
+    }
+    // Rounding must not put a face after the simplices around. A tie has one of their spheres.
+    [[nodiscard]] double value(double own) const { return outside ? std::min(own, least) : least; }
+};
+
+// Appends simplices of an output.
+template <std::size_t K>
+void append(const Simplex<K>& s, bool gabriel, const Places& places, AlphaSimplices& out) {
+    out.seeds.insert(out.seeds.end(), s.ids.begin(), s.ids.end());
+    if (places.periodic())
+        for (const ByteShift& shift : s.shifts) out.shifts.insert(out.shifts.end(), shift.begin(), shift.end());
+    out.values.push_back(places.unscaled(s.value));
+    out.gabriel.push_back(static_cast<std::uint8_t>(gabriel));
+}
+
+template <std::size_t K>
+void reserve(std::size_t count, const Places& places, AlphaSimplices& out) {
+    out.seeds.reserve((K + 1) * count);
+    if (places.periodic()) out.shifts.reserve(3 * (K + 1) * count);
+    out.values.reserve(count);
+    out.gabriel.reserve(count);
+}
+
+template <std::size_t K>
+[[noreturn]] void refuse_double(const Simplex<K>& a, const Simplex<K>& b) {
+    std::size_t k = 1;
+    while (a.shifts[k] == b.shifts[k]) ++k;
+    refuse_alpha("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]) +
+                 ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
+}
+
+// Returns the faces of all simplices of a level.
+template <std::size_t K>
+Level<K - 1> faces_of(const Level<K>& level, const Places& places, AlphaSimplices& out) {
+    struct Entry {
+        std::uint64_t key;      // of the seeds after the first
+        std::size_t simplex;
+        std::size_t omitted;
+        auto operator<=>(const Entry&) const = default;
+    };
+    const std::size_t seeds = level.first.size() - 1;
+    const auto face_of = [&](const Entry& e) {
+        const Simplex<K>& from = level.simplices[e.simplex];
+        Simplex<K - 1> face{};
+        for (std::size_t i = 0, k = 0; i <= K; ++i)
+            if (i != e.omitted) face.ids[k] = from.ids[i], face.shifts[k++] = from.shifts[i];
+        if (places.periodic() && e.omitted == 0) {
+            const ByteShift back = negative(face.shifts[0]);
+            for (ByteShift& shift : face.shifts) shift = sum(shift, back);
+        }
+        return face;
+    };
+    const auto key_of = [&](std::size_t simplex, std::size_t omitted) {
+        std::uint64_t key = 0;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i <= K; ++i)
+            if (i != omitted && kept++ > 0)
+                key = key << 32 | static_cast<std::uint32_t>(level.simplices[simplex].ids[i]);
+        return key;
+    };
+    Level<K - 1> faces;
+    std::vector<Entry> entries;
+    for (std::size_t v = 0; v < seeds; ++v) {
+        if (v % simplices_per_stop == 0) check_stop();
+        entries.clear();
+        for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
+            for (std::size_t i = 1; i <= K; ++i) entries.push_back({key_of(t, i), t, i});
+        for (std::size_t k = level.second_begin[v]; k < level.second_begin[v + 1]; ++k)
+            entries.push_back({key_of(level.second[k], 0), level.second[k], 0});
+        std::ranges::sort(entries);
+        for (auto begin = entries.begin(); begin != entries.end();) {
+            Simplex<K - 1> face = face_of(*begin);
+            Around around;
+            auto end = begin;
+            for (; end != entries.end() && end->key == begin->key; ++end) {
+                around.add(level.simplices[end->simplex], end->omitted);
+                if (places.periodic() && end != begin)
+                    if (const auto other = face_of(*end); other.shifts != face.shifts) refuse_double(face, other);
+            }
+            begin = end;
+            if constexpr (K == 1) {
+                face.value = around.value(-places.weight(face.ids[0]));
+            } else {
+                const exact::Orthosphere<K - 1> sphere = places.sphere<K - 1>(face.members());
+                set_sides(sphere, face);
+                face.value = around.value(sphere.square);
+            }
+            append(face, !around.inside, places, out);
+            if constexpr (K > 1) faces.simplices.push_back(face);
+        }
+    }
+    if constexpr (K > 1) faces.index(seeds);
+    return faces;
+}
+
+// Seeds that take part, and their diagram in the space of the complex.
+struct Diagram3 {
+    Tessellation tessellation;
+    std::vector<double> points;
+    std::vector<std::int32_t> ids;  // of the rows; empty: all
+};
+
+// Whether the polygons of a tessellation are those of all of its space.
+bool has_whole_cells(const Tessellation& t) {
+    const auto infinite = [](double x) { return std::isinf(x); };
+    const bool endless =
+        !t.cell() && std::ranges::all_of(t.box().lower, infinite) && std::ranges::all_of(t.box().upper, infinite);
+    return !t.face_offsets().empty() && t.least_face() == 0 && (t.periodic()[0] || endless);
+}
+
+Diagram3 whole_diagram(const Tessellation& t, std::span<const double> points) {
+    Diagram3 out{t, {points.begin(), points.end()}, {}};
+    if (has_whole_cells(t)) return out;
+    Options options;
+    std::vector<double> weights(t.weights().begin(), t.weights().end());
+    if (t.periodic()[0]) {
+        options = domain_options(t);
+    } else {
+        options.box.emplace();
+        options.box->lower.fill(-std::numeric_limits<double>::infinity());
+        options.box->upper.fill(std::numeric_limits<double>::infinity());
+        if (std::ranges::find(t.status(), CellStatus::outside) != t.status().end()) {
+            out.points.clear();
+            weights.clear();
+            for (std::size_t i = 0; i < t.size(); ++i) {
+                if (t.status()[i] == CellStatus::outside) continue;
+                out.ids.push_back(static_cast<std::int32_t>(i));
+                out.points.insert(out.points.end(), &points[3 * i], &points[3 * i] + 3);
+                if (!t.weights().empty()) weights.push_back(t.weights()[i]);
+            }
+        }
+    }
+    options.weights = weights;
+    options.device = "cpu";
+    options.threads = t.stats().threads;
+    options.want = {};
+    options.want.volumes = false;
+    options.want.faces = true;
+    out.tessellation = tessellate(out.points, options);
+    return out;
+}
+
+}  // namespace
+
+AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
+                           const std::array<std::int32_t, 3>& replicate) {
+    require_whole_diagram(tessellation, "alpha_complex");
+    require_points(tessellation, points, "alpha_complex");
+    const auto& periodic = tessellation.periodic();
+    const bool any = periodic[0] || periodic[1] || periodic[2], all = periodic[0] && periodic[1] && periodic[2];
+    if (any && !all)
+        refuse_alpha("the domain is periodic along some axes only: make it periodic along all axes or none");
+    double copies = 1;
+    for (const std::int32_t n : replicate) {
+        if (n < 1) refuse_alpha("replicate holds " + std::to_string(n) + ": give numbers of copies, at least 1");
+        if (n > 1 && !any) refuse_alpha("replicate copies a periodic box, this domain is not periodic");
+        copies *= n;
+    }
+    if (copies * static_cast<double>(tessellation.size()) > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported, "alpha_complex: replicate makes more than 2^31 seeds");
+
+    const Diagram3 diagram = whole_diagram(tessellation, points);
+    const Places places(diagram.tessellation, diagram.points, replicate);
+    const std::size_t seeds = places.seeds() * places.copies();
+    AlphaComplex out;
+    Level<3> level;
+    {
+        const Delaunay dual = delaunay(diagram.tessellation);
+        level = sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds);
+    }
+    const auto has_cell = [](CellStatus status) { return status == CellStatus::certified; };
+    const auto cells = std::ranges::count_if(diagram.tessellation.status(), has_cell);
+    if (level.simplices.empty() && cells > 1)
+        refuse_alpha("the " + std::to_string(cells) + " seeds lie in one plane, so they span no tetrahedron");
+    if (cells == 1 && !any) {
+        const auto only = std::ranges::find_if(diagram.tessellation.status(), has_cell);
+        Simplex<0> seed{};
+        seed.ids[0] = static_cast<std::int32_t>(only - diagram.tessellation.status().begin());
+        seed.value = -places.weight(seed.ids[0]);
+        append(seed, true, places, out.simplices[0]);
+    }
+    reserve<3>(level.simplices.size(), places, out.simplices[3]);
+    for (const Simplex<3>& s : level.simplices) append(s, true, places, out.simplices[3]);
+    const Level<2> triangles = faces_of<3>(level, places, out.simplices[2]);
+    level = {};
+    const Level<1> edges = faces_of<2>(triangles, places, out.simplices[1]);
+    faces_of<1>(edges, places, out.simplices[0]);
+    for (AlphaSimplices& simplices : out.simplices)
+        if (!diagram.ids.empty())
+            for (std::int32_t& id : simplices.seeds) id = diagram.ids[at(id)];
+    return out;
+}
+
+}  // namespace votess
