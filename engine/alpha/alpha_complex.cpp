@@ -6,8 +6,6 @@
 // convex function f and let A be the affine function that belongs to the face's sphere. f - A is 0 on the face. If it
 // is not negative at the seeds around, the face is a local minimum of a convex function, so a global one. Ties do not
 // matter: any triangulation of the polytopes has this f.
-#include "votess/alpha.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,6 +20,7 @@
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "mesh/dual.hpp"
+#include "votess/alpha.hpp"
 
 namespace votess {
 namespace {
@@ -121,8 +120,7 @@ private:
     [[nodiscard]] std::size_t original(std::int32_t id) const { return copies_ == 1 ? at(id) : at(id) % count_; }
     [[nodiscard]] std::array<std::int32_t, 3> place_of(std::size_t copy) const {
         const auto number = static_cast<std::int32_t>(copy);
-        return {number / replicate_[2] / replicate_[1], number / replicate_[2] % replicate_[1],
-                number % replicate_[2]};
+        return {number / replicate_[2] / replicate_[1], number / replicate_[2] % replicate_[1], number % replicate_[2]};
     }
     [[nodiscard]] exact::Point point(std::size_t i) const {
         return {points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
@@ -227,10 +225,9 @@ private:
 
     // All parts of a polytope have the same empty sphere.
     void cut_polytopes() {
-        const PolytopeFacets facets =
-            polytope_facets(result_, dual_, [&](const Member& from, const std::array<Member, 3>& around) {
-                return places_.turn(from, around);
-            });
+        const PolytopeFacets facets = polytope_facets(
+            result_, dual_,
+            [&](const Member& from, const std::array<Member, 3>& around) { return places_.turn(from, around); });
         for (std::size_t p = 0; p < dual_.polytope_centers.size(); ++p)
             for (std::size_t copy = 0; copy < places_.copies(); ++copy) {
                 const std::size_t first = out_.size();
@@ -253,8 +250,7 @@ private:
                 members.push_back(places_.in_copy(facets.corners[k], copy));
             if (std::ranges::find(members, lowest) != members.end()) continue;
             std::ranges::rotate(members, members.begin() + static_cast<std::ptrdiff_t>(lowest_of(members)));
-            for (std::size_t k = 1; k + 1 < members.size(); ++k)
-                add({lowest, members[0], members[k], members[k + 1]});
+            for (std::size_t k = 1; k + 1 < members.size(); ++k) add({lowest, members[0], members[k], members[k + 1]});
         }
     }
 
@@ -264,24 +260,41 @@ private:
     std::vector<Simplex<3>> out_;
 };
 
-// Simplices of one dimension, ascending, and where those begin that have seed v first, or second.
+// A face of a simplex with K + 1 seeds, as that simplex sees it.
+struct Side {
+    std::uint64_t key;             // the seeds of the face after its first
+    std::uint64_t simplex;         // four times its index, plus the seed that the face omits
+    double value;                  // of the simplex
+    std::uint8_t outside, inside;  // 1: where the omitted seed lies
+};
+
+template <std::size_t K>
+Side side_of(const Simplex<K>& simplex, std::size_t index, std::size_t omitted) {
+    std::uint64_t key = 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i <= K; ++i)
+        if (i != omitted && kept++ > 0) key = key << 32 | static_cast<std::uint32_t>(simplex.ids[i]);
+    return {key, 4 * index + omitted, simplex.value, static_cast<std::uint8_t>(simplex.outside >> omitted & 1),
+            static_cast<std::uint8_t>(simplex.inside >> omitted & 1)};
+}
+
+// Simplices of one dimension, ascending.
 template <std::size_t K>
 struct Level {
     std::vector<Simplex<K>> simplices;
-    std::vector<std::size_t> first;         // by seed, and the end
-    std::vector<std::size_t> second_begin;  // likewise
-    std::vector<std::size_t> second;        // indices of simplices
+    std::vector<std::size_t> first;     // by seed, and the end: the first simplex with this lowest seed
+    std::vector<std::size_t> opposite;  // likewise: the first of the following with this lowest seed
+    std::vector<Side> opposite_sides;   // that omit the lowest seed of a simplex
 
-    // The simplices are sorted by their first seed.
     void index(std::size_t seeds) {
         first.assign(seeds + 1, 0);
-        second_begin.assign(seeds + 1, 0);
-        for (const auto& s : simplices) ++first[at(s.ids[0]) + 1], ++second_begin[at(s.ids[1]) + 1];
+        opposite.assign(seeds + 2, 0);
+        for (const auto& s : simplices) ++first[at(s.ids[0]) + 1], ++opposite[at(s.ids[1]) + 2];
         std::partial_sum(first.begin(), first.end(), first.begin());
-        std::partial_sum(second_begin.begin(), second_begin.end(), second_begin.begin());
-        second.resize(simplices.size());
-        std::vector<std::size_t> next(second_begin.begin(), second_begin.end() - 1);
-        for (std::size_t t = 0; t < simplices.size(); ++t) second[next[at(simplices[t].ids[1])]++] = t;
+        std::partial_sum(opposite.begin(), opposite.end(), opposite.begin());
+        opposite_sides.resize(simplices.size());
+        for (std::size_t t = 0; t < simplices.size(); ++t)
+            opposite_sides[opposite[at(simplices[t].ids[1]) + 1]++] = side_of(simplices[t], t, 0);
     }
 };
 
@@ -309,11 +322,10 @@ struct Around {
     bool outside = true;                                     // all their seeds lie strictly outside
     bool inside = false;                                     // one lies strictly inside
 
-    template <std::size_t K>
-    void add(const Simplex<K>& simplex, std::size_t omitted) {
-        least = std::min(least, simplex.value);
-        outside &= (simplex.outside >> omitted & 1) != 0;
-        inside |= (simplex.inside >> omitted & 1) != 0;
+    void add(const Side& side) {
+        least = std::min(least, side.value);
+        outside &= side.outside != 0;
+        inside |= side.inside != 0;
     }
     // Rounding must not put a face after the simplices around. A tie has one of their spheres.
     [[nodiscard]] double value(double own) const { return outside ? std::min(own, least) : least; }
@@ -345,51 +357,39 @@ template <std::size_t K>
                  ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
 }
 
-// Returns the faces of all simplices of a level.
+// Returns the faces of all simplices of a level. expected: about their number.
 template <std::size_t K>
-Level<K - 1> faces_of(const Level<K>& level, const Places& places, AlphaSimplices& out) {
-    struct Entry {
-        std::uint64_t key;      // of the seeds after the first
-        std::size_t simplex;
-        std::size_t omitted;
-        auto operator<=>(const Entry&) const = default;
-    };
+Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places& places, AlphaSimplices& out) {
     const std::size_t seeds = level.first.size() - 1;
-    const auto face_of = [&](const Entry& e) {
-        const Simplex<K>& from = level.simplices[e.simplex];
+    const auto face_of = [&](const Side& side) {
+        const Simplex<K>& from = level.simplices[side.simplex / 4];
+        const std::size_t omitted = side.simplex % 4;
         Simplex<K - 1> face{};
         for (std::size_t i = 0, k = 0; i <= K; ++i)
-            if (i != e.omitted) face.ids[k] = from.ids[i], face.shifts[k++] = from.shifts[i];
-        if (places.periodic() && e.omitted == 0) {
+            if (i != omitted) face.ids[k] = from.ids[i], face.shifts[k++] = from.shifts[i];
+        if (places.periodic() && omitted == 0) {
             const ByteShift back = negative(face.shifts[0]);
             for (ByteShift& shift : face.shifts) shift = sum(shift, back);
         }
         return face;
     };
-    const auto key_of = [&](std::size_t simplex, std::size_t omitted) {
-        std::uint64_t key = 0;
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i <= K; ++i)
-            if (i != omitted && kept++ > 0)
-                key = key << 32 | static_cast<std::uint32_t>(level.simplices[simplex].ids[i]);
-        return key;
-    };
+    reserve<K - 1>(expected, places, out);
     Level<K - 1> faces;
-    std::vector<Entry> entries;
+    if constexpr (K > 1) faces.simplices.reserve(expected);
+    std::vector<Side> sides;
     for (std::size_t v = 0; v < seeds; ++v) {
         if (v % simplices_per_stop == 0) check_stop();
-        entries.clear();
+        sides.assign(level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v]),
+                     level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v + 1]));
         for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
-            for (std::size_t i = 1; i <= K; ++i) entries.push_back({key_of(t, i), t, i});
-        for (std::size_t k = level.second_begin[v]; k < level.second_begin[v + 1]; ++k)
-            entries.push_back({key_of(level.second[k], 0), level.second[k], 0});
-        std::ranges::sort(entries);
-        for (auto begin = entries.begin(); begin != entries.end();) {
+            for (std::size_t i = 1; i <= K; ++i) sides.push_back(side_of(level.simplices[t], t, i));
+        std::ranges::sort(sides, {}, &Side::key);
+        for (auto begin = sides.begin(); begin != sides.end();) {
             Simplex<K - 1> face = face_of(*begin);
             Around around;
             auto end = begin;
-            for (; end != entries.end() && end->key == begin->key; ++end) {
-                around.add(level.simplices[end->simplex], end->omitted);
+            for (; end != sides.end() && end->key == begin->key; ++end) {
+                around.add(*end);
                 if (places.periodic() && end != begin)
                     if (const auto other = face_of(*end); other.shifts != face.shifts) refuse_double(face, other);
             }
@@ -497,10 +497,12 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     }
     reserve<3>(level.simplices.size(), places, out.simplices[3]);
     for (const Simplex<3>& s : level.simplices) append(s, true, places, out.simplices[3]);
-    const Level<2> triangles = faces_of<3>(level, places, out.simplices[2]);
+    const std::size_t tetrahedra = level.simplices.size();
+    const Level<2> triangles = faces_of<3>(level, 2 * tetrahedra + tetrahedra / 16 + 4, places, out.simplices[2]);
     level = {};
-    const Level<1> edges = faces_of<2>(triangles, places, out.simplices[1]);
-    faces_of<1>(edges, places, out.simplices[0]);
+    const std::size_t max_edges = seeds + triangles.simplices.size() - tetrahedra;  // by Euler's formula
+    const Level<1> edges = faces_of<2>(triangles, max_edges, places, out.simplices[1]);
+    faces_of<1>(edges, seeds, places, out.simplices[0]);
     for (AlphaSimplices& simplices : out.simplices)
         if (!diagram.ids.empty())
             for (std::int32_t& id : simplices.seeds) id = diagram.ids[at(id)];

@@ -31,8 +31,8 @@ struct Orthosphere {
 // Returns the sphere if double precision is sure of the signs, and of the square to 2^-40. Seeds are seen from seed 0,
 // with coordinates rounded once. powers: the weight of seed 0 less those of the others, rounded. weight: of seed 0.
 template <std::size_t K>
-std::optional<Orthosphere<K>> sure_orthosphere(const std::array<Vector3, K>& seeds,
-                                               const std::array<double, K>& powers, double weight);
+std::optional<Orthosphere<K>> sure_orthosphere(const std::array<Vector3, K>& seeds, const std::array<double, K>& powers,
+                                               double weight);
 // Returns the sphere. The square is rounded correctly, except in its last bit. Seeds must not be dependent. bisectors:
 // with the others.
 template <std::size_t K>

@@ -97,8 +97,8 @@ private:
             out_.corner_begin.push_back(out_.corners.size());
         }
     }
-    // Returns the step that follows around the same ray. Seen from outside its cell, the faces of both steps are next to
-    // each other, and all others of the vertex lie on one side.
+    // Returns the step that follows around the same ray. Seen from outside its cell, the faces of both steps are next
+    // to each other, and all others of the vertex lie on one side.
     [[nodiscard]] std::size_t next_step(std::span<const Step> steps, std::size_t step) const {
         const Step& before = steps[step];
         const auto follows = [&](const Step& after) {

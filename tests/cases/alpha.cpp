@@ -62,7 +62,9 @@ Vector exact(const double* x) {
 // The seeds of the complex, copies included, with their exact places.
 class Space {
 public:
-    Space(const test::Coordinates& points, const votess::Options& options, const std::array<int, 3>& replicate)
+    // reach: of images, in boxes with all copies.
+    Space(const test::Coordinates& points, const votess::Options& options, const std::array<int, 3>& replicate,
+          int reach)
         : periodic_(options.periodic[0] || options.cell) {
         const std::size_t count = points.size() / 3;
         Vector origin{};
@@ -85,6 +87,15 @@ public:
                     }
         for (std::size_t k = 0; k < 3; ++k)
             for (mpq_class& x : box_[k]) x *= replicate[k];
+        if (!periodic_) reach = 0;
+        for (int a = -reach; a <= reach; ++a)
+            for (int b = -reach; b <= reach; ++b)
+                for (int c = -reach; c <= reach; ++c)
+                    for (std::size_t i = 0; i < size(); ++i) {
+                        const Vector x = place(i, {a, b, c});
+                        images_.push_back(
+                            {x, weight(i), {x[0].get_d(), x[1].get_d(), x[2].get_d()}, weight(i).get_d()});
+                    }
     }
 
     [[nodiscard]] bool periodic() const { return periodic_; }
@@ -92,13 +103,17 @@ public:
     [[nodiscard]] const Matrix& box() const { return box_; }
     [[nodiscard]] mpq_class weight(std::size_t i) const { return weights_.empty() ? mpq_class(0) : weights_[i]; }
     [[nodiscard]] Vector place(std::size_t i, const std::array<int, 3>& shift) const { return moved(seeds_[i], shift); }
-    // visit(place, weight) for all seeds, with images up to `reach` boxes away.
-    void for_images(int reach, const auto& visit) const {
-        if (!periodic_) reach = 0;
-        for (int a = -reach; a <= reach; ++a)
-            for (int b = -reach; b <= reach; ++b)
-                for (int c = -reach; c <= reach; ++c)
-                    for (std::size_t i = 0; i < size(); ++i) visit(place(i, {a, b, c}), weight(i));
+    // Returns whether no seed or image has a negative power distance to a sphere. Doubles skip those far away.
+    [[nodiscard]] bool is_empty(const Vector& center, const mpq_class& square) const {
+        const std::array<double, 3> c{center[0].get_d(), center[1].get_d(), center[2].get_d()};
+        const double radius = square.get_d();
+        return std::ranges::all_of(images_, [&](const Image& image) {
+            double distance = 0;
+            for (std::size_t k = 0; k < 3; ++k) distance += (image.x[k] - c[k]) * (image.x[k] - c[k]);
+            if (distance - image.w > radius + 1e-6 * (std::abs(radius) + distance + std::abs(image.w))) return true;
+            const Vector from = difference(image.place, center);
+            return dot(from, from) - image.weight >= square;
+        });
     }
 
 private:
@@ -123,8 +138,16 @@ private:
         return moved(x, shift);
     }
 
+    struct Image {
+        Vector place;
+        mpq_class weight;
+        std::array<double, 3> x;
+        double w;
+    };
+
     bool periodic_;
     Matrix box_{};
+    std::vector<Image> images_;
     std::vector<Vector> seeds_;
     std::vector<mpq_class> weights_;
 };
@@ -209,12 +232,12 @@ void check_value(double value, const mpq_class& expected) {
     CHECK(std::abs(value - rounded) <= 1e-12 * std::abs(rounded));
 }
 
-// Checks everything that defines the complex. reach: of images that may come near a simplex.
+// Checks everything that defines the complex. reach: see Space.
 void check_alpha(const test::Coordinates& points, const votess::Options& options,
-                 const std::array<int, 3>& replicate = {1, 1, 1}, int reach = 2) {
+                 const std::array<int, 3>& replicate = {1, 1, 1}, int reach = 1) {
     const votess::Tessellation t = votess::tessellate(points, options);
     const votess::AlphaComplex complex = votess::alpha_complex(t, points, replicate);
-    const Space space(points, options, replicate);
+    const Space space(points, options, replicate, reach);
     std::array<std::vector<Simplex>, 4> all;
     for (std::size_t k = 0; k < 4; ++k) all[k] = simplices_of(complex, k, space);
     CHECK(euler(complex) == (space.periodic() ? 0 : 1));
@@ -222,18 +245,14 @@ void check_alpha(const test::Coordinates& points, const votess::Options& options
     // From above, values by definition.
     using Values = std::map<Ids, std::vector<std::pair<mpq_class, double>>>;  // exact and stored
     Values above;
-    std::map<Ids, std::vector<mpq_class>> sides;                     // of the tetrahedra at each triangle
+    std::map<Ids, std::vector<mpq_class>> sides;  // of the tetrahedra at each triangle
     mpq_class volume = 0;
     for (std::size_t k = 4; k-- > 0;) {
         std::size_t found = 0;
         Values around;
         for (const Simplex& s : all[k]) {
             const Sphere sphere = smallest_sphere(s.places, s.weights);
-            bool gabriel = true;
-            space.for_images(reach, [&](const Vector& place, const mpq_class& weight) {
-                const Vector from = difference(place, sphere.center);
-                gabriel = gabriel && dot(from, from) - weight >= sphere.square;
-            });
+            const bool gabriel = space.is_empty(sphere.center, sphere.square);
             REQUIRE(s.gabriel == gabriel);
             if (k == 3) REQUIRE(gabriel);
             const auto simplices = above.find(s.seeds);
@@ -275,11 +294,12 @@ void check_alpha(const test::Coordinates& points, const votess::Options& options
             REQUIRE(!space.periodic());
             std::array<Vector, 3> corner;
             for (std::size_t i = 0; i < 3; ++i) corner[i] = space.place(index(face[i]), {});
-            space.for_images(0, [&](const Vector& place, const mpq_class&) {
+            for (std::size_t i = 0; i < space.size(); ++i) {
+                const Vector seed = space.place(i, {});
                 const mpq_class turn =
-                    determinant(difference(corner[0], place), difference(corner[1], place), difference(corner[2], place));
+                    determinant(difference(corner[0], seed), difference(corner[1], seed), difference(corner[2], seed));
                 REQUIRE((turns[0] > 0 ? turn >= 0 : turn <= 0));
-            });
+            }
         }
     }
     if (space.periodic()) CHECK(volume == abs(determinant(space.box()[0], space.box()[1], space.box()[2])));
@@ -311,8 +331,9 @@ TEST_CASE("alpha complex: random points") {
 }
 
 TEST_CASE("alpha complex: ties") {
-    for (const auto& set : {test::cubic(3), test::bcc(2), test::fcc(2), test::close_packed(2), test::cospherical(9),
-                            test::cospherical_and_center(6), test::on_sphere(20, 1), test::cubic(2), test::cubic(2, 0.1)})
+    for (const auto& set :
+         {test::cubic(3), test::bcc(2), test::fcc(2), test::close_packed(2), test::cospherical(9),
+          test::cospherical_and_center(6), test::on_sphere(20, 1), test::cubic(2), test::cubic(2, 0.1)})
         check_alpha(set.points, whole_space());
     for (const auto order : {test::Order::reversed, test::Order::shuffled})
         check_alpha(test::reordered(test::cubic(3), order).points, whole_space());
@@ -336,33 +357,33 @@ TEST_CASE("alpha complex: weights") {
 }
 
 TEST_CASE("alpha complex: periodic") {
-    check_alpha(test::uniform(40, 1).points, periodic_box(1), {1, 1, 1}, 1);
-    check_alpha(test::uniform(3, 2).points, periodic_box(1), {3, 3, 3}, 1);
+    check_alpha(test::uniform(60, 1).points, periodic_box(1));
+    check_alpha(test::uniform(3, 2).points, periodic_box(1), {3, 3, 3});
     votess::Options options;
     options.cell = votess::TriclinicBox{{0.1, 0.2, 0.3}, {1, 0, 0}, {0.3, 1, 0}, {0.2, 0.4, 1.1}, {true, true, true}};
     options.want.faces = true;
-    check_alpha(test::scaled(test::uniform(6, 3), 2).points, options, {2, 3, 2}, 1);
+    check_alpha(test::scaled(test::uniform(4, 3), 2).points, options, {3, 3, 3});
     const std::vector<double> weights = random_weights(6, 0.05, 8);
     options.weights = weights;
-    check_alpha(test::uniform(6, 4).points, options, {3, 2, 2}, 1);
+    check_alpha(test::uniform(6, 4).points, options, {4, 3, 3});
     // Cubes, tetrahedra and octahedra of ties, across the boundary.
-    check_alpha(test::Coordinates{0, 0, 0}, periodic_box(1), {3, 3, 3}, 1);
-    check_alpha(test::Coordinates{0, 0, 0, 1, 1, 0, 1, 0, 1, 0, 1, 1}, periodic_box(2), {2, 2, 2}, 1);
-    check_alpha(test::cubic(3).points, periodic_box(3), {1, 1, 1}, 1);
+    check_alpha(test::Coordinates{0, 0, 0}, periodic_box(1), {3, 3, 3});
+    check_alpha(test::Coordinates{0, 0, 0, 1, 1, 0, 1, 0, 1, 0, 1, 1}, periodic_box(2), {3, 3, 3});
+    check_alpha(test::cubic(3).points, periodic_box(3));
 }
 
 TEST_CASE("alpha complex: copies of a box") {
     const test::Coordinates points = whole_points(5, 3, 11);
     const votess::Options options = periodic_box(4);
-    const auto copied = votess::alpha_complex(votess::tessellate(points, options), points, {2, 3, 3});
+    const auto copied = votess::alpha_complex(votess::tessellate(points, options), points, {3, 3, 4});
     test::Coordinates all;
-    for (int a = 0; a < 2; ++a)
+    for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
-            for (int c = 0; c < 3; ++c)
+            for (int c = 0; c < 4; ++c)
                 for (std::size_t i = 0; i < points.size(); i += 3)
                     all.insert(all.end(), {points[i] + 4 * a, points[i + 1] + 4 * b, points[i + 2] + 4 * c});
     votess::Options large = options;
-    large.box = votess::Box{{0, 0, 0}, {8, 12, 12}};
+    large.box = votess::Box{{0, 0, 0}, {12, 12, 16}};
     const auto expected = votess::alpha_complex(votess::tessellate(all, large), all);
     for (std::size_t k = 0; k < 4; ++k) {
         CHECK(copied.simplices[k].seeds == expected.simplices[k].seeds);
