@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "core/progress.hpp"
+#include "core/system.hpp"
 #include "domain/domain.hpp"
 #include "exact/orthosphere.hpp"
 #include "input/domain_of_result.hpp"
@@ -31,6 +32,16 @@ constexpr std::size_t simplices_per_stop = 4096;
 
 [[noreturn]] void refuse_alpha(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, "alpha_complex: " + message);
+}
+
+// Reserves memory, in huge pages where it is large.
+template <class T>
+void reserve_huge(std::vector<T>& v, std::size_t count) {
+    constexpr std::size_t page = std::size_t{2} << 20;
+    v.reserve(count);
+    auto* const memory = reinterpret_cast<std::byte*>(v.data());
+    const std::size_t bytes = v.capacity() * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % page;
+    if (bytes >= before + page) system::prefer_huge_pages(memory + before, (bytes - before) / page * page);
 }
 
 // Where the seeds lie exactly, at order one, and the copies of a periodic box.
@@ -159,9 +170,6 @@ template <std::size_t K>
 struct Simplex {
     std::array<std::int32_t, K + 1> ids;  // ascending
     std::array<ByteShift, K + 1> shifts;  // the first is 0
-    double value;
-    std::uint8_t outside;  // bit i: seed i lies strictly outside the smallest sphere of the face opposite to it
-    std::uint8_t inside;   // bit i: strictly inside
 
     [[nodiscard]] std::array<Member, K + 1> members() const {
         std::array<Member, K + 1> out;
@@ -170,24 +178,35 @@ struct Simplex {
     }
 };
 
+// Where the seeds of a simplex lie, each seen from the smallest sphere of the face opposite to it. Bit i: seed i lies
+// strictly outside. Bit 4 + i: strictly inside.
+using SeedSides = std::uint8_t;
+
 template <std::size_t K>
-void set_sides(const exact::Orthosphere<K>& sphere, Simplex<K>& simplex) {
-    simplex.outside = simplex.inside = 0;
+SeedSides sides_of(const exact::Orthosphere<K>& sphere) {
+    unsigned sides = 0;
     for (std::size_t i = 0; i <= K; ++i) {
-        simplex.outside |= static_cast<std::uint8_t>((sphere.signs[i] > 0) << i);
-        simplex.inside |= static_cast<std::uint8_t>((sphere.signs[i] < 0) << i);
+        sides |= static_cast<unsigned>(sphere.signs[i] > 0) << i;
+        sides |= static_cast<unsigned>(sphere.signs[i] < 0) << (4 + i);
     }
+    return static_cast<SeedSides>(sides);
 }
 
-// The tetrahedra, ascending.
+struct Tetrahedron {
+    Simplex<3> simplex;
+    SeedSides sides;
+    double value;
+};
+
+// Makes the tetrahedra: those of the dual, and the parts of its polytopes.
 class Cutter {
 public:
     Cutter(const Result& result, const Delaunay& dual, const Places& places)
         : result_(result), dual_(dual), places_(places) {}
 
-    std::vector<Simplex<3>> cut() {
+    std::vector<Tetrahedron> cut() {
         const std::size_t whole = dual_.tetrahedra.size() / 4;
-        out_.reserve(places_.copies() * whole);
+        reserve_huge(out_, places_.copies() * whole);
         for (std::size_t t = 0; t < whole; ++t) {
             std::array<Member, 4> corners;
             for (std::size_t k = 0; k < 4; ++k)
@@ -218,9 +237,7 @@ private:
             simplex.shifts[k] = sum(corners[k].shift, negative(corners[0].shift));
         }
         const exact::Orthosphere<3> sphere = places_.sphere<3>(simplex.members());
-        simplex.value = sphere.square;
-        set_sides(sphere, simplex);
-        out_.push_back(simplex);
+        out_.push_back({simplex, sides_of(sphere), places_.unscaled(sphere.square)});
     }
 
     // All parts of a polytope have the same empty sphere.
@@ -257,64 +274,53 @@ private:
     const Result& result_;
     const Delaunay& dual_;
     const Places& places_;
-    std::vector<Simplex<3>> out_;
+    std::vector<Tetrahedron> out_;
 };
 
-// A face of a simplex with K + 1 seeds, as that simplex sees it.
-struct Side {
-    std::uint64_t key;             // the seeds of the face after its first
-    std::uint64_t simplex;         // four times its index, plus the seed that the face omits
-    double value;                  // of the simplex
-    std::uint8_t outside, inside;  // 1: where the omitted seed lies
-};
+// A face, as a simplex sees it.
+struct FaceSide {
+    std::uint64_t key;   // the seeds of the face after its first
+    std::uint64_t code;  // of side_of(), in this order: simplex, omitted seed, whether that lies outside, or inside
+    double value;        // of the simplex
 
-template <std::size_t K>
-Side side_of(const Simplex<K>& simplex, std::size_t index, std::size_t omitted) {
-    std::uint64_t key = 0;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i <= K; ++i)
-        if (i != omitted && kept++ > 0) key = key << 32 | static_cast<std::uint32_t>(simplex.ids[i]);
-    return {key, 4 * index + omitted, simplex.value, static_cast<std::uint8_t>(simplex.outside >> omitted & 1),
-            static_cast<std::uint8_t>(simplex.inside >> omitted & 1)};
-}
+    [[nodiscard]] std::size_t simplex() const { return code >> 4; }
+    [[nodiscard]] std::size_t omitted() const { return code >> 2 & 3; }
+    [[nodiscard]] bool outside() const { return (code >> 1 & 1) != 0; }
+    [[nodiscard]] bool inside() const { return (code & 1) != 0; }
+};
 
 // Simplices of one dimension, ascending.
 template <std::size_t K>
 struct Level {
-    std::vector<Simplex<K>> simplices;
-    std::vector<std::size_t> first;     // by seed, and the end: the first simplex with this lowest seed
-    std::vector<std::size_t> opposite;  // likewise: the first of the following with this lowest seed
-    std::vector<Side> opposite_sides;   // that omit the lowest seed of a simplex
+    const AlphaSimplices& all;
+    std::vector<SeedSides> sides;          // by simplex
+    std::vector<std::size_t> first;        // by seed, and the end: the first simplex with this lowest seed
+    std::vector<std::size_t> opposite;     // likewise: the first of the following with this lowest seed
+    std::vector<FaceSide> opposite_sides;  // of faces opposite to the lowest seed of a simplex
 
+    [[nodiscard]] std::size_t size() const { return all.values.size(); }
+    [[nodiscard]] FaceSide side_of(std::size_t simplex, std::size_t omitted) const {
+        const std::int32_t* const ids = &all.seeds[(K + 1) * simplex];
+        std::uint64_t key = 0;
+        for (std::size_t i = omitted == 0 ? 2 : 1; i <= K; ++i)
+            if (i != omitted) key = key << 32 | static_cast<std::uint32_t>(ids[i]);
+        const unsigned outside = sides[simplex] >> omitted & 1, inside = sides[simplex] >> (4 + omitted) & 1;
+        return {key, simplex << 4 | omitted << 2 | outside << 1 | inside, all.values[simplex]};
+    }
+    // Fills the arrays after `sides`.
     void index(std::size_t seeds) {
         first.assign(seeds + 1, 0);
         opposite.assign(seeds + 2, 0);
-        for (const auto& s : simplices) ++first[at(s.ids[0]) + 1], ++opposite[at(s.ids[1]) + 2];
+        for (std::size_t t = 0; t < size(); ++t)
+            ++first[at(all.seeds[(K + 1) * t]) + 1], ++opposite[at(all.seeds[(K + 1) * t + 1]) + 2];
         std::partial_sum(first.begin(), first.end(), first.begin());
         std::partial_sum(opposite.begin(), opposite.end(), opposite.begin());
-        opposite_sides.resize(simplices.size());
-        for (std::size_t t = 0; t < simplices.size(); ++t)
-            opposite_sides[opposite[at(simplices[t].ids[1]) + 1]++] = side_of(simplices[t], t, 0);
+        reserve_huge(opposite_sides, size());
+        opposite_sides.resize(size());
+        for (std::size_t t = 0; t < size(); ++t)
+            opposite_sides[opposite[at(all.seeds[(K + 1) * t + 1]) + 1]++] = side_of(t, 0);
     }
 };
-
-Level<3> sorted_level(std::vector<Simplex<3>> simplices, std::size_t seeds) {
-    std::vector<std::size_t> begin(seeds + 2);
-    for (const auto& s : simplices) ++begin[at(s.ids[0]) + 2];
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    Level<3> level;
-    level.simplices.resize(simplices.size());
-    for (const auto& s : simplices) level.simplices[begin[at(s.ids[0]) + 1]++] = s;
-    simplices = {};
-    for (std::size_t v = 0; v < seeds; ++v) {
-        if (v % simplices_per_stop == 0) check_stop();
-        std::sort(level.simplices.begin() + static_cast<std::ptrdiff_t>(begin[v]),
-                  level.simplices.begin() + static_cast<std::ptrdiff_t>(begin[v + 1]),
-                  [](const auto& a, const auto& b) { return a.ids < b.ids; });
-    }
-    level.index(seeds);
-    return level;
-}
 
 // What the simplices around a face have found.
 struct Around {
@@ -322,31 +328,54 @@ struct Around {
     bool outside = true;                                     // all their seeds lie strictly outside
     bool inside = false;                                     // one lies strictly inside
 
-    void add(const Side& side) {
+    void add(const FaceSide& side) {
         least = std::min(least, side.value);
-        outside &= side.outside != 0;
-        inside |= side.inside != 0;
+        outside = outside && side.outside();
+        inside = inside || side.inside();
     }
     // Rounding must not put a face after the simplices around. A tie has one of their spheres.
     [[nodiscard]] double value(double own) const { return outside ? std::min(own, least) : least; }
 };
 
-// Appends simplices of an output.
 template <std::size_t K>
-void append(const Simplex<K>& s, bool gabriel, const Places& places, AlphaSimplices& out) {
+void append(const Simplex<K>& s, double value, bool gabriel, const Places& places, AlphaSimplices& out) {
     out.seeds.insert(out.seeds.end(), s.ids.begin(), s.ids.end());
     if (places.periodic())
         for (const ByteShift& shift : s.shifts) out.shifts.insert(out.shifts.end(), shift.begin(), shift.end());
-    out.values.push_back(places.unscaled(s.value));
+    out.values.push_back(value);
     out.gabriel.push_back(static_cast<std::uint8_t>(gabriel));
 }
 
 template <std::size_t K>
 void reserve(std::size_t count, const Places& places, AlphaSimplices& out) {
-    out.seeds.reserve((K + 1) * count);
-    if (places.periodic()) out.shifts.reserve(3 * (K + 1) * count);
-    out.values.reserve(count);
-    out.gabriel.reserve(count);
+    reserve_huge(out.seeds, (K + 1) * count);
+    if (places.periodic()) reserve_huge(out.shifts, 3 * (K + 1) * count);
+    reserve_huge(out.values, count);
+    reserve_huge(out.gabriel, count);
+}
+
+// Writes the tetrahedra in order.
+Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t seeds, const Places& places,
+                      AlphaSimplices& out) {
+    std::vector<std::size_t> begin(seeds + 2), order(tetrahedra.size());
+    for (const Tetrahedron& t : tetrahedra) ++begin[at(t.simplex.ids[0]) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (std::size_t i = 0; i < tetrahedra.size(); ++i) order[begin[at(tetrahedra[i].simplex.ids[0]) + 1]++] = i;
+    Level<3> level{out, {}, {}, {}, {}};
+    reserve<3>(tetrahedra.size(), places, out);
+    level.sides.reserve(tetrahedra.size());
+    for (std::size_t v = 0; v < seeds; ++v) {
+        if (v % simplices_per_stop == 0) check_stop();
+        const auto own = std::span(order).subspan(begin[v], begin[v + 1] - begin[v]);
+        std::ranges::sort(
+            own, {}, [&](std::size_t i) -> const auto& { return tetrahedra[i].simplex.ids; });
+        for (const std::size_t i : own) {
+            append(tetrahedra[i].simplex, tetrahedra[i].value, true, places, out);
+            level.sides.push_back(tetrahedra[i].sides);
+        }
+    }
+    level.index(seeds);
+    return level;
 }
 
 template <std::size_t K>
@@ -361,48 +390,46 @@ template <std::size_t K>
 template <std::size_t K>
 Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places& places, AlphaSimplices& out) {
     const std::size_t seeds = level.first.size() - 1;
-    const auto face_of = [&](const Side& side) {
-        const Simplex<K>& from = level.simplices[side.simplex / 4];
-        const std::size_t omitted = side.simplex % 4;
+    const auto face_of = [&](const FaceSide& side, std::size_t lowest) {
         Simplex<K - 1> face{};
-        for (std::size_t i = 0, k = 0; i <= K; ++i)
-            if (i != omitted) face.ids[k] = from.ids[i], face.shifts[k++] = from.shifts[i];
-        if (places.periodic() && omitted == 0) {
-            const ByteShift back = negative(face.shifts[0]);
-            for (ByteShift& shift : face.shifts) shift = sum(shift, back);
-        }
+        face.ids[0] = static_cast<std::int32_t>(lowest);
+        for (std::size_t k = 1; k < K; ++k) face.ids[k] = static_cast<std::int32_t>(side.key >> 32 * (K - 1 - k));
+        for (std::size_t i = 0, k = 0; places.periodic() && i <= K; ++i)
+            if (i != side.omitted()) face.shifts[k++] = shift_in(level.all.shifts, (K + 1) * side.simplex() + i, 1);
+        const ByteShift back = negative(face.shifts[0]);
+        for (ByteShift& shift : face.shifts) shift = sum(shift, back);
         return face;
     };
     reserve<K - 1>(expected, places, out);
-    Level<K - 1> faces;
-    if constexpr (K > 1) faces.simplices.reserve(expected);
-    std::vector<Side> sides;
+    Level<K - 1> faces{out, {}, {}, {}, {}};
+    if constexpr (K > 1) faces.sides.reserve(expected);
+    std::vector<FaceSide> sides;
     for (std::size_t v = 0; v < seeds; ++v) {
         if (v % simplices_per_stop == 0) check_stop();
         sides.assign(level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v]),
                      level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v + 1]));
         for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
-            for (std::size_t i = 1; i <= K; ++i) sides.push_back(side_of(level.simplices[t], t, i));
-        std::ranges::sort(sides, {}, &Side::key);
+            for (std::size_t i = 1; i <= K; ++i) sides.push_back(level.side_of(t, i));
+        std::ranges::sort(sides, {}, &FaceSide::key);
         for (auto begin = sides.begin(); begin != sides.end();) {
-            Simplex<K - 1> face = face_of(*begin);
+            const Simplex<K - 1> face = face_of(*begin, v);
             Around around;
             auto end = begin;
             for (; end != sides.end() && end->key == begin->key; ++end) {
                 around.add(*end);
                 if (places.periodic() && end != begin)
-                    if (const auto other = face_of(*end); other.shifts != face.shifts) refuse_double(face, other);
+                    if (const auto other = face_of(*end, v); other.shifts != face.shifts) refuse_double(face, other);
             }
             begin = end;
+            double own;
             if constexpr (K == 1) {
-                face.value = around.value(-places.weight(face.ids[0]));
+                own = -places.weight(face.ids[0]);
             } else {
                 const exact::Orthosphere<K - 1> sphere = places.sphere<K - 1>(face.members());
-                set_sides(sphere, face);
-                face.value = around.value(sphere.square);
+                faces.sides.push_back(sides_of(sphere));
+                own = sphere.square;
             }
-            append(face, !around.inside, places, out);
-            if constexpr (K > 1) faces.simplices.push_back(face);
+            append(face, around.value(places.unscaled(own)), !around.inside, places, out);
         }
     }
     if constexpr (K > 1) faces.index(seeds);
@@ -479,30 +506,26 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     const Places places(diagram.tessellation, diagram.points, replicate);
     const std::size_t seeds = places.seeds() * places.copies();
     AlphaComplex out;
-    Level<3> level;
+    auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
     {
-        const Delaunay dual = delaunay(diagram.tessellation);
-        level = sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds);
+        const auto level = [&] {
+            const Delaunay dual = delaunay(diagram.tessellation);
+            return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, places, tetrahedra);
+        }();
+        const std::size_t count = level.size();
+        const Level<2> of_triangles = faces_of<3>(level, 2 * count + count / 16 + 4, places, triangles);
+        const std::size_t max_edges = seeds + of_triangles.size() - count;  // by Euler's formula
+        faces_of<1>(faces_of<2>(of_triangles, max_edges, places, edges), seeds, places, vertices);
     }
     const auto has_cell = [](CellStatus status) { return status == CellStatus::certified; };
-    const auto cells = std::ranges::count_if(diagram.tessellation.status(), has_cell);
-    if (level.simplices.empty() && cells > 1)
+    const auto status = diagram.tessellation.status();
+    const auto cells = std::ranges::count_if(status, has_cell);
+    if (tetrahedra.values.empty() && cells > 1)
         refuse_alpha("the " + std::to_string(cells) + " seeds lie in one plane, so they span no tetrahedron");
-    if (cells == 1 && !any) {
-        const auto only = std::ranges::find_if(diagram.tessellation.status(), has_cell);
-        Simplex<0> seed{};
-        seed.ids[0] = static_cast<std::int32_t>(only - diagram.tessellation.status().begin());
-        seed.value = -places.weight(seed.ids[0]);
-        append(seed, true, places, out.simplices[0]);
+    if (tetrahedra.values.empty() && cells == 1) {
+        const auto id = static_cast<std::int32_t>(std::ranges::find_if(status, has_cell) - status.begin());
+        append(Simplex<0>{{id}, {}}, places.unscaled(-places.weight(id)), true, places, vertices);
     }
-    reserve<3>(level.simplices.size(), places, out.simplices[3]);
-    for (const Simplex<3>& s : level.simplices) append(s, true, places, out.simplices[3]);
-    const std::size_t tetrahedra = level.simplices.size();
-    const Level<2> triangles = faces_of<3>(level, 2 * tetrahedra + tetrahedra / 16 + 4, places, out.simplices[2]);
-    level = {};
-    const std::size_t max_edges = seeds + triangles.simplices.size() - tetrahedra;  // by Euler's formula
-    const Level<1> edges = faces_of<2>(triangles, max_edges, places, out.simplices[1]);
-    faces_of<1>(edges, seeds, places, out.simplices[0]);
     for (AlphaSimplices& simplices : out.simplices)
         if (!diagram.ids.empty())
             for (std::int32_t& id : simplices.seeds) id = diagram.ids[at(id)];
