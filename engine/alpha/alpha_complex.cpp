@@ -76,6 +76,8 @@ public:
     // Returns a squared length in the unit of the caller.
     [[nodiscard]] double unscaled(double square) const { return square / scale_ / scale_; }
 
+    // Loads the point of a seed into the cache: seeds in random order are far apart in memory.
+    void prefetch(std::int32_t id) const { __builtin_prefetch(&points_[3 * original(id)]); }
     // Returns the member of the large box that a member of a copy is.
     [[nodiscard]] Member in_copy(const Member& m, std::size_t copy) const {
         if (copies_ == 1) return m;
@@ -207,7 +209,10 @@ public:
     std::vector<Tetrahedron> cut() {
         const std::size_t whole = dual_.tetrahedra.size() / 4;
         reserve_huge(out_, places_.copies() * whole);
+        constexpr std::size_t ahead = 64;  // corners
         for (std::size_t t = 0; t < whole; ++t) {
+            for (std::size_t k = 4 * t + ahead; k < std::min(4 * t + ahead + 4, dual_.tetrahedra.size()); ++k)
+                places_.prefetch(dual_.tetrahedra[k]);
             std::array<Member, 4> corners;
             for (std::size_t k = 0; k < 4; ++k)
                 corners[k] = {dual_.tetrahedra[4 * t + k], shift_in(dual_.tetrahedra_shifts, 4 * t + k, 1)};
@@ -367,6 +372,7 @@ Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t se
     for (std::size_t v = 0; v < seeds; ++v) {
         if (v % simplices_per_stop == 0) check_stop();
         const auto own = std::span(order).subspan(begin[v], begin[v + 1] - begin[v]);
+        for (const std::size_t i : own) __builtin_prefetch(&tetrahedra[i]);
         std::ranges::sort(
             own, {}, [&](std::size_t i) -> const auto& { return tetrahedra[i].simplex.ids; });
         for (const std::size_t i : own) {
@@ -410,6 +416,7 @@ Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places&
                      level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v + 1]));
         for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
             for (std::size_t i = 1; i <= K; ++i) sides.push_back(level.side_of(t, i));
+        for (const FaceSide& side : sides) places.prefetch(static_cast<std::int32_t>(side.key));
         std::ranges::sort(sides, {}, &FaceSide::key);
         for (auto begin = sides.begin(); begin != sides.end();) {
             const Simplex<K - 1> face = face_of(*begin, v);
