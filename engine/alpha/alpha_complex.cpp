@@ -400,7 +400,8 @@ Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places&
         Simplex<K - 1> face{};
         face.ids[0] = static_cast<std::int32_t>(lowest);
         for (std::size_t k = 1; k < K; ++k) face.ids[k] = static_cast<std::int32_t>(side.key >> 32 * (K - 1 - k));
-        for (std::size_t i = 0, k = 0; places.periodic() && i <= K; ++i)
+        if (!places.periodic()) return face;
+        for (std::size_t i = 0, k = 0; i <= K; ++i)
             if (i != side.omitted()) face.shifts[k++] = shift_in(level.all.shifts, (K + 1) * side.simplex() + i, 1);
         const ByteShift back = negative(face.shifts[0]);
         for (ByteShift& shift : face.shifts) shift = sum(shift, back);
