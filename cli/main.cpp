@@ -158,6 +158,9 @@ int run(Arguments& arguments) {
     merge_masses(tessellation.duplicate_of(), masses);
     fill_density(arguments, masses, tessellation.volumes(), carried);
     fill_zones(arguments, input, tessellation, carried);
+    std::optional<votess::AlphaComplex> alpha;
+    if (const std::int32_t n = arguments.alpha; n > 0)
+        alpha = votess::alpha_complex(tessellation, input.points, {n, n, n});
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
@@ -191,7 +194,7 @@ int run(Arguments& arguments) {
         }
         write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
                                           carried, arguments.coloring, !arguments.quiet, options.threads,
-                                          FramePlace::alone, arguments.has_radii, all_ids});
+                                          FramePlace::alone, arguments.has_radii, all_ids, alpha ? &*alpha : nullptr});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }

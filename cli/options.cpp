@@ -163,6 +163,13 @@ number to the point that keeps the cell; without a cell density is nan)",
 lowest neighbor reach from each cell; -1 without a cell. Minima are in the
 order of the points. COL may be `density`, if --density is given)",
          {.needs = Needs::all_cells}},
+        {"--alpha N",
+         R"(write the alpha complex of N copies of a periodic box along each vector; N
+is 1 for other domains, which count as all of space. For each dimension K
+from 0 to 3: alpha_seeds_K, K + 1 seeds of each simplex; alpha_values_K, its
+squared radius; alpha_gabriel_K, 1 for an empty smallest sphere; and with
+periods alpha_shifts_K, three numbers for each seed. Into .npz or .h5)",
+         {.needs = Needs::all_cells, .solid = true}},
         {"--duplicates merge|error",
          R"(points of equal coordinates: the lowest index keeps the cell and the others
 get an empty one, or the input is refused)",

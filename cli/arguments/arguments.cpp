@@ -266,6 +266,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
 }
 
 void read_outputs(const Typed& typed, Arguments& arguments) {
+    constexpr std::uint64_t max_copies = 1000;
     check_outputs(arguments.outputs, {arguments.input, arguments.probe});
     const bool text = std::ranges::any_of(arguments.outputs, is_text_output);
     if (const std::string* format = typed.value("--format")) {
@@ -282,6 +283,13 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         throw bad_input(
             "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, "
             "or --color with .glb or --image: add -o FILE");
+    }
+    if (const std::string* copies = typed.value("--alpha")) {
+        arguments.alpha = static_cast<std::int32_t>(whole_number("--alpha", *copies, max_copies));
+        if (arguments.alpha == 0) throw bad_input("--alpha is 0: give a number of copies, at least 1");
+        if (std::ranges::none_of(arguments.outputs, holds_arrays))
+            throw bad_input("--alpha needs .npz or .h5: add -o FILE");
+        if (typed.has("--frames")) throw bad_input("--alpha goes with one frame: give --frame N instead of --frames");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
