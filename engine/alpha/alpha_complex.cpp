@@ -2,10 +2,10 @@
 // above.
 //
 // A simplex shows its faces which of them have another seed inside their smallest sphere (exact/orthosphere.hpp). The
-// seeds of the simplices around a face are enough for that. Over the triangulation, lift the seeds to the graph of a
-// convex function f and let A be the affine function that belongs to the face's sphere. f - A is 0 on the face. If it
-// is not negative at the seeds around, the face is a local minimum of a convex function, so a global one. Ties do not
-// matter: any triangulation of the polytopes has this f.
+// seeds of the simplices around a face are enough for that. Proof: let f be the convex function that is |x|^2 - w at
+// the seeds and linear in each tetrahedron. The sphere of the face belongs to an affine function A, and f - A is 0 on
+// the face. If f - A is not negative at the seeds around, the face is a local minimum, and so a global one. Ties do
+// not matter: any triangulation of the polytopes has the same f.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -327,7 +327,7 @@ struct Level {
     }
 };
 
-// What the simplices around a face have found.
+// Collects from the simplices around a face.
 struct Around {
     double least = std::numeric_limits<double>::infinity();  // of their values
     bool outside = true;                                     // all their seeds lie strictly outside
@@ -431,7 +431,7 @@ Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places&
             begin = end;
             double own;
             if constexpr (K == 1) {
-                own = -places.weight(face.ids[0]);
+                own = 0 - places.weight(face.ids[0]);
             } else {
                 const exact::Orthosphere<K - 1> sphere = places.sphere<K - 1>(face.members());
                 faces.sides.push_back(sides_of(sphere));
@@ -532,7 +532,7 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
         refuse_alpha("the " + std::to_string(cells) + " seeds lie in one plane, so they span no tetrahedron");
     if (tetrahedra.values.empty() && cells == 1) {
         const auto id = static_cast<std::int32_t>(std::ranges::find_if(status, has_cell) - status.begin());
-        append(Simplex<0>{{id}, {}}, places.unscaled(-places.weight(id)), true, places, vertices);
+        append(Simplex<0>{{id}, {}}, places.unscaled(0 - places.weight(id)), true, places, vertices);
     }
     for (AlphaSimplices& simplices : out.simplices)
         if (!diagram.ids.empty())

@@ -21,7 +21,7 @@
 
 namespace votess::exact {
 
-// Of K + 1 seeds.
+// The sphere of K + 1 seeds.
 template <std::size_t K>
 struct Orthosphere {
     double square;                         // of the radius

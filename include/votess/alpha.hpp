@@ -21,7 +21,7 @@ namespace votess {
 // M simplices of one dimension k. Each holds k + 1 seeds, in ascending order. Simplices ascend too.
 struct AlphaSimplices {
     std::vector<std::int32_t> seeds;  // (k + 1) M
-    // 3 (k + 1) M in a periodic domain, else empty: the numbers of box vectors that carry each seed from where it lies
+    // 3 (k + 1) M in a periodic domain, else empty: the numbers of box vectors that carry each seed from its place
     // inside the box to the simplex. They are 0 for the first seed.
     std::vector<std::int8_t> shifts;
     // M squared radii, length unit squared. Never less than the value of a face. In a power diagram a ball has the
@@ -51,8 +51,8 @@ struct AlphaComplex {
 // Shifts then count vectors of the large box.
 //
 // Throws invalid_argument if an edge leads to an image of its own seed, or two edges join the same seeds: replicate a
-// small box. Also for seeds that all lie in one plane, domains periodic along some axes only, and cells of a subset,
-// of probes, in a mesh and in two dimensions.
+// small box. Refuses seeds that all lie in one plane, and domains that are periodic along some axes only. Refuses cells
+// of a subset, of probes, in a mesh and in two dimensions.
 [[nodiscard]] VOTESS_API AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
                                                     const std::array<std::int32_t, 3>& replicate = {1, 1, 1});
 
