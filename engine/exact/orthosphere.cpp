@@ -13,7 +13,7 @@
 //     V.C_i                 98u M m^4           2 D^2 - sum V.C_i   380u M m^4
 //     |N_2|^2 S_1 - ...     26u M m^2           2G - sum            110u M m^2
 //     S_1 N_2 - S_2 N_1     17u M m each, 30u M m a vector
-//     2a - S                10u M
+//     2a - S                19u M
 // The factors below are larger by half or more.
 namespace votess::exact {
 namespace {
@@ -31,14 +31,43 @@ bool is_sure(double square, double weight, double error, double relative) {
     return error + square * (2 * relative + 10 * u) <= tolerance * std::abs(square - weight);
 }
 
-// Sets the signs. Returns false if one is unsure.
+// The barycentric coordinates of the center, times a positive number, and |c|^2 = numerator / denominator.
 template <std::size_t K>
-bool set_signs(const std::array<double, K>& coordinates, double error, double first, double first_error,
-               Orthosphere<K>& sphere) {
-    sphere.signs[0] = static_cast<std::int8_t>(sure_sign(first, first_error));
-    for (std::size_t i = 0; i < K; ++i)
-        sphere.signs[i + 1] = static_cast<std::int8_t>(sure_sign(coordinates[i], error));
-    return std::ranges::find(sphere.signs, 0) == sphere.signs.end();
+struct Terms {
+    double first;
+    std::array<double, K> others;
+    double numerator, denominator;
+};
+
+template <std::size_t K>
+Terms<K> terms_of(const std::array<Vector3, K>& n, const std::array<double, K>& s) {
+    if constexpr (K == 1) {
+        const double a = dot(n[0], n[0]);
+        return {2 * a - s[0], {s[0]}, s[0] * s[0], 4 * a};
+    } else if constexpr (K == 2) {
+        const double a = dot(n[0], n[0]), b = dot(n[0], n[1]), d = dot(n[1], n[1]);
+        const auto normal = cross(n[0], n[1]);
+        const double g = dot(normal, normal);
+        const double first = d * s[0] - b * s[1], second = a * s[1] - b * s[0];
+        Vector3 q;
+        for (std::size_t k = 0; k < 3; ++k) q[k] = s[0] * n[1][k] - s[1] * n[0][k];
+        return {2 * g - (first + second), {first, second}, dot(q, q), 4 * g};
+    } else {
+        const std::array<Vector3, 3> c{cross(n[1], n[2]), cross(n[2], n[0]), cross(n[0], n[1])};
+        const double d = dot(n[0], c[0]);
+        Vector3 v;
+        for (std::size_t k = 0; k < 3; ++k) v[k] = s[0] * c[0][k] + s[1] * c[1][k] + s[2] * c[2][k];
+        const std::array<double, 3> along{dot(v, c[0]), dot(v, c[1]), dot(v, c[2])};
+        return {2 * d * d - (along[0] + along[1] + along[2]), along, dot(v, v), 4 * d * d};
+    }
+}
+
+template <std::size_t K>
+std::array<std::int8_t, K + 1> signs_of(const Terms<K>& terms, double first_error, double error) {
+    std::array<std::int8_t, K + 1> signs;
+    signs[0] = static_cast<std::int8_t>(sure_sign(terms.first, first_error));
+    for (std::size_t i = 0; i < K; ++i) signs[i + 1] = static_cast<std::int8_t>(sure_sign(terms.others[i], error));
+    return signs;
 }
 
 }  // namespace
@@ -47,52 +76,37 @@ template <std::size_t K>
 std::optional<Orthosphere<K>> sure_orthosphere(const std::array<Vector3, K>& n, const std::array<double, K>& powers,
                                                double weight) {
     std::array<double, K> s;
-    double longest = 0, largest = 0;
+    double mm = 0, largest = 0;  // m^2, M
     for (std::size_t i = 0; i < K; ++i) {
         const double square = dot(n[i], n[i]);
         s[i] = square + powers[i];
-        longest = std::max(longest, square);
+        mm = std::max(mm, square);
         largest = std::max(largest, square + std::abs(powers[i]));
     }
-    const double m = std::sqrt(longest), mm = longest;
+    const double m = std::sqrt(mm);
     if (!(m > min_length && largest < max_power)) return {};
-    Orthosphere<K> sphere;
-    double center, error, relative;  // |c|^2, the error of its numerator, that of the root of its denominator
+    const Terms<K> terms = terms_of(n, s);
+    const double unit = u * largest;
+    double wrong, relative;  // errors of the root of the numerator, and of that of the denominator as a share
+    std::array<std::int8_t, K + 1> signs;
     if constexpr (K == 1) {
-        if (!set_signs<1>({s[0]}, 10 * u * largest, mm - powers[0], 16 * u * largest, sphere)) return {};
-        center = s[0] * s[0] / (4 * mm);
-        error = s[0] * (20 * u * largest) / (4 * mm);
+        signs = signs_of(terms, 32 * unit, 10 * unit);
+        wrong = 10 * unit;
         relative = 5 * u;
     } else if constexpr (K == 2) {
-        const double a = dot(n[0], n[0]), b = dot(n[0], n[1]), d = dot(n[1], n[1]);
-        const auto normal = cross(n[0], n[1]);
-        const double g = dot(normal, normal);
-        const double first = d * s[0] - b * s[1], second = a * s[1] - b * s[0];
-        const double unit = u * largest * mm;
-        if (!set_signs<2>({first, second}, 40 * unit, 2 * g - (first + second), 200 * unit, sphere)) return {};
-        Vector3 q;
-        for (std::size_t k = 0; k < 3; ++k) q[k] = s[0] * n[1][k] - s[1] * n[0][k];
-        const double qq = dot(q, q), wrong = 50 * u * largest * m;
-        center = qq / (4 * g);
-        error = (2 * std::sqrt(qq) + wrong) * wrong / (4 * g);
-        relative = 12 * u * mm / std::sqrt(g);
+        signs = signs_of(terms, 200 * unit * mm, 40 * unit * mm);
+        wrong = 50 * unit * m;
+        relative = 24 * u * mm / std::sqrt(terms.denominator);
     } else {
-        const std::array<Vector3, 3> c{cross(n[1], n[2]), cross(n[2], n[0]), cross(n[0], n[1])};
-        const double d = dot(n[0], c[0]);
-        Vector3 v;
-        for (std::size_t k = 0; k < 3; ++k) v[k] = s[0] * c[0][k] + s[1] * c[1][k] + s[2] * c[2][k];
-        const std::array<double, 3> along{dot(v, c[0]), dot(v, c[1]), dot(v, c[2])};
-        const double unit = u * largest * mm * mm;
-        if (!set_signs<3>(along, 150 * unit, 2 * d * d - (along[0] + along[1] + along[2]), 600 * unit, sphere))
-            return {};
-        const double vv = dot(v, v), wrong = 110 * u * largest * mm;
-        center = vv / (4 * d * d);
-        error = (2 * std::sqrt(vv) + wrong) * wrong / (4 * d * d);
-        relative = 18 * u * mm * m / std::abs(d);
+        signs = signs_of(terms, 600 * unit * mm * mm, 150 * unit * mm * mm);
+        wrong = 110 * unit * mm;
+        relative = 36 * u * mm * m / std::sqrt(terms.denominator);
     }
+    if (std::ranges::find(signs, 0) != signs.end()) return {};
+    const double center = terms.numerator / terms.denominator;
+    const double error = (2 * std::sqrt(terms.numerator) + wrong) * wrong / terms.denominator;
     if (!is_sure(center, weight, error, relative)) return {};
-    sphere.square = center - weight;
-    return sphere;
+    return Orthosphere<K>{center - weight, signs};
 }
 
 namespace {
@@ -157,10 +171,39 @@ Orthosphere<K> orthosphere_in(const Point& seed, double weight, const std::array
     return sphere;
 }
 
+// Returns the sphere of a lattice: without weights, and with differences below 2^7 units. Then coordinates are below
+// 324 * 2^42 units, and all products whole numbers that a double holds.
+template <std::size_t K>
+std::optional<Orthosphere<K>> lattice_orthosphere(const Point& seed, double weight,
+                                                  const std::array<Plane, K>& bisectors) {
+    if (weight != 0) return {};
+    std::array<Vector3, K> n;
+    BitRange range;
+    for (std::size_t i = 0; i < K; ++i) {
+        if (bisectors[i].has_power()) return {};
+        const Differences d = differences(seed, bisectors[i]);
+        if (!d.exact) return {};
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (d.x[k].low != 0) return {};
+            n[i][k] = d.x[k].high;
+        }
+        range.add(n[i]);
+    }
+    if (range.span() > 7) return {};
+    std::array<double, K> s;
+    for (std::size_t i = 0; i < K; ++i) {
+        for (double& x : n[i]) x = std::ldexp(x, -range.quantum());
+        s[i] = dot(n[i], n[i]);
+    }
+    const Terms<K> terms = terms_of(n, s);
+    return Orthosphere<K>{std::ldexp(terms.numerator / terms.denominator, 2 * range.quantum()), signs_of(terms, 0, 0)};
+}
+
 }  // namespace
 
 template <std::size_t K>
 Orthosphere<K> orthosphere(const Point& seed, double weight, const std::array<Plane, K>& bisectors) {
+    if (const auto sphere = lattice_orthosphere(seed, weight, bisectors)) return *sphere;
     Plane own;  // for the range of the weight
     own.power.high = weight;
     BitRange range;
