@@ -13,17 +13,17 @@ namespace {
 using detail::Result;
 
 // An edge of the mesh, by its other end as seen from the vertex.
-struct End {
+struct FarEnd {
     std::size_t vertex;
     ByteShift shift;
-    friend auto operator<=>(const End&, const End&) = default;
+    friend auto operator<=>(const FarEnd&, const FarEnd&) = default;
 };
 
 constexpr std::size_t at_infinity = std::numeric_limits<std::size_t>::max();  // the other end of any ray
 
 // Around an edge one cell follows another.
 struct Step {
-    End edge;
+    FarEnd edge;
     Member from, to;
 };
 
@@ -61,7 +61,7 @@ private:
         for (auto entry = at(r_.indptr[seed]); entry < at(r_.indptr[seed + 1]); ++entry) {
             const auto begin = r_.face_offsets[entry], end = r_.face_offsets[entry + 1];
             for (auto k = begin; k < end; ++k) {
-                if (seen(r_.face_vertices[at(k)], member) != End{center_, {}}) continue;
+                if (seen(r_.face_vertices[at(k)], member) != FarEnd{center_, {}}) continue;
                 const std::int32_t after = r_.face_vertices[at(k + 1 == end ? begin : k + 1)];
                 steps_.push_back({seen(after, member),
                                   member,
@@ -71,7 +71,7 @@ private:
     }
 
     // A vertex of the member's cell, moved with it.
-    [[nodiscard]] End seen(std::int32_t vertex, const Member& member) const {
+    [[nodiscard]] FarEnd seen(std::int32_t vertex, const Member& member) const {
         if (vertex < 0) return {at_infinity, {}};
         return {original(r_, vertex), sum(shift_in(r_.vertex_shifts, at(vertex), 1), member.shift)};
     }
