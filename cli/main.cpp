@@ -223,6 +223,8 @@ int main_inside(int count, const char* const* values) {
             print(run_probe(arguments));
         } else if (!arguments.interpolate.empty()) {
             print(run_interpolate(arguments));
+        } else if (!arguments.trace.empty()) {
+            print(run_trace(arguments));
         } else if (arguments.to_grid) {
             print(run_to_grid(arguments));
         } else {

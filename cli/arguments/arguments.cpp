@@ -302,9 +302,10 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
 // Returns the option of the query; "" if the run makes cells of the points.
 std::string query_of(const Typed& typed) {
     std::string query;
-    for (const char* option : {"--locate", "--probe", "--interpolate", "--to-grid"}) {
+    for (const char* option : {"--locate", "--probe", "--interpolate", "--trace", "--to-grid"}) {
         if (!typed.has(option)) continue;
-        if (!query.empty()) throw bad_input("give one of --locate, --probe, --interpolate and --to-grid, not several");
+        if (!query.empty())
+            throw bad_input("give one of --locate, --probe, --interpolate, --trace and --to-grid, not several");
         query = option;
     }
     return query;
@@ -340,6 +341,9 @@ void read_query(const Typed& typed, const std::string& option, Arguments& argume
         if (!typed.has("--values")) throw bad_input("--interpolate needs a field: add --values COLUMN");
         typed.read_word("--natural", arguments.natural);
         check_interpolated_outputs(arguments);
+    } else if (option == "--trace") {
+        arguments.trace = queries;
+        check_traced_outputs(arguments);
     } else {
         arguments.probe = queries;
         read_outputs(typed, arguments);

@@ -40,7 +40,8 @@ struct Arguments {
     std::uint64_t rng_seed = 1;
 
     std::optional<votess::GridOptions> to_grid;  // as many columns as --values
-    std::string locate, probe, interpolate;      // file of the queries, for one of them; else empty
+    // File of the queries, for one of them; else empty.
+    std::string locate, probe, interpolate, trace;
     votess::NaturalMethod natural = votess::NaturalMethod::sibson;
 
     std::vector<std::string> outputs;
