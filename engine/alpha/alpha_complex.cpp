@@ -14,6 +14,7 @@
 #include <string>
 #include <utility>
 
+#include "core/buffer.hpp"
 #include "core/progress.hpp"
 #include "core/system.hpp"
 #include "domain/domain.hpp"
@@ -298,10 +299,11 @@ struct FaceSide {
 template <std::size_t K>
 struct Level {
     const AlphaSimplices& all;
-    std::vector<SeedSides> sides;          // by simplex
-    std::vector<std::size_t> first;        // by seed, and the end: the first simplex with this lowest seed
-    std::vector<std::size_t> opposite;     // likewise: the first of the following with this lowest seed
-    std::vector<FaceSide> opposite_sides;  // of faces opposite to the lowest seed of a simplex
+    std::vector<SeedSides> sides;       // by simplex
+    std::vector<std::size_t> first;     // by seed, and the end: the first simplex with this lowest seed
+    std::vector<std::size_t> opposite;  // likewise: the first of the following with this lowest seed
+    Buffer<FaceSide> opposite_sides{
+        Buffer<FaceSide>::Pages::huge};  // of faces opposite to the lowest seed of a simplex
 
     [[nodiscard]] std::size_t size() const { return all.values.size(); }
     [[nodiscard]] FaceSide side_of(std::size_t simplex, std::size_t omitted) const {
@@ -320,8 +322,7 @@ struct Level {
             ++first[at(all.seeds[(K + 1) * t]) + 1], ++opposite[at(all.seeds[(K + 1) * t + 1]) + 2];
         std::partial_sum(first.begin(), first.end(), first.begin());
         std::partial_sum(opposite.begin(), opposite.end(), opposite.begin());
-        reserve_huge(opposite_sides, size());
-        opposite_sides.resize(size());
+        opposite_sides.resize_uninitialized(size());
         for (std::size_t t = 0; t < size(); ++t)
             opposite_sides[opposite[at(all.seeds[(K + 1) * t + 1]) + 1]++] = side_of(t, 0);
     }
@@ -366,7 +367,7 @@ Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t se
     for (const Tetrahedron& t : tetrahedra) ++begin[at(t.simplex.ids[0]) + 2];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < tetrahedra.size(); ++i) order[begin[at(tetrahedra[i].simplex.ids[0]) + 1]++] = i;
-    Level<3> level{out, {}, {}, {}, {}};
+    Level<3> level{out, {}, {}, {}};
     reserve<3>(tetrahedra.size(), places, out);
     level.sides.reserve(tetrahedra.size());
     for (std::size_t v = 0; v < seeds; ++v) {
@@ -408,13 +409,13 @@ Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places&
         return face;
     };
     reserve<K - 1>(expected, places, out);
-    Level<K - 1> faces{out, {}, {}, {}, {}};
+    Level<K - 1> faces{out, {}, {}, {}};
     if constexpr (K > 1) faces.sides.reserve(expected);
     std::vector<FaceSide> sides;
     for (std::size_t v = 0; v < seeds; ++v) {
         if (v % simplices_per_stop == 0) check_stop();
-        sides.assign(level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v]),
-                     level.opposite_sides.begin() + static_cast<std::ptrdiff_t>(level.opposite[v + 1]));
+        const FaceSide* const opposite = level.opposite_sides.data();
+        sides.assign(opposite + level.opposite[v], opposite + level.opposite[v + 1]);
         for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
             for (std::size_t i = 1; i <= K; ++i) sides.push_back(level.side_of(t, i));
         for (const FaceSide& side : sides) places.prefetch(static_cast<std::int32_t>(side.key));

@@ -26,7 +26,7 @@ int sure_sign(double x, double error) {
     return x > error ? 1 : x < -error ? -1 : 0;
 }
 
-// What the center is divided by may be wrong by the share `relative`, and its square's numerator by `error`.
+// error: of the square's numerator over its denominator. relative: share by which the denominator's root may be wrong.
 bool is_sure(double square, double weight, double error, double relative) {
     return error + square * (2 * relative + 10 * u) <= tolerance * std::abs(square - weight);
 }

@@ -5,7 +5,7 @@
 // barycentric coordinate of the center is negative. If that is 0, the spheres of simplex and face are the same.
 //
 // Let seed 0 have weight w. From there the others lie at N_i, and the bisectors with them are 2 N_i.c = S_i, as in
-// predicate.hpp. With C_1 = N_2 x N_3 and so on, the center c and its barycentric coordinates are
+// predicate.hpp. C_1 is N_2 x N_3, and so on. This is the center c, and its barycentric coordinates:
 //     edge         c = S N / (2a)                            coordinate 1: S / (2a)                  a = |N|^2
 //     triangle     |c|^2 = |S_1 N_2 - S_2 N_1|^2 / (4G)      1: (|N_2|^2 S_1 - N_1.N_2 S_2) / (2G)   G = |N_1 x N_2|^2
 //     tetrahedron  c = V / (2D),  V = sum S_i C_i            i: V.C_i / (2 D^2)                      D = N_1.C_1
