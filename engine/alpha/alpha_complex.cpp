@@ -360,6 +360,11 @@ void reserve(std::size_t count, const Places& places, AlphaSimplices& out) {
     reserve_huge(out.gabriel, count);
 }
 
+// Returns about how many triangles there are: as many as in the periodic case, and some for the hull.
+std::size_t triangles_of(std::size_t tetrahedra) {
+    return 2 * tetrahedra + tetrahedra / 16 + 4;
+}
+
 // Writes the tetrahedra in order.
 Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t seeds, const Places& places,
                       AlphaSimplices& out) {
@@ -381,6 +386,7 @@ Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t se
             level.sides.push_back(tetrahedra[i].sides);
         }
     }
+    level.opposite_sides.resize_uninitialized(triangles_of(tetrahedra.size()));
     level.index(seeds);
     return level;
 }
@@ -393,9 +399,9 @@ template <std::size_t K>
                  ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
 }
 
-// Returns the faces of all simplices of a level. expected: about their number.
+// Returns the faces of all simplices of a level, and takes its memory. expected: about their number.
 template <std::size_t K>
-Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places& places, AlphaSimplices& out) {
+Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& places, AlphaSimplices& out) {
     const std::size_t seeds = level.first.size() - 1;
     const auto face_of = [&](const FaceSide& side, std::size_t lowest) {
         Simplex<K - 1> face{};
@@ -441,6 +447,7 @@ Level<K - 1> faces_of(const Level<K>& level, std::size_t expected, const Places&
             append(face, around.value(places.unscaled(own)), !around.inside, places, out);
         }
     }
+    faces.opposite_sides = std::move(level.opposite_sides);
     if constexpr (K > 1) faces.index(seeds);
     return faces;
 }
@@ -517,14 +524,14 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     AlphaComplex out;
     auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
     {
-        const auto level = [&] {
+        auto level = [&] {
             const Delaunay dual = delaunay(diagram.tessellation);
             return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, places, tetrahedra);
         }();
         const std::size_t count = level.size();
-        const Level<2> of_triangles = faces_of<3>(level, 2 * count + count / 16 + 4, places, triangles);
+        auto of_triangles = faces_of<3>(std::move(level), triangles_of(count), places, triangles);
         const std::size_t max_edges = seeds + of_triangles.size() - count;  // by Euler's formula
-        faces_of<1>(faces_of<2>(of_triangles, max_edges, places, edges), seeds, places, vertices);
+        faces_of<1>(faces_of<2>(std::move(of_triangles), max_edges, places, edges), seeds, places, vertices);
     }
     const auto has_cell = [](CellStatus status) { return status == CellStatus::certified; };
     const auto status = diagram.tessellation.status();
