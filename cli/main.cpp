@@ -158,6 +158,9 @@ int run(Arguments& arguments) {
     merge_masses(tessellation.duplicate_of(), masses);
     fill_density(arguments, masses, tessellation.volumes(), carried);
     fill_zones(arguments, input, tessellation, carried);
+    std::optional<votess::AlphaComplex> alpha;
+    if (const std::int32_t n = arguments.alpha; n > 0)
+        alpha = votess::alpha_complex(tessellation, input.points, {n, n, n});
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
@@ -189,9 +192,10 @@ int run(Arguments& arguments) {
             if (!radii.empty())
                 radii = (radii_of_rows = rows_of({"radii", 1, {radii.begin(), radii.end()}}, only)).values;
         }
-        write_outputs(arguments.outputs, {input, tessellation, arguments.wanted, arguments.format, radii, domain_from,
-                                          carried, arguments.coloring, !arguments.quiet, options.threads,
-                                          FramePlace::alone, arguments.has_radii, all_ids, arguments.gap});
+        write_outputs(arguments.outputs,
+                      {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried,
+                       arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii,
+                       all_ids, arguments.gap, alpha ? &*alpha : nullptr});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
@@ -220,6 +224,8 @@ int main_inside(int count, const char* const* values) {
             print(run_probe(arguments));
         } else if (!arguments.interpolate.empty()) {
             print(run_interpolate(arguments));
+        } else if (!arguments.trace.empty()) {
+            print(run_trace(arguments));
         } else if (arguments.to_grid) {
             print(run_to_grid(arguments));
         } else {

@@ -171,6 +171,13 @@ number to the point that keeps the cell; without a cell density is nan)",
 lowest neighbor reach from each cell; -1 without a cell. Minima are in the
 order of the points. COL may be `density`, if --density is given)",
          {.needs = Needs::all_cells}},
+        {"--alpha N",
+         R"(write the alpha complex of N copies of a periodic box along each vector; N
+is 1 for other domains, which count as all of space. For each dimension K
+from 0 to 3: alpha_seeds_K, K + 1 seeds of each simplex; alpha_values_K,
+its squared radius; alpha_gabriel_K, 1 if its smallest sphere is empty; in
+periodic domains alpha_shifts_K, three numbers a seed. Into .npz or .h5)",
+         {.needs = Needs::all_cells, .solid = true}},
         {"--duplicates merge|error",
          R"(points of equal coordinates: the lowest index keeps the cell and the others
 get an empty one, or the input is refused)",
@@ -291,6 +298,14 @@ neighbors among the points, into -o FILE.npy (float64), FILE.txt or - (a
 line each); nan without neighbors, as outside the domain. Linear fields are
 reproduced where the cell of a query has no wall; at walls cells end as if
 the points had mirror images behind. Weights and radii as for --probe)",
+         {.needs = Needs::all_points, .solid = true}},
+        {"--trace RAYS",
+         R"(the cells that each ray of the text RAYS passes, in order, and its length
+in each. A row holds the origin, the direction and the length, seven
+numbers. Rays end at walls, and go round where the domain repeats. Into
+-o FILE.txt or - (a line for each ray: a seed, its length, the next seed),
+or into FILE.npz: row r of `seeds` and `lengths` is
+seeds[offsets[r]:offsets[r+1]])",
          {.needs = Needs::all_points, .solid = true}},
         {"--values COLUMN[,COLUMN]",
          R"(columns of INPUT for --interpolate and --to-grid, by name or number as for

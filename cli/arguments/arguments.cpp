@@ -268,6 +268,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
 }
 
 void read_outputs(const Typed& typed, Arguments& arguments) {
+    constexpr std::uint64_t max_copies = 1000;
     check_outputs(arguments.outputs, {arguments.input, arguments.probe});
     const bool text = std::ranges::any_of(arguments.outputs, is_text_output);
     if (const std::string* format = typed.value("--format")) {
@@ -291,6 +292,13 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
             "--copy, --density and --watershed need text, .csv, .xyz, .dump, .npz, .h5 or .vtu, "
             "or --color with .glb or --image: add -o FILE");
     }
+    if (const std::string* copies = typed.value("--alpha")) {
+        arguments.alpha = static_cast<std::int32_t>(whole_number("--alpha", *copies, max_copies));
+        if (arguments.alpha == 0) throw bad_input("--alpha is 0: give a number of copies, at least 1");
+        if (std::ranges::none_of(arguments.outputs, holds_arrays))
+            throw bad_input("--alpha needs .npz or .h5: add -o FILE");
+        if (typed.has("--frames")) throw bad_input("--alpha goes with one frame: give --frame N instead of --frames");
+    }
     if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
     const bool in_mesh = !arguments.mesh_file.empty();
@@ -302,9 +310,10 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
 // Returns the option of the query; "" if the run makes cells of the points.
 std::string query_of(const Typed& typed) {
     std::string query;
-    for (const char* option : {"--locate", "--probe", "--interpolate", "--to-grid"}) {
+    for (const char* option : {"--locate", "--probe", "--interpolate", "--trace", "--to-grid"}) {
         if (!typed.has(option)) continue;
-        if (!query.empty()) throw bad_input("give one of --locate, --probe, --interpolate and --to-grid, not several");
+        if (!query.empty())
+            throw bad_input("give one of --locate, --probe, --interpolate, --trace and --to-grid, not several");
         query = option;
     }
     return query;
@@ -340,6 +349,9 @@ void read_query(const Typed& typed, const std::string& option, Arguments& argume
         if (!typed.has("--values")) throw bad_input("--interpolate needs a field: add --values COLUMN");
         typed.read_word("--natural", arguments.natural);
         check_interpolated_outputs(arguments);
+    } else if (option == "--trace") {
+        arguments.trace = queries;
+        check_traced_outputs(arguments);
     } else {
         arguments.probe = queries;
         read_outputs(typed, arguments);

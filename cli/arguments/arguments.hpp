@@ -35,12 +35,14 @@ struct Arguments {
     // carried columns or field values.
     bool has_weights = false, has_radii = false, has_volumes = false, has_density = false, has_zones = false;
     bool zones_of_density = false;  // --watershed density: no column
+    std::int32_t alpha = 0;         // copies by --alpha; 0: no alpha complex
     votess::FitOptions fit;         // with --volumes
     std::optional<std::uint64_t> random_count;
     std::uint64_t rng_seed = 1;
 
     std::optional<votess::GridOptions> to_grid;  // as many columns as --values
-    std::string locate, probe, interpolate;      // file of the queries, for one of them; else empty
+    // File of the queries, for one of them; else empty.
+    std::string locate, probe, interpolate, trace;
     votess::NaturalMethod natural = votess::NaturalMethod::sibson;
 
     std::vector<std::string> outputs;

@@ -12,6 +12,7 @@
 #include "interrupt.hpp"
 #include "queries/query_run.hpp"
 #include "write/output.hpp"
+#include "write/result_arrays.hpp"
 
 namespace clvotess {
 namespace {
@@ -41,6 +42,31 @@ void write_field(OutputFile& file, const std::string& path, const std::vector<do
     }
     std::string text;
     for (std::size_t k = 0; k < field.size(); ++k) text += to_text(field[k]) + ((k + 1) % components == 0 ? '\n' : ' ');
+    file.write(text);
+}
+
+bool is_npz_output(const std::string& path) {
+    return path != "-" && extension_of(path) == ".npz";
+}
+
+void write_traced(OutputFile& file, const std::string& path, const votess::RayCells& cells) {
+    if (is_npz_output(path)) {
+        write_npz_arrays(
+            file, std::array{as_array("offsets", std::span(cells.offsets)), as_array("seeds", std::span(cells.seeds)),
+                             as_array("lengths", std::span(cells.lengths))});
+        return;
+    }
+    std::string text;
+    for (std::size_t r = 0; r + 1 < cells.offsets.size(); ++r) {
+        const auto begin = static_cast<std::size_t>(cells.offsets[r]);
+        for (std::size_t k = begin; k < static_cast<std::size_t>(cells.offsets[r + 1]); ++k) {
+            if (k > begin) text += ' ';
+            text += std::to_string(cells.seeds[k]);
+            text += ' ';
+            text += to_text(cells.lengths[k]);
+        }
+        text += '\n';
+    }
     file.write(text);
 }
 
@@ -131,6 +157,40 @@ std::string run_interpolate(const Arguments& arguments) {
     for (std::size_t k = 0; k < field.size(); k += values.components) without += std::isnan(field[k]) ? 1 : 0;
     const QueryCount nowhere{"without", "without natural neighbors", without};
     return query_summary(arguments, "interpolated", input, {&nowhere, 1}, times);
+}
+
+void check_traced_outputs(const Arguments& arguments) {
+    const std::vector<std::string>& outputs = arguments.outputs;
+    if (outputs.empty()) throw bad_input("--trace needs an output: add -o FILE.npz, FILE.txt or - for stdout");
+    for (const std::string& path : outputs)
+        if (!is_text_output(path) && !is_npz_output(path))
+            throw bad_input("--trace writes .npz and .txt, not " + in_quotes(path));
+    check_paths(outputs, {arguments.input, arguments.trace});
+}
+
+std::string run_trace(const Arguments& arguments) {
+    StageTimes times;
+    ReadRequest rays;
+    rays.threads = arguments.read.threads;
+    rays.coordinates = {"1", "2", "3"};
+    rays.columns = {"4", "5", "6", "7"};
+    const QueryInput input = read_and_sort(arguments, arguments.trace, rays, times);
+    std::vector<double> directions, lengths;
+    for (std::size_t r = 0; r < input.queries.size(); ++r) {
+        for (std::size_t k = 0; k < 3; ++k) directions.push_back(input.queries.columns[k].values[r]);
+        lengths.push_back(input.queries.columns[3].values[r]);
+    }
+    const votess::RayCells cells = run_query(arguments, times, "trace", [&](const votess::ProgressCallback& callback) {
+        return input.diagram.trace(input.queries.points, directions, lengths, callback);
+    });
+
+    write_numbers(arguments.outputs,
+                  [&](OutputFile& file, const std::string& path) { write_traced(file, path, cells); });
+    times.end("write");
+    std::ptrdiff_t without = 0;
+    for (std::size_t r = 0; r < input.queries.size(); ++r) without += cells.offsets[r] == cells.offsets[r + 1] ? 1 : 0;
+    const QueryCount nowhere{"without", "without cells", without};
+    return query_summary(arguments, "traced", input, {&nowhere, 1}, times);
 }
 
 }  // namespace clvotess

@@ -1,4 +1,4 @@
-// Steps that --locate, --probe, --interpolate and --to-grid share: reading, the diagram, outputs, the summary.
+// Steps that --locate, --probe, --interpolate, --trace and --to-grid share: reading, the diagram, outputs, the summary.
 #pragma once
 
 #include <cstddef>

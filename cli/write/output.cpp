@@ -84,6 +84,11 @@ bool carries_columns(const std::string& path) {
     return kind && kind->carries;
 }
 
+bool holds_arrays(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->write == write_npz || kind->write == write_hdf5);
+}
+
 bool is_mesh_output(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->mesh;

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <votess/alpha.hpp>
 #include <votess/votess.hpp>
 
 #include "coloring.hpp"
@@ -30,6 +31,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 // Whether the file needs a domain with ends.
 [[nodiscard]] bool needs_box(const std::string& path);
 [[nodiscard]] bool carries_columns(const std::string& path);
+[[nodiscard]] bool holds_arrays(const std::string& path);    // of any length
 [[nodiscard]] bool is_mesh_output(const std::string& path);  // whether it holds polyhedra
 // Whether it holds the pieces of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing.
 [[nodiscard]] bool is_pieces_output(const std::string& path);
@@ -51,14 +53,15 @@ struct OutputData {
     const TextFormat& format;
     std::span<const double> radii;  // for %r; may be empty
     const DomainFrom& domain_from;
-    const std::vector<InputColumn>& carried;     // columns of the input, after the arrays of the cells
-    const Coloring& coloring;                    // for .glb
-    bool reports_size = false;                   // print the size of a .glb on stderr before it is written
-    unsigned threads = 1;                        // that make text; 0: one per processor
-    FramePlace place = FramePlace::alone;        // among the frames of the output
-    bool has_radii = false;                      // --radii is given, also where there are no points
-    std::span<const std::int64_t> all_ids = {};  // of all points, where the input has those of a subset; may be empty
-    double gap = 0;                              // between pieces
+    const std::vector<InputColumn>& carried;      // columns of the input, after the arrays of the cells
+    const Coloring& coloring;                     // for .glb
+    bool reports_size = false;                    // print the size of a .glb on stderr before it is written
+    unsigned threads = 1;                         // that make text; 0: one per processor
+    FramePlace place = FramePlace::alone;         // among the frames of the output
+    bool has_radii = false;                       // --radii is given, also where there are no points
+    std::span<const std::int64_t> all_ids = {};   // of all points, where the input has those of a subset; may be empty
+    double gap = 0;                               // between pieces
+    const votess::AlphaComplex* alpha = nullptr;  // for .npz and .h5; may be null
 };
 
 // An output of several frames.

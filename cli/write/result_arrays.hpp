@@ -68,6 +68,8 @@ struct ResultPiece {
 [[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
                                                      const std::vector<InputColumn>& carried);
 
+void write_npz_arrays(OutputFile& file, std::span<const ResultArray> arrays);
+
 // Returns whether .npz and .h5 may hold an array of that name.
 [[nodiscard]] bool is_result_array(std::string_view name);
 

@@ -17,35 +17,51 @@ std::string_view numpy_type(NumberType type) {
     return names[static_cast<std::size_t>(type)];
 }
 
+class NpzWriter {
+public:
+    explicit NpzWriter(OutputFile& file) : zip_(file) {}
+
+    void add(std::string_view name, std::string_view type, const std::string& shape, std::string_view bytes) {
+        const std::string header = npy_header(type, shape);
+        zip_.add(std::string(name) + ".npy", std::array{std::string_view(header), bytes});
+    }
+    void add(std::span<const ResultArray> arrays) {
+        for (const ResultArray& array : arrays) {
+            const std::string rows = std::to_string(array.rows());
+            const std::string text = "|S" + std::to_string(array.text);
+            add(array.name, array.text > 0 ? std::string_view(text) : numpy_type(array.type),
+                array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
+                array.bytes);
+        }
+    }
+    void finish() { zip_.finish(); }
+
+private:
+    ZipWriter zip_;
+};
+
 }  // namespace
 
+void write_npz_arrays(OutputFile& file, std::span<const ResultArray> arrays) {
+    NpzWriter npz(file);
+    npz.add(arrays);
+    npz.finish();
+}
+
 void write_npz(OutputFile& file, const OutputData& data) {
-    ZipWriter zip(file);
-    const auto add = [&zip](std::string_view name, std::string_view type, const std::string& shape,
-                            std::string_view bytes) {
-        const std::string header = npy_header(type, shape);
-        zip.add(std::string(name) + ".npy", std::array{std::string_view(header), bytes});
-    };
-    const auto add_array = [&add](const ResultArray& array) {
-        const std::string rows = std::to_string(array.rows());
-        const std::string text = "|S" + std::to_string(array.text);
-        add(array.name, array.text > 0 ? std::string_view(text) : numpy_type(array.type),
-            array.columns == 1 ? "(" + rows + ",)" : "(" + rows + ", " + std::to_string(array.columns) + ")",
-            array.bytes);
-    };
-    for (const ResultArray& array : result_arrays(data)) add_array(array);
-    const DomainArrays domain(data.tessellation);
-    for (const ResultArray& array : domain.all()) add_array(array);
+    NpzWriter npz(file);
+    npz.add(result_arrays(data));
+    npz.add(DomainArrays(data.tessellation).all());
     for (const auto& [name, value] : attributes_of(data.input.units, data.domain_from)) {
         if (const double* const number = std::get_if<double>(&value)) {
-            add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
+            npz.add(name, "<f8", "()", {reinterpret_cast<const char*>(number), sizeof *number});
             continue;
         }
         std::string letters;  // NumPy's text has four bytes a letter
         for (const char c : std::get<std::string>(value)) letters += {c, '\0', '\0', '\0'};
-        add(name, "<U" + std::to_string(letters.size() / 4), "()", letters);
+        npz.add(name, "<U" + std::to_string(letters.size() / 4), "()", letters);
     }
-    zip.finish();
+    npz.finish();
 }
 
 }  // namespace clvotess

@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <vector>
+#include <votess/alpha.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/network.hpp>
@@ -63,6 +64,9 @@ struct votess_network {
 
 struct votess_pieces {
     votess::Pieces pieces;
+};
+struct votess_alpha {
+    votess::AlphaComplex complex;
 };
 
 namespace votess::c {

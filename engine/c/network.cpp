@@ -10,9 +10,7 @@ namespace {
 template <typename Element>
 const Element* expose(const votess_network* network, std::size_t* length,
                       std::vector<Element> votess::Network::*array) noexcept {
-    if (network == nullptr) set_last_error("network is NULL");
-    return expose_span<Element>(
-        network == nullptr ? std::span<const Element>() : std::span<const Element>(network->network.*array), length);
+    return expose_array(network, &votess_network::network, array, "network is NULL", length);
 }
 
 }  // namespace

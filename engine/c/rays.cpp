@@ -8,9 +8,7 @@ namespace {
 template <typename Element>
 const Element* expose(const votess_rays* rays, std::size_t* length,
                       std::vector<Element> votess::RayCells::*array) noexcept {
-    if (rays == nullptr) set_last_error("rays is NULL");
-    return expose_span<Element>(
-        rays == nullptr ? std::span<const Element>() : std::span<const Element>(rays->cells.*array), length);
+    return expose_array(rays, &votess_rays::cells, array, "rays is NULL", length);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <array>
 #include <compare>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -52,7 +53,10 @@ struct PolytopeFacets {
     std::vector<std::size_t> corner_begin{0};  // by facet, and the end of the last
     std::vector<Member> corners;               // of a facet in turn, counterclockwise seen from outside
 };
-// result: the source of the dual, with all of its faces.
-PolytopeFacets polytope_facets(const detail::Result& result, const Delaunay& dual);
+// Returns +1 when the members turn counterclockwise as seen by one that looks outward from its own place, see
+// exact::orientation().
+using TurnSeenFrom = std::function<int(const Member& from, const std::array<Member, 3>& around)>;
+// result: the source of the dual, with all of its faces. turn: needed where cells reach infinity.
+PolytopeFacets polytope_facets(const detail::Result& result, const Delaunay& dual, const TurnSeenFrom& turn = {});
 
 }  // namespace votess

@@ -162,6 +162,7 @@ typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
 typedef struct votess_network votess_network;
 typedef struct votess_pieces votess_pieces;
+typedef struct votess_alpha votess_alpha;
 
 // Version of the loaded library: major * 1000000 + minor * 1000 + patch, and as text "1.2.3".
 VOTESS_API uint32_t votess_version(void);
@@ -399,6 +400,17 @@ VOTESS_API const uint8_t* votess_pieces_on_surface(const votess_pieces* pieces, 
 VOTESS_API const int32_t* votess_pieces_sources(const votess_pieces* pieces, size_t* length);
 VOTESS_API const double* votess_pieces_volumes(const votess_pieces* pieces, size_t* length);
 VOTESS_API const double* votess_pieces_centroids(const votess_pieces* pieces, size_t* length);
+
+// The alpha complex, see alpha_complex() in alpha.hpp. points: 3 * count coordinates of the result's points. replicate:
+// 3 numbers of copies along the box vectors, or NULL for one each. On success *out is new, else NULL. The arrays are
+// those of AlphaSimplices for a dimension of 0 to 3.
+VOTESS_API votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
+                                          const int32_t* replicate, votess_alpha** out);
+VOTESS_API void votess_alpha_free(votess_alpha* alpha);
+VOTESS_API const int32_t* votess_alpha_seeds(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const int8_t* votess_alpha_shifts(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const double* votess_alpha_values(const votess_alpha* alpha, int32_t dimension, size_t* length);
+VOTESS_API const uint8_t* votess_alpha_gabriel(const votess_alpha* alpha, int32_t dimension, size_t* length);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number

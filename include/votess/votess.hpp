@@ -164,9 +164,9 @@ struct Options {
     // that is missing. Infinity has an empty polygon, an infinite area and no normal. In other polygons -1 follows the
     // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
     // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
-    // all functions except tessellate(), verify(), delaunay(), watershed() and Diagram. Throws `unsupported` where
-    // vertices may leave the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with
-    // weights.
+    // all functions except tessellate(), verify(), delaunay(), watershed(), alpha_complex() and Diagram. Throws
+    // `unsupported` where vertices may leave the range of double: an extent of 2^230 times the lowest bit of a
+    // coordinate, 2^160 with weights.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
@@ -302,6 +302,7 @@ struct Result;
 struct TessellatorState;
 }  // namespace detail
 
+struct AlphaComplex;
 struct Delaunay;
 struct Network;
 struct PieceOptions;
@@ -372,6 +373,8 @@ public:
     [[nodiscard]] const Stats& stats() const noexcept;
 
 private:
+    friend VOTESS_API AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
+                                                 const std::array<std::int32_t, 3>& replicate);
     friend VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
     friend VOTESS_API Network network(const Tessellation& tessellation, std::span<const double> points);
     friend VOTESS_API Pieces pieces(const Tessellation& tessellation, const PieceOptions& options);

@@ -13,6 +13,28 @@ import numpy as np
 from cli_test import ROOT, CUBE, CUBE_BOX, CUBE_NEIGHBORS, CliTest, random_points, text_of
 
 
+class AlphaComplexes(CliTest):
+    def test_alpha(self):
+        """A lattice: 27 copies of one seed."""
+        self.put("a.txt", "0 0 0\n")
+        domain = ("a.txt", "--box", "0,0,0,1,1,1", "--periodic")
+        self.run_cli(*domain, "--alpha", "3", "-o", "out.npz")
+        with np.load(self.folder / "out.npz") as arrays:
+            counts = [len(arrays[f"alpha_values_{k}"]) for k in range(4)]
+            self.assertEqual(counts[0] - counts[1] + counts[2] - counts[3], 0)
+            self.assertEqual(arrays["alpha_seeds_0"].tolist(), list(range(27)))
+            self.assertEqual(arrays["alpha_seeds_3"].shape, (counts[3], 4))
+            self.assertEqual(arrays["alpha_shifts_2"].shape, (counts[2], 9))
+            np.testing.assert_array_equal(arrays["alpha_values_3"], 0.75)
+            self.assertEqual(set(arrays["alpha_values_1"].tolist()), {0.25, 0.5, 0.75})
+            self.assertTrue(arrays["alpha_gabriel_1"].all())
+        self.refuse(*domain, "--alpha", "1", "-o", "out.npz", says="replicate it")
+        self.refuse(*domain, "--alpha", "0", "-o", "out.npz", says="at least 1")
+        self.refuse(*domain, "--alpha", "3", "-o", "out.txt", says=".npz or .h5")
+        self.refuse(*domain, "--alpha", "3", "--memory", "1G", "-o", "out.npz", says="--alpha")
+        self.refuse(*domain, "--alpha", "3", "--only", "0", "-o", "out.npz", says="only")
+
+
 class TextOutput(CliTest):
     def test_default_format(self):
         self.put("a.txt", CUBE)

@@ -1,4 +1,4 @@
-"""Queries among seeds: --locate, --probe, --interpolate and --to-grid."""
+"""Queries among seeds: --locate, --probe, --interpolate, --trace and --to-grid."""
 
 import re
 import resource
@@ -239,6 +239,48 @@ class Interpolate(CliTest):
                                 (["p.csv", "--natural", "laplace", "-o", "a.npz"], "--natural goes with"),
                                 (["--random", "9", "--values", "a", "--interpolate", "q.txt", "-o", "a.npy"], "not with --random")]:
             self.refuse(*arguments, says=says)
+
+
+class Trace(CliTest):
+    """--trace: the cells along rays, against a fine march."""
+
+    def test_trace(self):
+        points, origins = random_points(60), random_points(20, seed=9)
+        rng = np.random.default_rng(5)
+        directions, lengths = rng.normal(size=(20, 3)), rng.random(20) * 2
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+        lengths[3] = 0
+        self.put("p.npy", points)
+        self.put("rays.txt", "".join(" ".join(map(repr, row)) + "\n" for row in np.column_stack((origins, directions, lengths)).tolist()))
+        run = ("p.npy", "--box", "0,0,0,1,1,1", "--periodic", "--trace", "rays.txt")
+        done = self.run_cli(*run, "-o", "cells.npz", "-o", "cells.txt")
+        self.assertEqual(done.stdout, "traced 20 queries among 60 seeds, 1 without cells\n")
+        with np.load(self.folder / "cells.npz") as arrays:
+            offsets, seeds, parts = (arrays[name] for name in ("offsets", "seeds", "lengths"))
+        self.assertEqual([a.dtype for a in (offsets, seeds, parts)], [np.int64, np.int32, np.float64])
+        rows = (self.folder / "cells.txt").read_text().splitlines()
+        for r in range(20):
+            own = slice(offsets[r], offsets[r + 1])
+            self.assertEqual(rows[r].split(), [str(x) for pair in zip(seeds[own].tolist(), parts[own].tolist()) for x in pair])
+            self.assertAlmostEqual(parts[own].sum(), lengths[r], 12)
+            steps = (np.arange(2000) + 0.5) / 2000 * lengths[r]
+            away = points - (origins[r] + steps[:, None] * directions[r])[:, None]
+            nearest = ((away - np.round(away)) ** 2).sum(axis=2).argmin(axis=1)
+            ends = np.cumsum(parts[own])
+            if lengths[r] > 0:
+                inside = np.abs(steps[:, None] - ends).min(axis=1) > 1e-9
+                np.testing.assert_array_equal(seeds[own][np.searchsorted(ends, steps[inside])], nearest[inside])
+
+    def test_refused(self):
+        self.put("p.txt", CUBE)
+        self.put("rays.txt", "0.5 0.5 0.5 1 0 0 1\n")
+        self.refuse("p.txt", "--trace", "rays.txt", says="--trace needs an output")
+        self.refuse("p.txt", "--trace", "rays.txt", "-o", "a.csv", says=".npz and .txt")
+        self.refuse("p.txt", "--trace", "rays.txt", "--locate", "rays.txt", "-o", "a.txt", says="--trace")
+        self.put("short.txt", "0.5 0.5 0.5 1 0 0\n")
+        self.refuse("p.txt", "--trace", "short.txt", "-o", "a.txt", says="no column '7'")
+        self.put("still.txt", "0.5 0.5 0.5 0 0 0 1\n")
+        self.refuse("p.txt", "--trace", "still.txt", "-o", "a.txt", says="direction is 0")
 
 
 class ToGrid(CliTest):

@@ -12,13 +12,13 @@ from cli_test import CLI
 from file_cases import Files
 from fit_cases import Volumes
 from input_cases import Source
-from output_cases import ArrayOutput, TextOutput, VoroppCommand
+from output_cases import AlphaComplexes, ArrayOutput, TextOutput, VoroppCommand
 from plane_cases import Plane
-from query_cases import Interpolate, Locate, Probe, Stops, ToGrid
+from query_cases import Interpolate, Locate, Probe, Stops, ToGrid, Trace
 from solid_cases import Mesh
 from usage_cases import Usage
 
-__all__ = ["ArrayOutput", "Files", "Locate", "Mesh", "Probe", "Interpolate", "Plane", "Source", "Stops", "TextOutput", "ToGrid", "Usage", "Volumes",
+__all__ = ["AlphaComplexes", "ArrayOutput", "Files", "Locate", "Mesh", "Probe", "Interpolate", "Plane", "Source", "Stops", "TextOutput", "ToGrid", "Trace", "Usage", "Volumes",
            "VoroppCommand"]
 
 if __name__ == "__main__":

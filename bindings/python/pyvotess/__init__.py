@@ -11,6 +11,7 @@ from . import walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
+from .alpha import AlphaComplex
 from .atoms import from_ase
 from .diagram import Diagram, Probes
 from .fields.lloyd import Relaxation, lloyd
@@ -29,6 +30,7 @@ from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
 
 __all__ = [
+    "AlphaComplex",
     "CellStatus",
     "Delaunay",
     "DeviceInfo",

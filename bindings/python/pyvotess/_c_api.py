@@ -266,6 +266,7 @@ class PieceArrays(ctypes.Structure):
 # Handles are void pointers. Arrays are addresses (c_void_p), which NumPy wraps.
 _HANDLE = c_void_p
 _ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
+_ARRAY_OF = (c_void_p, (_HANDLE, c_int32, POINTER(c_size_t)))  # one for each dimension
 
 # name: (type of the result, types of the arguments), in the order of votess.h.
 SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
@@ -399,6 +400,12 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_pieces_sources": _ARRAY,  # int32
     "votess_pieces_volumes": _ARRAY,  # float64
     "votess_pieces_centroids": _ARRAY,  # float64
+    "votess_alpha_new": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p, POINTER(_HANDLE))),
+    "votess_alpha_free": (None, (_HANDLE,)),
+    "votess_alpha_seeds": _ARRAY_OF,  # int32
+    "votess_alpha_shifts": _ARRAY_OF,  # int8
+    "votess_alpha_values": _ARRAY_OF,  # float64
+    "votess_alpha_gabriel": _ARRAY_OF,  # uint8
     "votess_verify": (
         c_int,
         (

@@ -87,10 +87,11 @@ def array_of(
     columns: int = 0,
     prefix: str = "votess_result_",
     library: ctypes.CDLL = lib,
+    arguments: Tuple[int, ...] = (),
 ) -> npt.NDArray[Any]:
     """Returns a read-only view of ``<prefix><name>``, without a copy, of shape (length,) or (length / columns, columns)."""
     length = ctypes.c_size_t()
-    address = getattr(library, prefix + name)(result.pointer, ctypes.byref(length))
+    address = getattr(library, prefix + name)(result.pointer, *arguments, ctypes.byref(length))
     shape = (length.value // columns, columns) if columns else (length.value,)
     if not address:
         array = np.empty(shape, dtype)

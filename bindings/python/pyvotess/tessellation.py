@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
+from .alpha import AlphaComplex, make_alpha
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_derivatives, make_pairs
@@ -115,6 +116,23 @@ class Tessellation(SeedCells):
         gap.
         """
         return make_pieces(self, self._handle(), gap, threads, progress)
+
+    def alpha_complex(self, replicate: Union[int, Sequence[int]] = 1) -> AlphaComplex:
+        """Returns the alpha complex of the seeds: Delaunay simplices with the squared radii at which they appear.
+
+        Seeds lie in whole space, or in a domain that is periodic along all axes. Box, walls and ``min_face`` change nothing.
+        With ``weights`` or ``radii`` values are power distances: seed i appears at minus its weight. Duplicates, dropped
+        seeds, and seeds that weights hide are left out. ``box="none"`` or a periodic box, with "faces" in want, saves
+        tessellating again.
+
+        replicate : one number, or one for each box vector: how many copies of a periodic box to take. Copy (i, j, k) of seed
+            s has the id ``s + N * ((i * replicate[1] + j) * replicate[2] + k)``. The seed itself, as it lies inside the box,
+            is copy (0, 0, 0).
+
+        Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
+        2 or 3. Also for seeds in one plane, domains that are periodic along some axes only, and with ``only`` or a mesh.
+        """
+        return make_alpha(self, self._handle(), replicate)
 
     def pairs(self) -> Pairs:
         """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""

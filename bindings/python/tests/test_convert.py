@@ -108,6 +108,7 @@ class Packages(unittest.TestCase):
         for method, module, install in (
             (t.to_pyvista, "pyvista", "pyvista"), (t.to_dataframe, "pandas", "pandas"),
             (t.to_networkx, "networkx", "networkx"), (t.to_freud, "freud", "freud-analysis"),
+            (t.alpha_complex().to_gudhi, "gudhi", "gudhi"),
         ):
             with mock.patch.dict(sys.modules, {module: None}):
                 says = rf"{method.__name__}\(\) needs {module}: pip install {install}"

@@ -461,6 +461,53 @@ static void check_zones(void) {
     CHECK(votess_zones_labels(NULL, &length) == NULL && length == 0);
 }
 
+static void check_network(void) {
+    votess_options options = options_with_box(2);
+    options.want |= VOTESS_WANT_FACES;
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+    votess_network* network = NULL;
+    CHECK_REFUSES(votess_network_new(result, cube, 7, &network), "21 coordinates");
+    CHECK(votess_network_new(result, cube, 8, &network) == VOTESS_OK);
+    votess_result_free(result);
+    size_t length = 0;
+    CHECK(votess_network_points(network, &length) != NULL && length == 81);
+    CHECK(votess_network_edges(network, &length) != NULL && length == 108);
+    CHECK(votess_network_shifts(network, &length) == NULL && length == 0);
+    double radius = 0;
+    int32_t vertex = -1;
+    CHECK(votess_network_largest_included(network, &radius, &vertex) == VOTESS_OK && vertex >= 0);
+    CHECK(votess_network_vertex_radii(network, &length)[vertex] == radius && length == 27);
+    votess_network_free(network);
+    votess_network_free(NULL);
+    CHECK(votess_network_edges(NULL, &length) == NULL && length == 0);
+}
+
+static void check_alpha(void) {
+    const votess_options options = options_with_box(2);
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+    votess_alpha* alpha = NULL;
+    const int32_t copies[3] = {1, 2, 1};
+    CHECK_REFUSES(votess_alpha_new(result, cube, 8, copies, &alpha), "not periodic");
+    CHECK_REFUSES(votess_alpha_new(result, cube, 7, NULL, &alpha), "21 coordinates");
+    CHECK_REFUSES(votess_alpha_new(NULL, cube, 8, NULL, &alpha), "result");
+    CHECK(alpha == NULL && votess_alpha_new(result, cube, 8, NULL, &alpha) == VOTESS_OK);
+    votess_result_free(result);
+    size_t length = 0, tetrahedra = 0;
+    const double* values = votess_alpha_values(alpha, 3, &tetrahedra);
+    CHECK(tetrahedra == 6 && values[0] == 0.75 && values[5] == 0.75);  // the tetrahedra around a diagonal
+    CHECK(votess_alpha_seeds(alpha, 3, &length)[0] == 0 && length == 4 * tetrahedra);
+    CHECK(votess_alpha_seeds(alpha, 1, &length) != NULL && length == 2 * 19);
+    CHECK(votess_alpha_gabriel(alpha, 2, &length)[0] == 1 && length == 18);
+    CHECK(votess_alpha_shifts(alpha, 0, &length) == NULL && length == 0);
+    CHECK(votess_alpha_values(alpha, 4, &length) == NULL && length == 0);
+    CHECK(strstr(votess_last_error(), "dimension") != NULL);
+    votess_alpha_free(alpha);
+    votess_alpha_free(NULL);
+    CHECK(votess_alpha_values(NULL, 0, &length) == NULL && length == 0);
+}
+
 #define SEEDS 3000
 
 struct stream {
@@ -546,6 +593,8 @@ int main(void) {
     check_diagram();
     check_fit();
     check_zones();
+    check_network();
+    check_alpha();
     check_stream();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);

@@ -90,6 +90,14 @@ def network_to_openpnm(n: Any) -> Any:
     return network
 
 
+def alpha_to_gudhi(a: Any) -> Any:
+    """See :meth:`AlphaComplex.to_gudhi`."""
+    tree = imported("gudhi", "to_gudhi()").SimplexTree()
+    for rows, values in zip(a.simplices, a.values):
+        tree.insert_batch(np.ascontiguousarray(rows.T), np.array(values))
+    return tree
+
+
 def _records(columns: Any, count: int) -> Any:
     """Returns the rows of the columns as dicts."""
     if not columns:

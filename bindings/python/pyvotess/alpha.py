@@ -1,0 +1,84 @@
+"""The alpha complex, see :meth:`pyvotess.Tessellation.alpha_complex`."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from ._call import Handle, array_of, raise_on_failure
+from ._library import lib
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ._state import SeedCells
+
+    BoolArray = npt.NDArray[np.bool_]
+    Float64Array = npt.NDArray[np.float64]
+    Int8Array = npt.NDArray[np.int8]
+    Int32Array = npt.NDArray[np.int32]
+    Int64Array = npt.NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class AlphaComplex:
+    """Vertices, edges, triangles and tetrahedra of a Delaunay triangulation, with the values at which they appear.
+
+    Each attribute is a tuple of four arrays, one for each dimension k from 0 to 3.
+    """
+
+    simplices: Tuple[Int32Array, ...]  #: (M, k + 1) seeds, ascending in each row; rows ascend too
+    values: Tuple[Float64Array, ...]  #: (M,) squared radii, as in GUDHI; never less than that of a face
+    gabriel: Tuple[BoolArray, ...]  #: (M,) True if no seed lies inside the smallest sphere around the simplex
+    shifts: Optional[Tuple[Int8Array, ...]]  #: (M, k + 1, 3) box vectors, 0 for the first seed; None unless periodic
+    replicate: Tuple[int, int, int]  #: copies of the box along its vectors
+
+    def __repr__(self) -> str:
+        counts = ", ".join(str(len(rows)) for rows in self.simplices)
+        return f"<pyvotess.AlphaComplex: {counts} simplices of dimension 0 to 3>"
+
+    def filtration(self) -> Tuple[Int64Array, Int64Array]:
+        """Returns the dimension and the row of each simplex, in the order in which they appear.
+
+        Faces come before the simplices around them. Simplices of equal values are ordered by dimension, then by row.
+        """
+        dimensions = np.repeat(np.arange(4), [len(rows) for rows in self.simplices])
+        rows = np.concatenate([np.arange(len(rows)) for rows in self.simplices])
+        order = np.argsort(np.concatenate(self.values), kind="stable")
+        return dimensions[order], rows[order]
+
+    def to_gudhi(self) -> Any:
+        """Returns a gudhi.SimplexTree with the values as filtration."""
+        from .export.packages import alpha_to_gudhi
+
+        return alpha_to_gudhi(self)
+
+
+def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]]) -> AlphaComplex:
+    points = np.ascontiguousarray(t.points, dtype=np.float64)
+    copies = np.array(replicate)
+    if copies.dtype.kind not in "iu" or copies.shape not in ((), (3,)):
+        raise ValueError(f"replicate must be a whole number or three, not {replicate!r}")
+    copies = np.clip(np.broadcast_to(copies, 3), -1, 2**31 - 1).astype(np.int32)
+    handle = Handle(lib.votess_alpha_free)
+    arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
+    raise_on_failure(lib.votess_alpha_new(result.pointer, *arguments))
+
+    def arrays(name: str, dtype: Any, columns: Sequence[int] = (0, 0, 0, 0)) -> Tuple[npt.NDArray[Any], ...]:
+        return tuple(
+            array_of(handle, name, dtype, columns[k], prefix="votess_alpha_", arguments=(k,)) for k in range(4)
+        )
+
+    shifts = None
+    if any(t.periodic):
+        shifts = tuple(rows.reshape(-1, k + 1, 3) for k, rows in enumerate(arrays("shifts", np.int8)))
+    return AlphaComplex(
+        simplices=arrays("seeds", np.int32, (1, 2, 3, 4)),
+        values=arrays("values", np.float64),
+        gabriel=tuple(flags.view(np.bool_) for flags in arrays("gabriel", np.uint8)),
+        shifts=shifts,
+        replicate=tuple(copies.tolist()),
+    )

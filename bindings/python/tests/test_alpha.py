@@ -1,0 +1,162 @@
+"""alpha_complex(): arrays, order, faces, copies of a box, Betti numbers, GUDHI where installed, bad input."""
+
+import pickle
+import unittest
+
+import numpy as np
+from helpers import CELL, UNIT_BOX, have, lattice, uniform
+
+import pyvotess as vt
+
+
+def rank(rows):
+    """Returns the rank of a matrix over the field of two elements. rows: sets of columns."""
+    pivots = {}
+    for row in rows:
+        row = set(row)
+        while row:
+            pivot = max(row)
+            if pivot not in pivots:
+                pivots[pivot] = row
+                break
+            row ^= pivots[pivot]
+    return len(pivots)
+
+
+def betti(a):
+    """Returns the Betti numbers of all simplices together."""
+    numbers = [{tuple(s): n for n, s in enumerate(rows.tolist())} for rows in a.simplices]
+    ranks = [0]
+    for k in range(1, 4):
+        faces = [[numbers[k - 1][s[:i] + s[i + 1 :]] for i in range(k + 1)] for s in numbers[k]]
+        ranks.append(rank(faces))
+    ranks.append(0)
+    return [len(numbers[k]) - ranks[k] - ranks[k + 1] for k in range(4)]
+
+
+class AlphaComplex(unittest.TestCase):
+    def check_order(self, a):
+        """Checks that rows ascend, and that faces are there, once, with values that are not larger."""
+        for k in range(4):
+            rows = a.simplices[k]
+            self.assertEqual((rows.dtype, rows.shape[1]), (np.int32, k + 1))
+            self.assertEqual((a.values[k].dtype, a.gabriel[k].dtype), (np.float64, bool))
+            self.assertTrue((np.diff(rows) > 0).all())
+            self.assertEqual(list(map(tuple, rows.tolist())), sorted(set(map(tuple, rows.tolist()))))
+        for k in range(1, 4):
+            values = {tuple(s): v for s, v in zip(a.simplices[k - 1].tolist(), a.values[k - 1])}
+            for s, v in zip(a.simplices[k].tolist(), a.values[k]):
+                for i in range(k + 1):
+                    self.assertLessEqual(values[tuple(s[:i] + s[i + 1 :])], v)
+
+    def test_space(self):
+        points = uniform(200)
+        a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        self.check_order(a)
+        self.assertIsNone(a.shifts)
+        self.assertEqual(betti(a), [1, 0, 0, 0])
+        np.testing.assert_array_equal(a.values[0], 0)
+        i, j = a.simplices[1].T
+        lengths = np.sum((points[i] - points[j]) ** 2, axis=1)
+        np.testing.assert_allclose(a.values[1][a.gabriel[1]], lengths[a.gabriel[1]] / 4, rtol=1e-12)
+        self.assertTrue((a.values[1][~a.gabriel[1]] > lengths[~a.gabriel[1]] / 4).all())
+        middle = (points[i] + points[j]) / 2
+        nearest = np.sum((middle[:, None] - points) ** 2, axis=2).min(axis=1)
+        np.testing.assert_array_equal(a.gabriel[1], nearest >= lengths / 4 - 1e-12)
+        self.assertTrue(a.gabriel[3].all())
+        for options in ({}, {"box": UNIT_BOX, "want": "volumes"}, {"want": "faces", "min_face": 0.1}):
+            other = vt.tessellate(points, **options).alpha_complex()
+            for k in range(4):
+                np.testing.assert_array_equal(other.simplices[k], a.simplices[k])
+                np.testing.assert_array_equal(other.values[k], a.values[k])
+        copied = pickle.loads(pickle.dumps(a))
+        np.testing.assert_array_equal(copied.values[2], a.values[2])
+        self.assertIn("200, ", repr(a))
+
+    def test_torus(self):
+        for points, domain, replicate in (
+            (uniform(60), {"box": UNIT_BOX}, 1),
+            (uniform(5), {"cell": CELL}, (2, 3, 3)),
+            (np.zeros((1, 3)), {"box": UNIT_BOX}, 3),
+            (lattice(3), {"box": (0, 0, 0, 3, 3, 3), "weights": np.arange(27) % 2 * 0.25}, 1),
+        ):
+            t = vt.tessellate(points, periodic=True, want="faces", **domain)
+            a = t.alpha_complex(replicate)
+            self.check_order(a)
+            self.assertEqual(len(a.simplices[0]), len(points) * np.prod(np.broadcast_to(replicate, 3)))
+            self.assertEqual(betti(a), [1, 3, 3, 1])
+            self.assertEqual(a.shifts[2].shape, (len(a.simplices[2]), 3, 3))
+            self.assertFalse(a.shifts[2][:, 0].any())
+
+    def test_weights(self):
+        points, weights = uniform(100), uniform(100, seed=2)[:, 0] * 0.1
+        a = vt.tessellate(points, weights=weights).alpha_complex()
+        self.check_order(a)
+        seeds = a.simplices[0][:, 0]
+        self.assertLess(len(seeds), 100)  # some are hidden
+        own = a.gabriel[0]
+        np.testing.assert_array_equal(a.values[0][own], -weights[seeds][own])
+        self.assertTrue((a.values[0][~own] > -weights[seeds][~own]).all())
+
+    def test_filtration(self):
+        a = vt.tessellate(lattice(3), want="faces", box="none").alpha_complex()
+        dimensions, rows = a.filtration()
+        self.assertEqual(len(dimensions), sum(map(len, a.simplices)))
+        seen = {()}
+        last = -np.inf
+        for k, row in zip(dimensions.tolist(), rows.tolist()):
+            s = tuple(a.simplices[k][row].tolist())
+            self.assertTrue(all(s[:i] + s[i + 1 :] in seen for i in range(k + 1)))
+            self.assertNotIn(s, seen)
+            self.assertGreaterEqual(a.values[k][row], last)
+            last = a.values[k][row]
+            seen.add(s)
+
+    def test_bad_input(self):
+        small = vt.tessellate(uniform(12), box=UNIT_BOX, periodic=True)
+        with self.assertRaisesRegex(ValueError, "two edges join seeds .* replicate it 2 or 3 times"):
+            small.alpha_complex()
+        for replicate in (0, (1, -(2**40), 1)):
+            with self.assertRaisesRegex(ValueError, "at least 1"):
+                small.alpha_complex(replicate)
+        for replicate in (1.5, (2, 2), "2"):
+            with self.assertRaisesRegex(ValueError, "replicate must be"):
+                small.alpha_complex(replicate)
+        with self.assertRaisesRegex(ValueError, "not periodic"):
+            vt.tessellate(uniform(12)).alpha_complex(2)
+        with self.assertRaisesRegex(ValueError, "along all axes or none"):
+            vt.tessellate(uniform(12), box=UNIT_BOX, periodic="xy").alpha_complex()
+        with self.assertRaisesRegex(ValueError, "one plane"):
+            vt.tessellate(uniform(12) * (1, 1, 0)).alpha_complex()
+        with self.assertRaisesRegex(ValueError, "three dimensions"):
+            vt.tessellate(uniform(12)[:, :2]).alpha_complex()
+        with self.assertRaisesRegex(ValueError, "leave out `only`"):
+            vt.tessellate(uniform(12), only=[3]).alpha_complex()
+
+    @have("gudhi")
+    def test_gudhi(self):
+        import gudhi
+
+        for points, weights in (
+            (uniform(150), None),
+            (uniform(150), uniform(150, seed=3)[:, 0] * 0.02 - 0.01),
+            (lattice(3), None),
+        ):
+            options = {} if weights is None else {"weights": weights}
+            tree = vt.tessellate(points, **options).alpha_complex().to_gudhi()
+            expected = gudhi.AlphaComplex(points, precision="exact", **options).create_simplex_tree()
+            if len(points) != 27:  # GUDHI cuts ties in another way
+                values = {tuple(s): v for s, v in expected.get_simplices()}
+                own = {tuple(s): v for s, v in tree.get_simplices()}
+                self.assertEqual(own.keys(), values.keys())
+                np.testing.assert_allclose([own[s] for s in values], list(values.values()), rtol=1e-9, atol=1e-12)
+            for t in (tree, expected):
+                self.assertFalse(t.make_filtration_non_decreasing())
+                t.persistence(min_persistence=1e-9)
+            for k in range(3):
+                ours, theirs = (np.sort(t.persistence_intervals_in_dimension(k), axis=0) for t in (tree, expected))
+                np.testing.assert_allclose(ours, theirs, rtol=1e-9, atol=1e-12)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,551 @@
+// The alpha complex, from the dual of the mesh: tetrahedra first, then the faces of each dimension from the simplices
+// above.
+//
+// A simplex shows its faces which of them have another seed inside their smallest sphere (exact/orthosphere.hpp). The
+// seeds of the simplices around a face are enough for that. Proof: let f be the convex function that is |x|^2 - w at
+// the seeds and linear in each tetrahedron. The sphere of the face belongs to an affine function A, and f - A is 0 on
+// the face. If f - A is not negative at the seeds around, the face is a local minimum, and so a global one. Ties do
+// not matter: any triangulation of the polytopes has the same f.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "core/buffer.hpp"
+#include "core/progress.hpp"
+#include "core/system.hpp"
+#include "domain/domain.hpp"
+#include "exact/orthosphere.hpp"
+#include "input/domain_of_result.hpp"
+#include "input/options.hpp"
+#include "mesh/dual.hpp"
+#include "votess/alpha.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Result;
+using Replicate = std::array<std::int32_t, 3>;
+constexpr std::size_t simplices_per_stop = 4096;
+
+[[noreturn]] void refuse_alpha(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, "alpha_complex: " + message);
+}
+
+// Reserves memory, in huge pages where it is large.
+template <class T>
+void reserve_huge(std::vector<T>& v, std::size_t count) {
+    constexpr std::size_t page = std::size_t{2} << 20;
+    v.reserve(count);
+    auto* const memory = reinterpret_cast<std::byte*>(v.data());
+    const std::size_t bytes = v.capacity() * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % page;
+    if (bytes >= before + page) system::prefer_huge_pages(memory + before, (bytes - before) / page * page);
+}
+
+// Where the seeds lie exactly, at order one, and the copies of a periodic box.
+class Places {
+public:
+    Places(const Tessellation& t, std::span<const double> points, const Replicate& replicate)
+        : count_(t.size()), replicate_(replicate), copies_(replicate[0] * replicate[1] * replicate[2]) {
+        if (t.periodic()[0]) {
+            Options options = domain_options(t);
+            options.weights = t.weights();
+            const Job job = validate({points, {}}, options);
+            domain_ = job.domain;
+            scale_ = job.scale;
+            weights_ = domain_->weights;
+        } else {
+            double largest = 0;
+            for (const double x : points) largest = std::max(largest, std::abs(x));
+            scale_ = scale_for(largest);
+            for (const double weight : t.weights()) weights_.push_back(weight * scale_ * scale_);
+        }
+        points_.reserve(points.size());
+        for (const double x : points) points_.push_back(x * scale_);
+        if (domain_ == nullptr) return;
+        wraps_.resize(count_);
+        for (std::size_t i = 0; i < count_; ++i) wraps_[i] = wrap(*domain_, point(i)).value_or(exact::Shift{});
+    }
+
+    [[nodiscard]] bool periodic() const { return domain_ != nullptr; }
+    [[nodiscard]] std::size_t seeds() const { return count_; }
+    [[nodiscard]] std::size_t copies() const { return at(copies_); }
+    [[nodiscard]] double weight(std::int32_t id) const { return weights_.empty() ? 0 : weights_[original(id)]; }
+    // Returns a squared length in the unit of the caller.
+    [[nodiscard]] double unscaled(double square) const { return square / scale_ / scale_; }
+
+    // Loads the point of a seed into the cache: seeds in random order are far apart in memory.
+    void prefetch(std::int32_t id) const { __builtin_prefetch(&points_[3 * original(id)]); }
+    // Returns the member of the large box that a member of a copy is.
+    [[nodiscard]] Member in_copy(const Member& m, std::size_t copy) const {
+        if (copies_ == 1) return m;
+        std::array<std::int32_t, 3> place = place_of(copy);
+        Member out{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::int32_t to = place[k] + m.shift[k], period = replicate_[k];
+            const std::int32_t turns = to >= 0 ? to / period : -((period - 1 - to) / period);
+            place[k] = to - turns * period;
+            out.shift[k] = static_cast<std::int8_t>(turns);
+        }
+        const std::int32_t number = (place[0] * replicate_[1] + place[1]) * replicate_[2] + place[2];
+        out.seed = static_cast<std::int32_t>(at(m.seed) + count_ * at(number));
+        return out;
+    }
+
+    // Returns the smallest orthogonal sphere of members with ascending ids.
+    template <std::size_t K>
+    [[nodiscard]] exact::Orthosphere<K> sphere(const std::array<Member, K + 1>& members) const {
+        const std::size_t first = original(members[0].seed);
+        const exact::Point from = point(first);
+        const double own = weights_.empty() ? 0 : weights_[first];
+        std::array<Vector3, K> seen;
+        std::array<double, K> powers{};
+        std::array<exact::Shift, K> shifts{};
+        for (std::size_t i = 0; i < K; ++i) {
+            const std::size_t seed = original(members[i + 1].seed);
+            if (periodic()) shifts[i] = between(members[0], members[i + 1]);
+            seen[i] = minus(point(seed), from);
+            if (shifts[i] != exact::Shift{}) {
+                const exact::Differences d = image_differences(from, bisector(seed, shifts[i]));
+                for (std::size_t k = 0; k < 3; ++k) seen[i][k] = d.x[k].high;
+            }
+            if (!weights_.empty()) powers[i] = own - weights_[seed];
+        }
+        if (const auto sure = exact::sure_orthosphere<K>(seen, powers, own)) return *sure;
+        std::array<exact::Plane, K> bisectors;
+        for (std::size_t i = 0; i < K; ++i) {
+            const std::size_t seed = original(members[i + 1].seed);
+            bisectors[i] = bisector(seed, shifts[i]);
+            if (!weights_.empty()) bisectors[i].power = exact::two_sum(own, -weights_[seed]);
+        }
+        return exact::orthosphere<K>(from, own, bisectors);
+    }
+    // See TurnSeenFrom. Not in a periodic domain.
+    [[nodiscard]] int turn(const Member& from, const std::array<Member, 3>& around) const {
+        std::array<exact::Plane, 3> planes;
+        for (std::size_t i = 0; i < 3; ++i) planes[i] = bisector(at(around[i].seed), {});
+        return exact::orientation(point(at(from.seed)), planes[0], planes[1], planes[2]);
+    }
+
+private:
+    [[nodiscard]] std::size_t original(std::int32_t id) const { return copies_ == 1 ? at(id) : at(id) % count_; }
+    [[nodiscard]] std::array<std::int32_t, 3> place_of(std::size_t copy) const {
+        const auto number = static_cast<std::int32_t>(copy);
+        return {number / replicate_[2] / replicate_[1], number / replicate_[2] % replicate_[1], number % replicate_[2]};
+    }
+    [[nodiscard]] exact::Point point(std::size_t i) const {
+        return {points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
+    }
+    [[nodiscard]] exact::Plane bisector(std::size_t seed, const exact::Shift& shift) const {
+        return periodic() ? exact::Plane::bisector(point(seed), shift, domain_->lattice)
+                          : exact::Plane::bisector(point(seed));
+    }
+    // Returns the shift of one seed's point as seen from another's.
+    [[nodiscard]] exact::Shift between(const Member& from, const Member& to) const {
+        const exact::Shift a = shift_of(from), b = shift_of(to);
+        return {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    }
+    [[nodiscard]] exact::Shift shift_of(const Member& m) const {
+        exact::Shift shift = wraps_[original(m.seed)];
+        if (copies_ == 1) {
+            for (std::size_t k = 0; k < 3; ++k) shift[k] += m.shift[k];
+            return shift;
+        }
+        const auto place = place_of(at(m.seed) / count_);
+        for (std::size_t k = 0; k < 3; ++k) shift[k] += place[k] + replicate_[k] * m.shift[k];
+        return shift;
+    }
+
+    std::size_t count_;
+    Replicate replicate_;
+    std::int32_t copies_;
+    double scale_ = 1;
+    std::shared_ptr<const Domain> domain_;  // null unless periodic
+    std::vector<double> points_, weights_;
+    std::vector<exact::Shift> wraps_;  // that bring the seeds into the domain
+};
+
+// One simplex with K + 1 seeds.
+template <std::size_t K>
+struct Simplex {
+    std::array<std::int32_t, K + 1> ids;  // ascending
+    std::array<ByteShift, K + 1> shifts;  // the first is 0
+
+    [[nodiscard]] std::array<Member, K + 1> members() const {
+        std::array<Member, K + 1> out;
+        for (std::size_t i = 0; i <= K; ++i) out[i] = {ids[i], shifts[i]};
+        return out;
+    }
+};
+
+// Where the seeds of a simplex lie, each seen from the smallest sphere of the face opposite to it. Bit i: seed i lies
+// strictly outside. Bit 4 + i: strictly inside.
+using SeedSides = std::uint8_t;
+
+template <std::size_t K>
+SeedSides sides_of(const exact::Orthosphere<K>& sphere) {
+    unsigned sides = 0;
+    for (std::size_t i = 0; i <= K; ++i) {
+        sides |= static_cast<unsigned>(sphere.signs[i] > 0) << i;
+        sides |= static_cast<unsigned>(sphere.signs[i] < 0) << (4 + i);
+    }
+    return static_cast<SeedSides>(sides);
+}
+
+struct Tetrahedron {
+    Simplex<3> simplex;
+    SeedSides sides;
+    double value;
+};
+
+// Makes the tetrahedra: those of the dual, and the parts of its polytopes.
+class Cutter {
+public:
+    Cutter(const Result& result, const Delaunay& dual, const Places& places)
+        : result_(result), dual_(dual), places_(places) {}
+
+    std::vector<Tetrahedron> cut() {
+        const std::size_t whole = dual_.tetrahedra.size() / 4;
+        reserve_huge(out_, places_.copies() * whole);
+        constexpr std::size_t ahead = 64;  // corners
+        for (std::size_t t = 0; t < whole; ++t) {
+            for (std::size_t k = 4 * t + ahead; k < std::min(4 * t + ahead + 4, dual_.tetrahedra.size()); ++k)
+                places_.prefetch(dual_.tetrahedra[k]);
+            std::array<Member, 4> corners;
+            for (std::size_t k = 0; k < 4; ++k)
+                corners[k] = {dual_.tetrahedra[4 * t + k], shift_in(dual_.tetrahedra_shifts, 4 * t + k, 1)};
+            for (std::size_t copy = 0; copy < places_.copies(); ++copy) add(in_copy(corners, copy));
+        }
+        if (!dual_.polytope_centers.empty()) cut_polytopes();
+        return std::move(out_);
+    }
+
+private:
+    template <std::size_t N>
+    [[nodiscard]] std::array<Member, N> in_copy(std::array<Member, N> members, std::size_t copy) const {
+        for (Member& m : members) m = places_.in_copy(m, copy);
+        return members;
+    }
+
+    void add(std::array<Member, 4> corners) {
+        if (out_.size() % simplices_per_stop == 0) check_stop();
+        std::ranges::sort(corners, {}, &Member::seed);
+        Simplex<3> simplex{};
+        for (std::size_t k = 0; k < 4; ++k) {
+            if (k > 0 && corners[k].seed == corners[k - 1].seed)
+                refuse_alpha("an edge joins seed " + std::to_string(corners[k].seed) +
+                             " to its own image: the box is too small for these seeds, replicate it 2 or 3 times "
+                             "along each vector");
+            simplex.ids[k] = corners[k].seed;
+            simplex.shifts[k] = sum(corners[k].shift, negative(corners[0].shift));
+        }
+        const exact::Orthosphere<3> sphere = places_.sphere<3>(simplex.members());
+        out_.push_back({simplex, sides_of(sphere), places_.unscaled(sphere.square)});
+    }
+
+    // All parts of a polytope have the same empty sphere.
+    void cut_polytopes() {
+        const PolytopeFacets facets = polytope_facets(
+            result_, dual_,
+            [&](const Member& from, const std::array<Member, 3>& around) { return places_.turn(from, around); });
+        for (std::size_t p = 0; p < dual_.polytope_centers.size(); ++p)
+            for (std::size_t copy = 0; copy < places_.copies(); ++copy) {
+                const std::size_t first = out_.size();
+                cut_polytope(facets, p, copy);
+                for (std::size_t t = first; t < out_.size(); ++t) out_[t].value = out_[first].value;
+            }
+    }
+    void cut_polytope(const PolytopeFacets& facets, std::size_t p, std::size_t copy) {
+        const auto lowest_of = [](std::span<const Member> members) {
+            return static_cast<std::size_t>(std::ranges::min_element(members) - members.begin());
+        };
+        std::vector<Member> members;
+        for (auto k = at(dual_.polytope_indptr[p]); k < at(dual_.polytope_indptr[p + 1]); ++k)
+            members.push_back(
+                places_.in_copy({dual_.polytope_indices[k], shift_in(dual_.polytope_shifts, k, 1)}, copy));
+        const Member lowest = members[lowest_of(members)];
+        for (std::size_t f = facets.facet_begin[p]; f < facets.facet_begin[p + 1]; ++f) {
+            members.clear();
+            for (std::size_t k = facets.corner_begin[f]; k < facets.corner_begin[f + 1]; ++k)
+                members.push_back(places_.in_copy(facets.corners[k], copy));
+            if (std::ranges::find(members, lowest) != members.end()) continue;
+            std::ranges::rotate(members, members.begin() + static_cast<std::ptrdiff_t>(lowest_of(members)));
+            for (std::size_t k = 1; k + 1 < members.size(); ++k) add({lowest, members[0], members[k], members[k + 1]});
+        }
+    }
+
+    const Result& result_;
+    const Delaunay& dual_;
+    const Places& places_;
+    std::vector<Tetrahedron> out_;
+};
+
+// A face, as a simplex sees it.
+struct FaceSide {
+    std::uint64_t key;   // the seeds of the face after its first
+    std::uint64_t code;  // of side_of(), in this order: simplex, omitted seed, whether that lies outside, or inside
+    double value;        // of the simplex
+
+    [[nodiscard]] std::size_t simplex() const { return code >> 4; }
+    [[nodiscard]] std::size_t omitted() const { return code >> 2 & 3; }
+    [[nodiscard]] bool outside() const { return (code >> 1 & 1) != 0; }
+    [[nodiscard]] bool inside() const { return (code & 1) != 0; }
+};
+
+// Simplices of one dimension, ascending.
+template <std::size_t K>
+struct Level {
+    const AlphaSimplices& all;
+    std::vector<SeedSides> sides;       // by simplex
+    std::vector<std::size_t> first;     // by seed, and the end: the first simplex with this lowest seed
+    std::vector<std::size_t> opposite;  // likewise: the first of the following with this lowest seed
+    Buffer<FaceSide> opposite_sides{
+        Buffer<FaceSide>::Pages::huge};  // of faces opposite to the lowest seed of a simplex
+
+    [[nodiscard]] std::size_t size() const { return all.values.size(); }
+    [[nodiscard]] FaceSide side_of(std::size_t simplex, std::size_t omitted) const {
+        const std::int32_t* const ids = &all.seeds[(K + 1) * simplex];
+        std::uint64_t key = 0;
+        for (std::size_t i = omitted == 0 ? 2 : 1; i <= K; ++i)
+            if (i != omitted) key = key << 32 | static_cast<std::uint32_t>(ids[i]);
+        const unsigned outside = sides[simplex] >> omitted & 1, inside = sides[simplex] >> (4 + omitted) & 1;
+        return {key, simplex << 4 | omitted << 2 | outside << 1 | inside, all.values[simplex]};
+    }
+    // Fills the arrays after `sides`.
+    void index(std::size_t seeds) {
+        first.assign(seeds + 1, 0);
+        opposite.assign(seeds + 2, 0);
+        for (std::size_t t = 0; t < size(); ++t)
+            ++first[at(all.seeds[(K + 1) * t]) + 1], ++opposite[at(all.seeds[(K + 1) * t + 1]) + 2];
+        std::partial_sum(first.begin(), first.end(), first.begin());
+        std::partial_sum(opposite.begin(), opposite.end(), opposite.begin());
+        opposite_sides.resize_uninitialized(size());
+        for (std::size_t t = 0; t < size(); ++t)
+            opposite_sides[opposite[at(all.seeds[(K + 1) * t + 1]) + 1]++] = side_of(t, 0);
+    }
+};
+
+// Collects from the simplices around a face.
+struct Around {
+    double least = std::numeric_limits<double>::infinity();  // of their values
+    bool outside = true;                                     // all their seeds lie strictly outside
+    bool inside = false;                                     // one lies strictly inside
+
+    void add(const FaceSide& side) {
+        least = std::min(least, side.value);
+        outside = outside && side.outside();
+        inside = inside || side.inside();
+    }
+    // Rounding must not put a face after the simplices around. A tie has one of their spheres.
+    [[nodiscard]] double value(double own) const { return outside ? std::min(own, least) : least; }
+};
+
+template <std::size_t K>
+void append(const Simplex<K>& s, double value, bool gabriel, const Places& places, AlphaSimplices& out) {
+    out.seeds.insert(out.seeds.end(), s.ids.begin(), s.ids.end());
+    if (places.periodic())
+        for (const ByteShift& shift : s.shifts) out.shifts.insert(out.shifts.end(), shift.begin(), shift.end());
+    out.values.push_back(value);
+    out.gabriel.push_back(static_cast<std::uint8_t>(gabriel));
+}
+
+template <std::size_t K>
+void reserve(std::size_t count, const Places& places, AlphaSimplices& out) {
+    reserve_huge(out.seeds, (K + 1) * count);
+    if (places.periodic()) reserve_huge(out.shifts, 3 * (K + 1) * count);
+    reserve_huge(out.values, count);
+    reserve_huge(out.gabriel, count);
+}
+
+// Returns about how many triangles there are: as many as in the periodic case, and some for the hull.
+std::size_t triangles_of(std::size_t tetrahedra) {
+    return 2 * tetrahedra + tetrahedra / 16 + 4;
+}
+
+// Writes the tetrahedra in order.
+Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t seeds, const Places& places,
+                      AlphaSimplices& out) {
+    std::vector<std::size_t> begin(seeds + 2), order(tetrahedra.size());
+    for (const Tetrahedron& t : tetrahedra) ++begin[at(t.simplex.ids[0]) + 2];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    for (std::size_t i = 0; i < tetrahedra.size(); ++i) order[begin[at(tetrahedra[i].simplex.ids[0]) + 1]++] = i;
+    Level<3> level{out, {}, {}, {}};
+    reserve<3>(tetrahedra.size(), places, out);
+    level.sides.reserve(tetrahedra.size());
+    for (std::size_t v = 0; v < seeds; ++v) {
+        if (v % simplices_per_stop == 0) check_stop();
+        const auto own = std::span(order).subspan(begin[v], begin[v + 1] - begin[v]);
+        for (const std::size_t i : own) __builtin_prefetch(&tetrahedra[i]);
+        std::ranges::sort(
+            own, {}, [&](std::size_t i) -> const auto& { return tetrahedra[i].simplex.ids; });
+        for (const std::size_t i : own) {
+            append(tetrahedra[i].simplex, tetrahedra[i].value, true, places, out);
+            level.sides.push_back(tetrahedra[i].sides);
+        }
+    }
+    level.opposite_sides.resize_uninitialized(triangles_of(tetrahedra.size()));
+    level.index(seeds);
+    return level;
+}
+
+template <std::size_t K>
+[[noreturn]] void refuse_double(const Simplex<K>& a, const Simplex<K>& b) {
+    std::size_t k = 1;
+    while (a.shifts[k] == b.shifts[k]) ++k;
+    refuse_alpha("two edges join seeds " + std::to_string(a.ids[0]) + " and " + std::to_string(a.ids[k]) +
+                 ": the box is too small for these seeds, replicate it 2 or 3 times along each vector");
+}
+
+// Returns the faces of all simplices of a level, and takes its memory. expected: about their number.
+template <std::size_t K>
+Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& places, AlphaSimplices& out) {
+    const std::size_t seeds = level.first.size() - 1;
+    const auto face_of = [&](const FaceSide& side, std::size_t lowest) {
+        Simplex<K - 1> face{};
+        face.ids[0] = static_cast<std::int32_t>(lowest);
+        for (std::size_t k = 1; k < K; ++k) face.ids[k] = static_cast<std::int32_t>(side.key >> 32 * (K - 1 - k));
+        if (!places.periodic()) return face;
+        for (std::size_t i = 0, k = 0; i <= K; ++i)
+            if (i != side.omitted()) face.shifts[k++] = shift_in(level.all.shifts, (K + 1) * side.simplex() + i, 1);
+        const ByteShift back = negative(face.shifts[0]);
+        for (ByteShift& shift : face.shifts) shift = sum(shift, back);
+        return face;
+    };
+    reserve<K - 1>(expected, places, out);
+    Level<K - 1> faces{out, {}, {}, {}};
+    if constexpr (K > 1) faces.sides.reserve(expected);
+    std::vector<FaceSide> sides;
+    for (std::size_t v = 0; v < seeds; ++v) {
+        if (v % simplices_per_stop == 0) check_stop();
+        const FaceSide* const opposite = level.opposite_sides.data();
+        sides.assign(opposite + level.opposite[v], opposite + level.opposite[v + 1]);
+        for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
+            for (std::size_t i = 1; i <= K; ++i) sides.push_back(level.side_of(t, i));
+        for (const FaceSide& side : sides) places.prefetch(static_cast<std::int32_t>(side.key));
+        std::ranges::sort(sides, {}, &FaceSide::key);
+        for (auto begin = sides.begin(); begin != sides.end();) {
+            const Simplex<K - 1> face = face_of(*begin, v);
+            Around around;
+            auto end = begin;
+            for (; end != sides.end() && end->key == begin->key; ++end) {
+                around.add(*end);
+                if (places.periodic() && end != begin)
+                    if (const auto other = face_of(*end, v); other.shifts != face.shifts) refuse_double(face, other);
+            }
+            begin = end;
+            double own;
+            if constexpr (K == 1) {
+                own = 0 - places.weight(face.ids[0]);
+            } else {
+                const exact::Orthosphere<K - 1> sphere = places.sphere<K - 1>(face.members());
+                faces.sides.push_back(sides_of(sphere));
+                own = sphere.square;
+            }
+            append(face, around.value(places.unscaled(own)), !around.inside, places, out);
+        }
+    }
+    faces.opposite_sides = std::move(level.opposite_sides);
+    if constexpr (K > 1) faces.index(seeds);
+    return faces;
+}
+
+// Seeds that take part, and their diagram in the space of the complex.
+struct Diagram3 {
+    Tessellation tessellation;
+    std::vector<double> points;
+    std::vector<std::int32_t> ids;  // of the rows; empty: all
+};
+
+// Whether the polygons of a tessellation are those of all of its space.
+bool has_whole_cells(const Tessellation& t) {
+    const auto infinite = [](double x) { return std::isinf(x); };
+    const bool endless =
+        !t.cell() && std::ranges::all_of(t.box().lower, infinite) && std::ranges::all_of(t.box().upper, infinite);
+    return !t.face_offsets().empty() && t.least_face() == 0 && (t.periodic()[0] || endless);
+}
+
+Diagram3 whole_diagram(const Tessellation& t, std::span<const double> points) {
+    Diagram3 out{t, {points.begin(), points.end()}, {}};
+    if (has_whole_cells(t)) return out;
+    Options options;
+    std::vector<double> weights(t.weights().begin(), t.weights().end());
+    if (t.periodic()[0]) {
+        options = domain_options(t);
+    } else {
+        options.box.emplace();
+        options.box->lower.fill(-std::numeric_limits<double>::infinity());
+        options.box->upper.fill(std::numeric_limits<double>::infinity());
+        if (std::ranges::find(t.status(), CellStatus::outside) != t.status().end()) {
+            out.points.clear();
+            weights.clear();
+            for (std::size_t i = 0; i < t.size(); ++i) {
+                if (t.status()[i] == CellStatus::outside) continue;
+                out.ids.push_back(static_cast<std::int32_t>(i));
+                out.points.insert(out.points.end(), &points[3 * i], &points[3 * i] + 3);
+                if (!t.weights().empty()) weights.push_back(t.weights()[i]);
+            }
+        }
+    }
+    options.weights = weights;
+    options.device = "cpu";
+    options.threads = t.stats().threads;
+    options.want = {};
+    options.want.volumes = false;
+    options.want.faces = true;
+    out.tessellation = tessellate(out.points, options);
+    return out;
+}
+
+}  // namespace
+
+AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
+                           const std::array<std::int32_t, 3>& replicate) {
+    require_whole_diagram(tessellation, "alpha_complex");
+    require_points(tessellation, points, "alpha_complex");
+    const auto& periodic = tessellation.periodic();
+    const bool any = periodic[0] || periodic[1] || periodic[2], all = periodic[0] && periodic[1] && periodic[2];
+    if (any && !all)
+        refuse_alpha("the domain is periodic along some axes only: make it periodic along all axes or none");
+    double copies = 1;
+    for (const std::int32_t n : replicate) {
+        if (n < 1) refuse_alpha("replicate holds " + std::to_string(n) + ": give numbers of copies, at least 1");
+        if (n > 1 && !any) refuse_alpha("replicate copies a periodic box, this domain is not periodic");
+        copies *= n;
+    }
+    if (copies * static_cast<double>(tessellation.size()) > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported, "alpha_complex: replicate makes more than 2^31 seeds");
+
+    const Diagram3 diagram = whole_diagram(tessellation, points);
+    const Places places(diagram.tessellation, diagram.points, replicate);
+    const std::size_t seeds = places.seeds() * places.copies();
+    AlphaComplex out;
+    auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
+    {
+        auto level = [&] {
+            const Delaunay dual = delaunay(diagram.tessellation);
+            return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, places, tetrahedra);
+        }();
+        const std::size_t count = level.size();
+        auto of_triangles = faces_of<3>(std::move(level), triangles_of(count), places, triangles);
+        const std::size_t max_edges = seeds + of_triangles.size() - count;  // by Euler's formula
+        faces_of<1>(faces_of<2>(std::move(of_triangles), max_edges, places, edges), seeds, places, vertices);
+    }
+    const auto has_cell = [](CellStatus status) { return status == CellStatus::certified; };
+    const auto status = diagram.tessellation.status();
+    const auto cells = std::ranges::count_if(status, has_cell);
+    if (tetrahedra.values.empty() && cells > 1)
+        refuse_alpha("the " + std::to_string(cells) + " seeds lie in one plane, so they span no tetrahedron");
+    if (tetrahedra.values.empty() && cells == 1) {
+        const auto id = static_cast<std::int32_t>(std::ranges::find_if(status, has_cell) - status.begin());
+        append(Simplex<0>{{id}, {}}, places.unscaled(0 - places.weight(id)), true, places, vertices);
+    }
+    for (AlphaSimplices& simplices : out.simplices)
+        if (!diagram.ids.empty())
+            for (std::int32_t& id : simplices.seeds) id = diagram.ids[at(id)];
+    return out;
+}
+
+}  // namespace votess
