@@ -105,8 +105,8 @@ are counterclockwise. Seeds may lie outside of the mesh. It replaces the
 domain that INPUT states; --box must hold it. Into text without polygons,
 .csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into
 .glb, .obj, .stl and .3mf the connected pieces of cells: closed objects,
-named by id, as "17", or "17.0", "17.1" if a cell has several; materials are
-inside and surface. --image draws pieces)",
+named by id, as "17", or "17.0", "17.1" if a cell has several; materials
+are inside and surface. --image draws pieces)",
          {.needs = Needs::all_cells, .solid = true}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
