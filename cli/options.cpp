@@ -103,15 +103,15 @@ for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
 polygons are split around their first corner. Seen from outside, corners
 are counterclockwise. Seeds may lie outside of the mesh. It replaces the
 domain that INPUT states; --box must hold it. Into text without polygons,
-.csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into .glb,
-.obj, .stl and .3mf the connected pieces of cells: closed objects, named by
-id, as "17", or "17.0", "17.1" if a cell has several; materials are inside
-and surface. --image draws pieces)",
+.csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into
+.glb, .obj, .stl and .3mf the connected pieces of cells: closed objects,
+named by id, as "17", or "17.0", "17.1" if a cell has several; materials
+are inside and surface. --image draws pieces)",
          {.needs = Needs::all_cells, .solid = true}},
         {"--gap WIDTH",
-         R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between pieces.
-The planes of each cell move inward by half of it; the surface of the mesh
-stays)",
+         R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
+pieces. The planes of each cell move inward by half of it; the surface of
+the mesh stays)",
          {.with = "--mesh"}},
         {"--mesh-repair merge", R"(make vertices of the mesh at equal places one, as for .stl)", {.with = "--mesh"}},
         {"--outside error|drop|keep",
@@ -204,7 +204,7 @@ get an empty one, or the input is refused)",
 .glb   glTF: the cells as solids in flat colors by --color, for Blender
        and browsers, about 830 bytes a cell, 4 GiB at most; the
        attribute _CELL is the row of the input
-.stl .3mf  pieces of cells in a mesh, as .obj and .glb then hold: see --mesh
+.stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",

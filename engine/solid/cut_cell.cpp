@@ -37,10 +37,11 @@ std::size_t index(std::int32_t i) {
 
 }  // namespace
 
-void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight) {
+void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight, MeshSigns::Ties ties) {
     weight_ = weight;
+    ties_ = ties;
     cell_.start(seed, domain_, id);
-    signs_.begin(seed);
+    signs_.begin(seed, ties_);
 }
 
 void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight, double inward) {
@@ -405,7 +406,7 @@ int CutCell::winding_at(std::int32_t slot) {
     const auto planes = cell_.corner_planes(slot);
     std::array<std::size_t, 3> k;
     MeshSigns at;
-    at.begin(cell_.seed());
+    at.begin(cell_.seed(), ties_);
     for (std::size_t i = 0; i < 3; ++i) {
         k[i] = i;
         at.add(planes[i]->source);

@@ -47,7 +47,8 @@ public:
     CutCell(const ClosedMesh& mesh, const Domain& domain) : mesh_(mesh), domain_(domain) {}
 
     // Begins the cell of a seed; add() all its neighbors, then call measure().
-    void begin(const exact::Point& seed, std::int32_t id, double weight);
+    // ties: the same for all cells whose measures must fit together.
+    void begin(const exact::Point& seed, std::int32_t id, double weight, MeshSigns::Ties ties = MeshSigns::Ties::moved);
     // inward: twice the distance by which the plane moves inward, times the distance of the neighbor.
     void add(std::int32_t id, const exact::Point& neighbor, double weight, double inward = 0);
     // Whether the planes leave nothing.
@@ -117,6 +118,7 @@ private:
     const ClosedMesh& mesh_;
     const Domain& domain_;
     double weight_ = 0;
+    MeshSigns::Ties ties_ = MeshSigns::Ties::moved;
     cpu::Cell cell_;
     cpu::CellFaces faces_;
     MeshSigns signs_;

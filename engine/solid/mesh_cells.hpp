@@ -44,10 +44,10 @@ struct MeshCells {
         return std::span<const std::int32_t>(indices).subspan(begin, end - begin);
     }
     // Makes the cell of a row. gap: of pieces, scaled.
-    void make(std::size_t r, CutCell& cell, double gap = 0) const {
+    void make(std::size_t r, CutCell& cell, MeshSigns::Ties ties = MeshSigns::Ties::moved, double gap = 0) const {
         const std::int32_t seed = seed_of(r);
         const exact::Point x = place(seed);
-        cell.begin(x, seed, weight(seed));
+        cell.begin(x, seed, weight(seed), ties);
         for (const std::int32_t j : row(r)) {
             const Vector3 n = minus(place(j), x);
             cell.add(j, place(j), weight(j), gap * length3(n[0], n[1], n[2]));

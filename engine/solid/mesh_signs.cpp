@@ -62,6 +62,8 @@ void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
     value.sign = sign;
     if (!value.tie) return;
     value.s = value.error = 0;
+    value.sign = ties_ == Ties::grown ? sign_of_constant(k) : 0;
+    if (value.sign != 0) return;
     const exact::Point& q = bisectors_[k].q;
     std::size_t axis = 0;
     while (axis < 2 && q[axis] == seed_[axis]) ++axis;
@@ -117,6 +119,13 @@ exact::BitRange MeshSigns::range_of(std::span<const std::size_t> rows) const {
     return range;
 }
 
+int MeshSigns::sign_of_constant(std::size_t k) const {
+    if (bisectors_[k].power.high == 0) return 1;
+    const std::array<std::size_t, 1> row{k};
+    std::array<WideInt<exact::widest>, 3> n;
+    return integer_row<exact::widest>(k, range_of(row).quantum(), n).sign();
+}
+
 // Returns 2 for one value that is exactly 0.
 int MeshSigns::exact_sign(int count, const std::array<std::size_t, 3>& rows,
                           const std::array<const exact::Point*, 3>& columns, bool upright) const {
@@ -148,9 +157,10 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     std::array<std::array<WideInt<W>, 3>, 3> n;
     std::array<WideInt<W>, 3> p;
     for (int k = 0; k < 3; ++k) p[k] = exact::to_wide<W>(seed_[k], quantum);
+    std::array<WideInt<2 * W>, 3> constants;
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
     for (int r = 0; r < count; ++r) {
-        const auto constant = integer_row<W>(rows[r], quantum, n[r]);
+        const auto& constant = constants[r] = integer_row<W>(rows[r], quantum, n[r]);
         for (int c = 0; c < moving; ++c) {
             WideInt<2 * W> s{};
             for (int k = 0; k < 3; ++k) s = s + n[r][k] * (exact::to_wide<W>((*columns[c])[k], quantum) - p[k]);
@@ -161,14 +171,22 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     if (const int sign = determinant_of<2 * W>(count, value).sign(); sign != 0) return sign;
     met_tie_ = true;
     if (count == 1) return 2;
-    for (int axis = 0; axis < 3; ++axis) {
+    // step: by which the values of each row grow.
+    const auto sign_after = [&](const std::array<WideInt<2 * W>, 3>& step) {
         WideInt<6 * W> sum{};
         for (int c = 0; c < moving; ++c) {
             auto moved = value;
-            for (int r = 0; r < count; ++r) moved[r][c] = exact::resize<2 * W>(n[r][axis]);
+            for (int r = 0; r < count; ++r) moved[r][c] = step[r];
             sum = sum + determinant_of<2 * W>(count, moved);
         }
-        if (const int sign = sum.sign(); sign != 0) return sign;
+        return sum.sign();
+    };
+    if (ties_ == Ties::grown)
+        if (const int sign = sign_after(constants); sign != 0) return sign;
+    for (int axis = 0; axis < 3; ++axis) {
+        std::array<WideInt<2 * W>, 3> step;
+        for (int r = 0; r < count; ++r) step[r] = exact::resize<2 * W>(n[r][axis]);
+        if (const int sign = sign_after(step); sign != 0) return sign;
     }
     return -1;  // of planes that share a line, and do not all have faces
 }
@@ -198,7 +216,8 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
     const auto sum = [](const auto& x) { return x[0] + x[1] + x[2]; };
     std::array<WideInt<4 * W>, 2> d;
     std::array<WideInt<5 * W>, 2> place;                 // along the axis, times d
-    std::array<std::array<WideInt<5 * W>, 3>, 2> moved;  // derivatives of these, by a shift along each axis
+    std::array<WideInt<5 * W>, 2> grown;                 // derivative of that, if the mesh grows
+    std::array<std::array<WideInt<5 * W>, 3>, 2> moved;  // by a shift along each axis
     for (std::size_t t = 0; t < 2; ++t) {
         std::array<std::array<WideInt<2 * W>, 3>, 2> s;
         std::array<WideInt<W>, 3> x;
@@ -218,12 +237,16 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
         const auto weights = cross(s[0], s[1]);
         d[t] = sum(weights);
         place[t] = at(weights);
-        for (std::size_t k = 0; k < 3; ++k) {
+        const auto change = [&](const WideInt<2 * W>& of_a, const WideInt<2 * W>& of_b) {
             std::array<WideInt<2 * W>, 3> by_a, by_b;
-            by_a.fill(exact::resize<2 * W>(n[0][k] + n[0][k]));
-            by_b.fill(exact::resize<2 * W>(n[1][k] + n[1][k]));
+            by_a.fill(of_a);
+            by_b.fill(of_b);
             const auto one = cross(by_a, s[1]), other = cross(s[0], by_b);
-            moved[t][k] = at({one[0] + other[0], one[1] + other[1], one[2] + other[2]});
+            return at({one[0] + other[0], one[1] + other[1], one[2] + other[2]});
+        };
+        grown[t] = change(constant[0], constant[1]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            moved[t][k] = change(exact::resize<2 * W>(n[0][k] + n[0][k]), exact::resize<2 * W>(n[1][k] + n[1][k]));
             if (k == axis) moved[t][k] = moved[t][k] + exact::resize<5 * W>(d[t]);
         }
     }
@@ -232,6 +255,8 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
         return turn * (first * d[1] - second * d[0]).sign();
     };
     if (const int sign = order(place[0], place[1]); sign != 0) return sign;
+    if (ties_ == Ties::grown)
+        if (const int sign = order(grown[0], grown[1]); sign != 0) return sign;
     for (std::size_t k = 0; k < 3; ++k)
         if (const int sign = order(moved[0][k], moved[1][k]); sign != 0) return sign;
     return 0;

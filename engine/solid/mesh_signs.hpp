@@ -16,12 +16,17 @@
 // determinant is linear in it. The mesh moves as a whole. So it stays closed, and neighbors decide alike. No sign is 0
 // for planes that have faces.
 //
+// Pieces of one cell need not agree with others. There the mesh first counts as grown from the seed: u to u + e (u -
+// p). Then s_k(u) grows by e times its constant, again the same in a row, apart from a factor. So what lies in the
+// plane of a face is outside, and no sheet without thickness joins two pieces.
+//
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.
 #pragma once
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -34,6 +39,10 @@ inline constexpr double tiny = 1e-290;  // covers products that underflow
 
 class MeshSigns {
 public:
+    enum class Ties : std::uint8_t {
+        moved,  // by (e, e^2, e^3): alike for all cells
+        grown,  // first from the seed, then moved: what only touches a cell is outside
+    };
     // A value s_k(u), the bound on its error, and its sign after ties; 0 while that is unknown.
     struct Value {
         double s = 0, error = 0;
@@ -47,8 +56,9 @@ public:
     using Values = std::array<Value, 3>;  // at the vertices of a triangle
     using Places = std::array<Place, 3>;
 
-    void begin(const exact::Point& seed) {
+    void begin(const exact::Point& seed, Ties ties) {
         seed_ = seed;
+        ties_ = ties;
         bisectors_.clear();
         met_tie_ = false;
     }
@@ -101,12 +111,14 @@ private:
     template <int W>
     [[nodiscard]] int integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
                                     int quantum) const;
+    [[nodiscard]] int sign_of_constant(std::size_t k) const;
     [[nodiscard]] exact::BitRange range_of(std::span<const std::size_t> rows) const;
     // Writes the normal of a bisector in integers. Returns |n|^2 + power.
     template <int W>
     exact::WideInt<2 * W> integer_row(std::size_t k, int quantum, std::array<exact::WideInt<W>, 3>& n) const;
 
     exact::Point seed_{};
+    Ties ties_ = Ties::moved;
     mutable bool met_tie_ = false;
     std::vector<Bisector> bisectors_;
 };

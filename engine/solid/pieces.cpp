@@ -68,7 +68,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
         for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
             check_stop();
             const bool is_cut = cells->winding[r] == solid::MeshCells::cut;
-            if (cells->winding[r] != 0) cells->make(r, cell, options.gap * cells->scale);
+            if (cells->winding[r] != 0) cells->make(r, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
             if (cells->winding[r] == 0 || cell.empty()) {
                 parts[index].indptr.push_back(parts[index].indptr.back());
             } else if (is_cut) {

@@ -41,7 +41,7 @@ void check_others(const Options& options) {
     if (options.min_face > 0 || options.min_area > 0) unsupported("leave out min_face and min_area");
     const Want& want = options.want;
     if (want.vertices || want.faces || want.counts)
-        unsupported("the parts of cells have no vertices, faces and counts yet: leave these out of want");
+        unsupported("the parts of cells have no vertices, faces and counts: leave these out of want, use pieces()");
     if (want.radii) unsupported("the parts of cells have no security radii: leave these out of want");
     if (options.box)
         for (std::size_t k = 0; k < 3; ++k)

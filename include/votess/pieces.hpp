@@ -43,10 +43,10 @@ struct Pieces {
 };
 
 // Returns the pieces of all rows of a tessellation with Options::mesh. Without a gap the volumes of a cell's pieces sum
-// to the cell's to a relative 1e-12. Ties are decided as in Options::mesh: where a plane between two cells lies in the
-// surface, a piece may have a fold of no thickness there, or name the seed instead of the triangle. The tessellation
-// keeps what this needs: the mesh, the seeds and all their neighbors, about 100 bytes a seed. Throws invalid_argument
-// for a tessellation without a mesh, and for a bad gap.
+// to the cell's to a relative 1e-12. Places on the surface count as outside, so that a piece is connected through its
+// inside. Where a plane between two cells lies in the surface in part, triangles of pieces may name the seed there
+// instead of the triangle of the mesh. The tessellation keeps what this needs: the mesh, the seeds and all their
+// neighbors, about 100 bytes a seed. Throws invalid_argument for a tessellation without a mesh, and for a bad gap.
 [[nodiscard]] VOTESS_API Pieces pieces(const Tessellation& tessellation, const PieceOptions& options = {});
 
 }  // namespace votess

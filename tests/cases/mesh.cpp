@@ -618,6 +618,51 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("mesh: pieces of cells whose faces lie in the surface") {
+        test::Random random(44);
+        for (std::size_t run = 0; run < test::by_size(40, 10); ++run) {
+            CAPTURE(run);
+            const std::array<int, 3> count{3, 2 + static_cast<int>(run) % 3, 2}, half{6, 2 * count[1], 4};
+            std::vector<bool> filled(static_cast<std::size_t>(count[0] * count[1] * count[2]));
+            for (std::size_t c = 0; c < filled.size(); ++c) filled[c] = random.uniform(0, 1) < 0.6;
+            filled[0] = true;
+            // Planes between cells lie at multiples of 0.5, so that each cell is a union of cubes of half the size.
+            std::array<std::vector<double>, 3> along;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double step = std::array{0.5, 1.0, 1.5, 2.0}[static_cast<std::size_t>(random.uniform(0, 4))];
+                double x = -0.5 * std::floor(random.uniform(1, 4)) - 0.5 * step;
+                for (; x < count[k] + 2; x += step) along[k].push_back(x);
+            }
+            Coordinates points;
+            std::vector<std::int64_t> counts;
+            for (const double x : along[0])
+                for (const double y : along[1])
+                    for (const double z : along[2]) {
+                        points.insert(points.end(), {x, y, z});
+                        const std::array<double, 3> seed{x, y, z};
+                        std::vector<bool> cell(8 * filled.size());
+                        for (std::size_t c = 0; c < cell.size(); ++c) {
+                            const int at = static_cast<int>(c);
+                            const std::array<int, 3> cube{at / (half[1] * half[2]), at / half[2] % half[1],
+                                                          at % half[2]};
+                            bool inside = filled[static_cast<std::size_t>(
+                                (cube[0] / 2 * count[1] + cube[1] / 2) * count[2] + cube[2] / 2)];
+                            for (std::size_t k = 0; k < 3; ++k)
+                                for (const double other : along[k])
+                                    if (std::abs(0.5 * cube[k] + 0.25 - other) <
+                                        std::abs(0.5 * cube[k] + 0.25 - seed[k]))
+                                        inside = false;
+                            cell[c] = inside;
+                        }
+                        counts.push_back(connected_cubes(half, cell));
+                    }
+            const Tessellation t = votess::tessellate(points, options_in(test::cubes(count, filled)));
+            const votess::Pieces pieces = votess::pieces(t);
+            CHECK(check_pieces(t, pieces) == "");
+            CHECK(piece_counts(pieces) == counts);
+        }
+    }
+
     TEST_CASE("mesh: a gap between pieces") {
         // Cubes of 0.5, of which each loses 0.05 at its three inner faces.
         const Solid unit = test::cuboid(0, 1);

@@ -82,7 +82,7 @@ class Usage(CliTest):
                                 (["--json=1"], "--json takes no value"),
                                 (["--voro++"], "--voro++ must be the first argument")]:
             self.refuse("a.txt", *arguments, says=says)
-        for name in ["a.vtp", "a.stl", "out", "out.tsv"]:
+        for name in ["a.vtp", "a.step", "out", "out.tsv"]:
             self.refuse("a.txt", "-o", name, says=[f"'{name}'", ".npz"])
 
     def test_bad_domain(self):

@@ -100,6 +100,8 @@ class TestPieces(unittest.TestCase):
             t.pieces(gap=-1)
         with self.assertRaisesRegex(ValueError, "tessellate with `mesh`"):
             vt.tessellate(uniform(5), device="cpu").pieces()
+        with self.assertRaisesRegex(ValueError, "save t.pieces"):
+            t.save(self.folder / "a.glb")
         pieces = t.pieces()
         with self.assertRaisesRegex(ValueError, "known are .glb .obj .stl .3mf"):
             pieces.save(self.folder / "a.vtu")

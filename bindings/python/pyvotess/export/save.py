@@ -49,6 +49,8 @@ def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, col
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
+    if kind.mesh and t.in_mesh:
+        raise ValueError(f"a {extension} file holds polygons of whole cells: save t.pieces(), as .glb, .obj, .stl or .3mf")
     if kind.mesh:
         mesh_of(t, f"a {extension} file")
     if kind.package:
