@@ -453,7 +453,7 @@ Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& plac
 }
 
 // Seeds that take part, and their diagram in the space of the complex.
-struct Diagram3 {
+struct WholeDiagram {
     Tessellation tessellation;
     std::vector<double> points;
     std::vector<std::int32_t> ids;  // of the rows; empty: all
@@ -467,8 +467,8 @@ bool has_whole_cells(const Tessellation& t) {
     return !t.face_offsets().empty() && t.least_face() == 0 && (t.periodic()[0] || endless);
 }
 
-Diagram3 whole_diagram(const Tessellation& t, std::span<const double> points) {
-    Diagram3 out{t, {points.begin(), points.end()}, {}};
+WholeDiagram whole_diagram(const Tessellation& t, std::span<const double> points) {
+    WholeDiagram out{t, {points.begin(), points.end()}, {}};
     if (has_whole_cells(t)) return out;
     Options options;
     std::vector<double> weights(t.weights().begin(), t.weights().end());
@@ -515,10 +515,10 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
         if (n > 1 && !any) refuse_alpha("replicate copies a periodic box, this domain is not periodic");
         copies *= n;
     }
-    if (copies * static_cast<double>(tessellation.size()) > std::numeric_limits<std::int32_t>::max())
+    if (copies * std::max(static_cast<double>(tessellation.size()), 1.0) > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported, "alpha_complex: replicate makes more than 2^31 seeds");
 
-    const Diagram3 diagram = whole_diagram(tessellation, points);
+    const WholeDiagram diagram = whole_diagram(tessellation, points);
     const Places places(diagram.tessellation, diagram.points, replicate);
     const std::size_t seeds = places.seeds() * places.copies();
     AlphaComplex out;

@@ -452,6 +452,12 @@ TEST_CASE("alpha complex: bad input") {
     votess::Options options = periodic_box(1);
     options.periodic[1] = false;
     CHECK(has(message(few, options), "along all axes"));
+    CHECK(has(message({}, periodic_box(1), {2000, 2000, 2000}), "2^31"));
+    test::Coordinates mirrored = test::cubic(2).points;
+    const auto cube = votess::tessellate(mirrored, whole_space());
+    for (std::size_t k = 0; k < mirrored.size(); k += 3) mirrored[k] = -mirrored[k];
+    CHECK_THROWS_WITH_AS((void)votess::alpha_complex(cube, mirrored), "the points are not those of the tessellation",
+                         votess::Error);
     CHECK(message({}, whole_space()).empty());
     const test::Coordinates one{1, 2, 3};
     const auto single = votess::alpha_complex(votess::tessellate(one, whole_space()), one);
