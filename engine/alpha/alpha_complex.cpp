@@ -14,10 +14,12 @@
 #include <string>
 #include <utility>
 
+#include "core/arithmetic.hpp"
 #include "core/buffer.hpp"
 #include "core/progress.hpp"
 #include "core/system.hpp"
 #include "domain/domain.hpp"
+#include "exact/insphere.hpp"
 #include "exact/orthosphere.hpp"
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
@@ -295,10 +297,11 @@ struct FaceSide {
     [[nodiscard]] bool inside() const { return (code & 1) != 0; }
 };
 
-// Simplices of one dimension, ascending.
+// Simplices of one dimension, ascending. Added seeds are not before `added`.
 template <std::size_t K>
 struct Level {
     const AlphaSimplices& all;
+    std::size_t added;
     std::vector<SeedSides> sides;       // by simplex
     std::vector<std::size_t> first;     // by seed, and the end: the first simplex with this lowest seed
     std::vector<std::size_t> opposite;  // likewise: the first of the following with this lowest seed
@@ -311,6 +314,8 @@ struct Level {
         std::uint64_t key = 0;
         for (std::size_t i = omitted == 0 ? 2 : 1; i <= K; ++i)
             if (i != omitted) key = key << 32 | static_cast<std::uint32_t>(ids[i]);
+        if (at(ids[K]) >= added)
+            return {key, simplex << 4 | omitted << 2 | 2, infinity};  // says nothing about the face
         const unsigned outside = sides[simplex] >> omitted & 1, inside = sides[simplex] >> (4 + omitted) & 1;
         return {key, simplex << 4 | omitted << 2 | outside << 1 | inside, all.values[simplex]};
     }
@@ -330,9 +335,9 @@ struct Level {
 
 // Collects from the simplices around a face.
 struct Around {
-    double least = std::numeric_limits<double>::infinity();  // of their values
-    bool outside = true;                                     // all their seeds lie strictly outside
-    bool inside = false;                                     // one lies strictly inside
+    double least = infinity;  // of their values
+    bool outside = true;      // all their seeds lie strictly outside
+    bool inside = false;      // one lies strictly inside
 
     void add(const FaceSide& side) {
         least = std::min(least, side.value);
@@ -366,13 +371,13 @@ std::size_t triangles_of(std::size_t tetrahedra) {
 }
 
 // Writes the tetrahedra in order.
-Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t seeds, const Places& places,
-                      AlphaSimplices& out) {
+Level<3> sorted_level(const std::vector<Tetrahedron>& tetrahedra, std::size_t seeds, std::size_t added,
+                      const Places& places, AlphaSimplices& out) {
     std::vector<std::size_t> begin(seeds + 2), order(tetrahedra.size());
     for (const Tetrahedron& t : tetrahedra) ++begin[at(t.simplex.ids[0]) + 2];
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     for (std::size_t i = 0; i < tetrahedra.size(); ++i) order[begin[at(tetrahedra[i].simplex.ids[0]) + 1]++] = i;
-    Level<3> level{out, {}, {}, {}};
+    Level<3> level{out, added, {}, {}, {}};
     reserve<3>(tetrahedra.size(), places, out);
     level.sides.reserve(tetrahedra.size());
     for (std::size_t v = 0; v < seeds; ++v) {
@@ -415,7 +420,7 @@ Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& plac
         return face;
     };
     reserve<K - 1>(expected, places, out);
-    Level<K - 1> faces{out, {}, {}, {}};
+    Level<K - 1> faces{out, level.added, {}, {}, {}};
     if constexpr (K > 1) faces.sides.reserve(expected);
     std::vector<FaceSide> sides;
     for (std::size_t v = 0; v < seeds; ++v) {
@@ -453,11 +458,47 @@ Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& plac
 }
 
 // Seeds that take part, and their diagram in the space of the complex.
-struct Diagram3 {
+struct WholeDiagram {
     Tessellation tessellation;
     std::vector<double> points;
     std::vector<std::int32_t> ids;  // of the rows; empty: all
+    std::size_t added = 0;          // seeds at the end, see points_beside()
 };
+
+bool has_cell(CellStatus status) {
+    return status == CellStatus::certified;
+}
+
+// Returns points that make seeds in one plane span space: one beside the plane, two beside a line. Simplices without
+// them are those of the plane. Wherever the points are, the seeds are a face of their convex hull.
+std::vector<double> points_beside(std::span<const double> points, std::span<const CellStatus> status) {
+    double largest = 0;
+    for (const double x : points) largest = std::max(largest, std::abs(x));
+    const double scale = scale_for(largest);
+    const std::array<exact::Point, 4> corners{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    std::vector<exact::Point> seeds;
+    for (std::size_t i = 0; i < status.size(); ++i)
+        if (has_cell(status[i]))
+            seeds.push_back({points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale});
+    const exact::Point a = seeds[0], b = seeds[1];
+    const auto not_in_line = [&](const exact::Point& c) {
+        return std::ranges::any_of(corners, [&](const auto& corner) { return exact::orient(a, b, c, corner) != 0; });
+    };
+    std::vector<double> out;
+    const auto add = [&](const exact::Point& x) {
+        for (const double coordinate : x) out.push_back(coordinate / scale);
+    };
+    auto third = std::ranges::find_if(seeds, not_in_line);
+    exact::Point c;
+    if (third != seeds.end()) {
+        c = *third;
+    } else {
+        c = *std::ranges::find_if(corners, not_in_line);
+        add(c);
+    }
+    add(*std::ranges::find_if(corners, [&](const auto& corner) { return exact::orient(a, b, c, corner) != 0; }));
+    return out;
+}
 
 // Whether the polygons of a tessellation are those of all of its space.
 bool has_whole_cells(const Tessellation& t) {
@@ -467,36 +508,57 @@ bool has_whole_cells(const Tessellation& t) {
     return !t.face_offsets().empty() && t.least_face() == 0 && (t.periodic()[0] || endless);
 }
 
-Diagram3 whole_diagram(const Tessellation& t, std::span<const double> points) {
-    Diagram3 out{t, {points.begin(), points.end()}, {}};
-    if (has_whole_cells(t)) return out;
-    Options options;
+WholeDiagram whole_diagram(const Tessellation& t, std::span<const double> points) {
+    WholeDiagram out{t, {points.begin(), points.end()}, {}};
+    const bool periodic = t.periodic()[0];
     std::vector<double> weights(t.weights().begin(), t.weights().end());
-    if (t.periodic()[0]) {
-        options = domain_options(t);
-    } else {
-        options.box.emplace();
-        options.box->lower.fill(-std::numeric_limits<double>::infinity());
-        options.box->upper.fill(std::numeric_limits<double>::infinity());
-        if (std::ranges::find(t.status(), CellStatus::outside) != t.status().end()) {
-            out.points.clear();
-            weights.clear();
-            for (std::size_t i = 0; i < t.size(); ++i) {
-                if (t.status()[i] == CellStatus::outside) continue;
-                out.ids.push_back(static_cast<std::int32_t>(i));
-                out.points.insert(out.points.end(), &points[3 * i], &points[3 * i] + 3);
-                if (!t.weights().empty()) weights.push_back(t.weights()[i]);
-            }
+    const bool drops = std::ranges::find(t.status(), CellStatus::outside) != t.status().end();
+    if (drops && !periodic) {
+        out.points.clear();
+        weights.clear();
+        for (std::size_t i = 0; i < t.size(); ++i) {
+            if (t.status()[i] == CellStatus::outside) continue;
+            out.ids.push_back(static_cast<std::int32_t>(i));
+            out.points.insert(out.points.end(), &points[3 * i], &points[3 * i] + 3);
+            if (!t.weights().empty()) weights.push_back(t.weights()[i]);
         }
     }
-    options.weights = weights;
-    options.device = "cpu";
-    options.threads = t.stats().threads;
-    options.want = {};
-    options.want.volumes = false;
-    options.want.faces = true;
-    out.tessellation = tessellate(out.points, options);
+    const auto make = [&] {
+        Options options;
+        if (periodic)
+            options = domain_options(t);
+        else
+            options.box = Box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+        options.weights = weights;
+        options.device = "cpu";
+        options.threads = t.stats().threads;
+        options.want.volumes = false;
+        options.want.faces = true;
+        out.tessellation = tessellate(out.points, options);
+    };
+    if (!has_whole_cells(t)) make();
+    const auto status = out.tessellation.status();
+    if (!out.tessellation.vertices().empty() || std::ranges::count_if(status, has_cell) < 2) return out;
+    const std::vector<double> beside = points_beside(out.points, status);
+    out.added = beside.size() / 3;
+    out.points.insert(out.points.end(), beside.begin(), beside.end());
+    if (!weights.empty()) weights.resize(out.points.size() / 3);
+    make();
     return out;
+}
+
+// Drops simplices with seeds from `added` on.
+void drop_added(std::size_t added, std::size_t corners, AlphaSimplices& simplices) {
+    std::size_t kept = 0;
+    for (std::size_t s = 0; s < simplices.values.size(); ++s) {
+        if (at(simplices.seeds[corners * (s + 1) - 1]) >= added) continue;
+        std::copy_n(&simplices.seeds[corners * s], corners, &simplices.seeds[corners * kept]);
+        simplices.values[kept] = simplices.values[s];
+        simplices.gabriel[kept++] = simplices.gabriel[s];
+    }
+    simplices.seeds.resize(corners * kept);
+    simplices.values.resize(kept);
+    simplices.gabriel.resize(kept);
 }
 
 }  // namespace
@@ -515,33 +577,31 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
         if (n > 1 && !any) refuse_alpha("replicate copies a periodic box, this domain is not periodic");
         copies *= n;
     }
-    if (copies * static_cast<double>(tessellation.size()) > std::numeric_limits<std::int32_t>::max())
+    if (copies * std::max(static_cast<double>(tessellation.size()), 1.0) > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported, "alpha_complex: replicate makes more than 2^31 seeds");
 
-    const Diagram3 diagram = whole_diagram(tessellation, points);
+    const WholeDiagram diagram = whole_diagram(tessellation, points);
     const Places places(diagram.tessellation, diagram.points, replicate);
-    const std::size_t seeds = places.seeds() * places.copies();
+    const std::size_t seeds = places.seeds() * places.copies(), added = seeds - diagram.added;
     AlphaComplex out;
     auto& [vertices, edges, triangles, tetrahedra] = out.simplices;
     {
         auto level = [&] {
             const Delaunay dual = delaunay(diagram.tessellation);
-            return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, places, tetrahedra);
+            return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, added, places,
+                                tetrahedra);
         }();
         const std::size_t count = level.size();
         auto of_triangles = faces_of<3>(std::move(level), triangles_of(count), places, triangles);
         const std::size_t max_edges = seeds + of_triangles.size() - count;  // by Euler's formula
         faces_of<1>(faces_of<2>(std::move(of_triangles), max_edges, places, edges), seeds, places, vertices);
     }
-    const auto has_cell = [](CellStatus status) { return status == CellStatus::certified; };
     const auto status = diagram.tessellation.status();
-    const auto cells = std::ranges::count_if(status, has_cell);
-    if (tetrahedra.values.empty() && cells > 1)
-        refuse_alpha("the " + std::to_string(cells) + " seeds lie in one plane, so they span no tetrahedron");
-    if (tetrahedra.values.empty() && cells == 1) {
-        const auto id = static_cast<std::int32_t>(std::ranges::find_if(status, has_cell) - status.begin());
+    if (const auto only = std::ranges::find_if(status, has_cell); vertices.values.empty() && only != status.end()) {
+        const auto id = static_cast<std::int32_t>(only - status.begin());
         append(Simplex<0>{{id}, {}}, places.unscaled(0 - places.weight(id)), true, places, vertices);
     }
+    for (std::size_t k = 0; k < 4 && diagram.added > 0; ++k) drop_added(added, k + 1, out.simplices[k]);
     for (AlphaSimplices& simplices : out.simplices)
         if (!diagram.ids.empty())
             for (std::int32_t& id : simplices.seeds) id = diagram.ids[at(id)];

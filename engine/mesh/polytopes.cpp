@@ -108,7 +108,10 @@ private:
                        turn_(before.to, {before.from, after.to, other.to}) > 0;
             });
         };
-        const auto found = std::ranges::find_if(std::ranges::equal_range(steps, before.to, {}, &Step::from), follows);
+        const auto leaving = std::ranges::equal_range(steps, before.to, {}, &Step::from);
+        const auto found = std::ranges::find_if(leaving, follows);
+        if (found == leaving.end())
+            throw Error(ErrorCode::invalid_argument, "the points are not those of the tessellation");
         return static_cast<std::size_t>(&*found - steps.data());
     }
 

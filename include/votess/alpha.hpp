@@ -40,7 +40,7 @@ struct AlphaComplex {
 // Returns the alpha complex of the seeds in whole space, or in a domain that is periodic along all axes. Faces of the
 // tessellation, Want::faces, are used where they are those of this space; else the call tessellates again, on the CPU.
 // So box, walls and dropped faces change nothing. Duplicates, seeds that Outside::drop dropped, and seeds that weights
-// hide are in no simplex.
+// hide are in no simplex. Seeds in one plane have no tetrahedra, those in one line no triangles.
 //
 // Gabriel flags are exact. Values have a relative error below 1e-12. Where exact values of a simplex and a face are
 // equal because of a tie, stored ones are too. Polytopes of more than four seeds on an empty sphere are cut from their
@@ -51,8 +51,8 @@ struct AlphaComplex {
 // Shifts then count vectors of the large box.
 //
 // Throws invalid_argument if an edge leads to an image of its own seed, or two edges join the same seeds: replicate a
-// small box. Refuses seeds that all lie in one plane, and domains that are periodic along some axes only. Refuses cells
-// of a subset, of probes, in a mesh and in two dimensions.
+// small box. Refuses domains that are periodic along some axes only, and cells of a subset, of probes, in a mesh and in
+// two dimensions. Points in two dimensions may be given with z = 0.
 [[nodiscard]] VOTESS_API AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
                                                     const std::array<std::int32_t, 3>& replicate = {1, 1, 1});
 

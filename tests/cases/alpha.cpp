@@ -372,6 +372,23 @@ TEST_CASE("alpha complex: periodic") {
     check_alpha(test::cubic(3).points, periodic_box(3));
 }
 
+TEST_CASE("alpha complex: seeds in a plane or a line") {
+    for (const std::size_t count : {2u, 3u}) check_alpha(test::uniform(count, 2).points, whole_space());
+    for (const auto& set : {test::on_axis_plane(20, 1), test::on_oblique_plane(20, 1), test::cocircular(25, 1),
+                            test::on_axis_line(9, 1), test::on_oblique_line(9, 1)}) {
+        check_alpha(set.points, whole_space());
+        votess::Options options = whole_space();
+        const std::vector<double> weights = random_weights(set.size(), 0.01, 4);
+        options.weights = weights;
+        check_alpha(set.points, options);
+    }
+    const test::Coordinates line{0, 0, 0, 1, 1, 1, 3, 3, 3, 2, 2, 2};
+    const auto complex = votess::alpha_complex(votess::tessellate(line, votess::Options{}), line);
+    CHECK(complex.simplices[1].seeds == Ids{0, 1, 1, 3, 2, 3});
+    CHECK(complex.simplices[1].values == std::vector<double>{0.75, 0.75, 0.75});
+    CHECK(complex.simplices[2].seeds.empty());
+}
+
 TEST_CASE("alpha complex: copies of a box") {
     const test::Coordinates points = whole_points(5, 3, 11);
     const votess::Options options = periodic_box(4);
@@ -447,11 +464,15 @@ TEST_CASE("alpha complex: bad input") {
     CHECK(has(message(few, periodic_box(1), {1, 0, 1}), "replicate holds 0"));
     CHECK(has(message(few, whole_space(), {2, 1, 1}), "not periodic"));
     CHECK(has(message(few, periodic_box(1), {2000, 2000, 2000}), "2^31"));
-    CHECK(has(message(few, whole_space()), "lie in one plane"));
-    CHECK(has(message(test::on_oblique_plane(20, 1).points, whole_space()), "lie in one plane"));
     votess::Options options = periodic_box(1);
     options.periodic[1] = false;
     CHECK(has(message(few, options), "along all axes"));
+    CHECK(has(message({}, periodic_box(1), {2000, 2000, 2000}), "2^31"));
+    test::Coordinates flat = test::cubic(2).points;
+    const auto cube = votess::tessellate(flat, whole_space());
+    for (std::size_t k = 0; k < flat.size(); k += 3) flat[k] = 0;
+    CHECK_THROWS_WITH_AS((void)votess::alpha_complex(cube, flat), "the points are not those of the tessellation",
+                         votess::Error);
     CHECK(message({}, whole_space()).empty());
     const test::Coordinates one{1, 2, 3};
     const auto single = votess::alpha_complex(votess::tessellate(one, whole_space()), one);

@@ -130,7 +130,7 @@ class Tessellation(SeedCells):
             is copy (0, 0, 0).
 
         Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
-        2 or 3. Also for seeds in one plane, domains that are periodic along some axes only, and with ``only`` or a mesh.
+        2 or 3. Also for domains that are periodic along some axes only, in two dimensions, and with ``only`` or a mesh.
         """
         return make_alpha(self, self._handle(), replicate)
 

@@ -98,6 +98,19 @@ class AlphaComplex(unittest.TestCase):
         np.testing.assert_array_equal(a.values[0][own], -weights[seeds][own])
         self.assertTrue((a.values[0][~own] > -weights[seeds][~own]).all())
 
+    def test_plane(self):
+        points = uniform(80) * (1, 1, 0)
+        a = vt.tessellate(points).alpha_complex()
+        self.check_order(a)
+        self.assertEqual(len(a.simplices[3]), 0)
+        self.assertEqual(betti(a), [1, 0, 0, 0])
+        circles = (points[a.simplices[2]] - points[a.simplices[2][:, :1]])[:, 1:, :2]
+        square = np.einsum("nik,nik->ni", circles, circles)
+        center = np.linalg.solve(2 * circles, square[:, :, None])[:, :, 0]
+        np.testing.assert_allclose(np.sum(center**2, axis=1), a.values[2], rtol=1e-9)
+        near = np.sum((points[:, :2] - center[:, None] - points[a.simplices[2][:, 0], None, :2]) ** 2, axis=2).min(axis=1)
+        np.testing.assert_allclose(near, a.values[2], rtol=1e-9)  # empty
+
     def test_filtration(self):
         a = vt.tessellate(lattice(3), want="faces", box="none").alpha_complex()
         dimensions, rows = a.filtration()
@@ -126,8 +139,6 @@ class AlphaComplex(unittest.TestCase):
             vt.tessellate(uniform(12)).alpha_complex(2)
         with self.assertRaisesRegex(ValueError, "along all axes or none"):
             vt.tessellate(uniform(12), box=UNIT_BOX, periodic="xy").alpha_complex()
-        with self.assertRaisesRegex(ValueError, "one plane"):
-            vt.tessellate(uniform(12) * (1, 1, 0)).alpha_complex()
         with self.assertRaisesRegex(ValueError, "three dimensions"):
             vt.tessellate(uniform(12)[:, :2]).alpha_complex()
         with self.assertRaisesRegex(ValueError, "leave out `only`"):
@@ -140,6 +151,7 @@ class AlphaComplex(unittest.TestCase):
         for points, weights in (
             (uniform(150), None),
             (uniform(150), uniform(150, seed=3)[:, 0] * 0.02 - 0.01),
+            (uniform(150) * (1, 1, 0), None),
             (lattice(3), None),
         ):
             options = {} if weights is None else {"weights": weights}
