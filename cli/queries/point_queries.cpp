@@ -53,7 +53,8 @@ void write_traced(OutputFile& file, const std::string& path, const votess::RayCe
     if (is_npz_output(path)) {
         write_npz_arrays(
             file, std::array{as_array("offsets", std::span(cells.offsets)), as_array("seeds", std::span(cells.seeds)),
-                             as_array("lengths", std::span(cells.lengths))});
+                             as_array("lengths", std::span(cells.lengths)),
+                             as_array("middles", std::span(cells.middles), 3)});
         return;
     }
     std::string text;
@@ -174,6 +175,7 @@ std::string run_trace(const Arguments& arguments) {
     rays.threads = arguments.read.threads;
     rays.coordinates = {"1", "2", "3"};
     rays.columns = {"4", "5", "6", "7"};
+    rays.npy_holds_columns = true;
     const QueryInput input = read_and_sort(arguments, arguments.trace, rays, times);
     std::vector<double> directions, lengths;
     for (std::size_t r = 0; r < input.queries.size(); ++r) {

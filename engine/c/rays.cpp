@@ -40,3 +40,7 @@ const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length) {
 const double* votess_rays_lengths(const votess_rays* rays, size_t* length) {
     return expose(rays, length, &votess::RayCells::lengths);
 }
+
+const double* votess_rays_middles(const votess_rays* rays, size_t* length) {
+    return expose(rays, length, &votess::RayCells::middles);
+}

@@ -80,10 +80,12 @@ public:
         std::size_t seed;
         exact::Shift shift;
     };
-    // Receives the pieces of a ray: a sorted seed and the times between which its cell holds the ray.
+    // Receives the pieces of a ray: a sorted seed, the times between which its cell holds the ray, and the middle of
+    // the piece relative to the image whose cell it is.
     struct Piece {
         std::size_t seed;
         double begin, end;
+        std::array<double, 3> middle;
     };
 
     // has_box: whether the box bounds the domain.
@@ -109,6 +111,7 @@ private:
     [[nodiscard]] Errors errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const;
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
     [[nodiscard]] std::array<double, 3> position(const Image& image) const;
+    [[nodiscard]] Piece piece_of(const Image& image, double begin, double end) const;
     [[nodiscard]] exact::Crossing between(const Image& from, const Image& to) const {
         return exact::Crossing::between(plane_of(from), plane_of(to));
     }
@@ -120,7 +123,7 @@ private:
     [[nodiscard]] Image walk_to_origin(Image from) const;
     [[nodiscard]] bool find_next(const Image& from, Event& event);
     [[nodiscard]] bool is_same_line(const Image& a, const Image& b) const;
-    [[nodiscard]] std::size_t lowest_of_ties(const Image& of);
+    [[nodiscard]] Image lowest_of_ties(const Image& of);
 
     const Domain& domain_;
     const SortedSeeds& seeds_;

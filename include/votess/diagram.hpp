@@ -104,10 +104,15 @@ struct VOTESS_API RayCells {
     std::vector<std::int64_t> offsets;  // R+1
     std::vector<std::int32_t> seeds;    // offsets[R]
     std::vector<double> lengths;        // offsets[R], at least 0
+    // 3 offsets[R], the middle of each piece of the ray, minus the place of the seed or image whose cell it is. Rounded
+    // like the ends of pieces: to 1e-12 of the largest coordinate on the way.
+    std::vector<double> middles;
 
-    // Returns the integral of `values` along each ray: the sum of value times length. values: N. Throws
-    // invalid_argument for fewer values than the seeds need.
-    [[nodiscard]] std::vector<double> integrate(std::span<const double> values) const;
+    // Returns the integral along each ray of the field that is `value + gradient . (x - seed)` in each cell. values: N.
+    // gradients: 3N, or none where the field is constant in cells. Throws invalid_argument for fewer values than the
+    // seeds need, and for gradients of another size.
+    [[nodiscard]] std::vector<double> integrate(std::span<const double> values,
+                                                std::span<const double> gradients = {}) const;
 };
 
 // Seeds, sorted once for searching; no cell is built. A shared handle to immutable data, cheap to copy. Many threads

@@ -282,6 +282,7 @@ VOTESS_API void votess_rays_free(votess_rays* rays);
 VOTESS_API const int64_t* votess_rays_offsets(const votess_rays* rays, size_t* length);
 VOTESS_API const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length);
 VOTESS_API const double* votess_rays_lengths(const votess_rays* rays, size_t* length);
+VOTESS_API const double* votess_rays_middles(const votess_rays* rays, size_t* length);
 
 // Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
 // for true. weights: count, only in a power diagram; NULL = 0. On success *out is new, else NULL; the diagram may be

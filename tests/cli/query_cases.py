@@ -256,8 +256,11 @@ class Trace(CliTest):
         done = self.run_cli(*run, "-o", "cells.npz", "-o", "cells.txt")
         self.assertEqual(done.stdout, "traced 20 queries among 60 seeds, 1 without cells\n")
         with np.load(self.folder / "cells.npz") as arrays:
-            offsets, seeds, parts = (arrays[name] for name in ("offsets", "seeds", "lengths"))
+            offsets, seeds, parts, middles = (arrays[name] for name in ("offsets", "seeds", "lengths", "middles"))
         self.assertEqual([a.dtype for a in (offsets, seeds, parts)], [np.int64, np.int32, np.float64])
+        self.put("rays.npy", np.column_stack((origins, directions, lengths)))
+        self.run_cli(*run[:-1], "rays.npy", "-o", "again.txt")
+        self.assertEqual((self.folder / "again.txt").read_bytes(), (self.folder / "cells.txt").read_bytes())
         rows = (self.folder / "cells.txt").read_text().splitlines()
         for r in range(20):
             own = slice(offsets[r], offsets[r + 1])
@@ -267,6 +270,8 @@ class Trace(CliTest):
             away = points - (origins[r] + steps[:, None] * directions[r])[:, None]
             nearest = ((away - np.round(away)) ** 2).sum(axis=2).argmin(axis=1)
             ends = np.cumsum(parts[own])
+            way = origins[r] + (ends - 0.5 * parts[own])[:, None] * directions[r] - points[seeds[own]]
+            np.testing.assert_allclose(middles[own], way - np.round(way), atol=1e-12)
             if lengths[r] > 0:
                 inside = np.abs(steps[:, None] - ends).min(axis=1) > 1e-9
                 np.testing.assert_array_equal(seeds[own][np.searchsorted(ends, steps[inside])], nearest[inside])
@@ -279,6 +284,8 @@ class Trace(CliTest):
         self.refuse("p.txt", "--trace", "rays.txt", "--locate", "rays.txt", "-o", "a.txt", says="--trace")
         self.put("short.txt", "0.5 0.5 0.5 1 0 0\n")
         self.refuse("p.txt", "--trace", "short.txt", "-o", "a.txt", says="no column '7'")
+        self.put("short.npy", np.ones((2, 6)))
+        self.refuse("p.txt", "--trace", "short.npy", "-o", "a.txt", says="expected (N, 7)")
         self.put("still.txt", "0.5 0.5 0.5 0 0 0 1\n")
         self.refuse("p.txt", "--trace", "still.txt", "-o", "a.txt", says="direction is 0")
 

@@ -172,6 +172,7 @@ class Diagram:
             array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
             array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
             array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
+            array_of(rays, "middles", np.float64, 3, "votess_rays_"),
         )
 
     def probe(

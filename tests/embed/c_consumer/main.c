@@ -385,6 +385,10 @@ static void check_diagram(void) {
     double sum = 0;
     for (size_t k = 0; k < pieces; ++k) sum += passed[k];
     CHECK(sum > 0.35 - 1e-14 && sum < 0.35 + 1e-14);  // the first leaves the box after 0.1
+    const double* middles = votess_rays_middles(rays, &rows);
+    CHECK(rows == 3 * pieces);
+    const double error = cube[3 * seeds[0]] + middles[0] - 1.95;
+    CHECK(error > -1e-14 && error < 1e-14);
     votess_rays_free(rays);
     votess_rays_free(NULL);
     votess_natural* natural = NULL;
