@@ -304,9 +304,8 @@ the points had mirror images behind. Weights and radii as for --probe)",
 in each. A row of its text or .npy holds the origin, the direction and the
 length, seven numbers. Rays end at walls, and go round where the domain
 repeats. Into -o FILE.txt or - (a line for each ray: a seed, its length, the
-next seed), or into FILE.npz: row r of `seeds`, `lengths` and `middles` is
-seeds[offsets[r]:offsets[r+1]]; middles of pieces count from the seed or its
-image whose cell it is)",
+next seed), or into FILE.npz: row r of `seeds` and `lengths` is
+seeds[offsets[r]:offsets[r+1]])",
          {.needs = Needs::all_points, .solid = true}},
         {"--values COLUMN[,COLUMN]",
          R"(columns of INPUT for --interpolate and --to-grid, by name or number as for

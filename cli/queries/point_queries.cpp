@@ -53,8 +53,7 @@ void write_traced(OutputFile& file, const std::string& path, const votess::RayCe
     if (is_npz_output(path)) {
         write_npz_arrays(
             file, std::array{as_array("offsets", std::span(cells.offsets)), as_array("seeds", std::span(cells.seeds)),
-                             as_array("lengths", std::span(cells.lengths)),
-                             as_array("middles", std::span(cells.middles), 3)});
+                             as_array("lengths", std::span(cells.lengths))});
         return;
     }
     std::string text;
@@ -183,7 +182,7 @@ std::string run_trace(const Arguments& arguments) {
         lengths.push_back(input.queries.columns[3].values[r]);
     }
     const votess::RayCells cells = run_query(arguments, times, "trace", [&](const votess::ProgressCallback& callback) {
-        return input.diagram.trace(input.queries.points, directions, lengths, callback);
+        return input.diagram.trace(input.queries.points, directions, lengths, {.progress = callback});
     });
 
     write_numbers(arguments.outputs,

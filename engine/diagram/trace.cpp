@@ -15,6 +15,9 @@ std::vector<double> RayCells::integrate(std::span<const double> values, std::spa
         throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
                                                      " values, but " + std::to_string(gradients.size()) +
                                                      " components of gradients: give three for each value, or none");
+    if (!gradients.empty() && middles.size() != 3 * seeds.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "integrate: gradients need the middles of pieces: trace with TraceOptions::middles");
     for (const std::int32_t seed : seeds)
         if (static_cast<std::size_t>(seed) >= values.size())
             throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
@@ -125,7 +128,7 @@ struct RayBatch {
 }  // namespace
 
 RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
-               std::span<const double> lengths) {
+               std::span<const double> lengths, bool middles) {
     const Rays rays = check_rays(state, origins, directions, lengths);
     const std::size_t count = rays.origins.count();
     RayCells out;
@@ -164,9 +167,10 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
                                                              ": its length is infinite, and no wall ends it: "
                                                              "give a finite length");
             for (const cpu::RayTracer::Piece& piece : pieces) {
-                batch.seeds.push_back(seeds.input[piece.seed]);
+                batch.seeds.push_back(seeds.input[piece.image.seed]);
                 batch.lengths.push_back((piece.end - piece.begin) * speed);
-                for (const double x : piece.middle) batch.middles.push_back(x / state.job.scale);
+                if (!middles) continue;
+                for (const double x : tracer.middle_of(piece)) batch.middles.push_back(x / state.job.scale);
             }
             out.offsets[r + 1] = static_cast<std::int64_t>(pieces.size());
         }
@@ -177,7 +181,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
     std::ranges::sort(batches, {}, &RayBatch::begin);
     out.seeds.reserve(static_cast<std::size_t>(out.offsets[count]));
     out.lengths.reserve(static_cast<std::size_t>(out.offsets[count]));
-    out.middles.reserve(3 * static_cast<std::size_t>(out.offsets[count]));
+    if (middles) out.middles.reserve(3 * static_cast<std::size_t>(out.offsets[count]));
     for (RayBatch& batch : batches) {
         out.seeds.insert(out.seeds.end(), batch.seeds.begin(), batch.seeds.end());
         out.lengths.insert(out.lengths.end(), batch.lengths.begin(), batch.lengths.end());

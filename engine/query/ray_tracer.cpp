@@ -121,12 +121,12 @@ std::array<double, 3> RayTracer::position(const Image& image) const {
     return minus(x, ray_.origin);
 }
 
-RayTracer::Piece RayTracer::piece_of(const Image& image, double begin, double end) const {
-    const std::array<double, 3> p = position(image);
-    const double time = 0.5 * (begin + end);
-    Piece piece{image.seed, begin, end, {}};
-    for (std::size_t k = 0; k < 3; ++k) piece.middle[k] = time * ray_.direction[k] - p[k];
-    return piece;
+std::array<double, 3> RayTracer::middle_of(const Piece& piece) const {
+    const std::array<double, 3> p = position(piece.image);
+    const double time = 0.5 * (piece.begin + piece.end);
+    std::array<double, 3> middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = time * ray_.direction[k] - p[k];
+    return middle;
 }
 
 exact::Crossing RayTracer::exact_of(const Event& event) const {
@@ -323,7 +323,7 @@ bool RayTracer::trace(const exact::Ray& ray, double end, const Image& start, std
         if (stops) next = stop_;
         if (later(next, from)) {
             next.time = std::clamp(next.time, from.time, std::max(from.time, stop_.time));
-            out.push_back(piece_of(ties_.empty() ? at : lowest_of_ties(at), 0.5 * from.time, 0.5 * next.time));
+            out.push_back({ties_.empty() ? at : lowest_of_ties(at), 0.5 * from.time, 0.5 * next.time});
             from = next;
         }
         if (stops) break;

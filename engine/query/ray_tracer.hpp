@@ -80,12 +80,10 @@ public:
         std::size_t seed;
         exact::Shift shift;
     };
-    // Receives the pieces of a ray: a sorted seed, the times between which its cell holds the ray, and the middle of
-    // the piece relative to the image whose cell it is.
+    // Receives the pieces of a ray: an image, and the times between which its cell holds the ray.
     struct Piece {
-        std::size_t seed;
+        Image image;
         double begin, end;
-        std::array<double, 3> middle;
     };
 
     // has_box: whether the box bounds the domain.
@@ -94,6 +92,8 @@ public:
     // Appends the pieces of a ray from time 0 to `end`, or to a wall. No component of the direction exceeds 1 in size.
     // start: an image whose cell holds the origin. Returns false when the ray never ends.
     [[nodiscard]] bool trace(const exact::Ray& ray, double end, const Image& start, std::vector<Piece>& out);
+    // Returns the middle of a piece of the last ray, relative to its image.
+    [[nodiscard]] std::array<double, 3> middle_of(const Piece& piece) const;
 
 private:
     // A crossing, between bounds of twice its time; exact_of() decides where they overlap another's.
@@ -111,7 +111,6 @@ private:
     [[nodiscard]] Errors errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const;
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
     [[nodiscard]] std::array<double, 3> position(const Image& image) const;
-    [[nodiscard]] Piece piece_of(const Image& image, double begin, double end) const;
     [[nodiscard]] exact::Crossing between(const Image& from, const Image& to) const {
         return exact::Crossing::between(plane_of(from), plane_of(to));
     }

@@ -256,7 +256,7 @@ class Trace(CliTest):
         done = self.run_cli(*run, "-o", "cells.npz", "-o", "cells.txt")
         self.assertEqual(done.stdout, "traced 20 queries among 60 seeds, 1 without cells\n")
         with np.load(self.folder / "cells.npz") as arrays:
-            offsets, seeds, parts, middles = (arrays[name] for name in ("offsets", "seeds", "lengths", "middles"))
+            offsets, seeds, parts = (arrays[name] for name in ("offsets", "seeds", "lengths"))
         self.assertEqual([a.dtype for a in (offsets, seeds, parts)], [np.int64, np.int32, np.float64])
         self.put("rays.npy", np.column_stack((origins, directions, lengths)))
         self.run_cli(*run[:-1], "rays.npy", "-o", "again.txt")
@@ -270,8 +270,6 @@ class Trace(CliTest):
             away = points - (origins[r] + steps[:, None] * directions[r])[:, None]
             nearest = ((away - np.round(away)) ** 2).sum(axis=2).argmin(axis=1)
             ends = np.cumsum(parts[own])
-            way = origins[r] + (ends - 0.5 * parts[own])[:, None] * directions[r] - points[seeds[own]]
-            np.testing.assert_allclose(middles[own], way - np.round(way), atol=1e-12)
             if lengths[r] > 0:
                 inside = np.abs(steps[:, None] - ends).min(axis=1) > 1e-9
                 np.testing.assert_array_equal(seeds[own][np.searchsorted(ends, steps[inside])], nearest[inside])

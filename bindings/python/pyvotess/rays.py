@@ -18,8 +18,9 @@ class RayCells:
     offsets: npt.NDArray[np.int64]  #: (R + 1,)
     seeds: npt.NDArray[np.int32]  #: (offsets[R],) the seed of each cell passed
     lengths: npt.NDArray[np.float64]  #: (offsets[R],) the length of the ray in it
-    #: (offsets[R], 3) the middle of each piece, minus the place of its seed, or of the seed's image whose cell it is
-    middles: npt.NDArray[np.float64]
+    #: (offsets[R], 3) the middle of each piece, minus the place of its seed, or of the seed's image whose cell it is.
+    #: None unless requested.
+    middles: Optional[npt.NDArray[np.float64]] = None
 
     def __len__(self) -> int:
         """R, the number of rays."""
@@ -38,17 +39,20 @@ class RayCells:
         Parameters
         ----------
         values : (N,) or (N, m) real numbers, one row for each seed.
-        gradients : (N, 3) or (N, m, 3). Default: 0, so that the integral is the sum of value times length.
+        gradients : (N, 3) or (N, m, 3), after ``trace(..., middles=True)``. Default: 0, so that the integral is the sum
+            of value times length.
 
         Raises
         ------
-        ValueError : gradients of another shape.
+        ValueError : gradients of another shape, or without middles.
         """
         of_seeds: npt.NDArray[Any] = np.asarray(values, np.float64)
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
         slopes: Any = None
         if gradients is not None:
+            if self.middles is None:
+                raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
             slopes = np.asarray(gradients, np.float64)
             if slopes.shape != (*of_seeds.shape, 3):
                 raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, 3)}")

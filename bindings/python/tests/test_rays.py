@@ -46,7 +46,7 @@ class Rays(unittest.TestCase):
         points = uniform(50, seed=7)
         origins, directions = uniform(40, seed=8).reshape(2, 20, 3)
         values, gradients = uniform(50, seed=9)[:, :2], uniform(100, seed=10).reshape(50, 2, 3)
-        cells = vt.Diagram(points, box=UNIT_BOX, periodic=True).trace(origins, directions, 3.0)
+        cells = vt.Diagram(points, box=UNIT_BOX, periodic=True).trace(origins, directions, 3.0, middles=True)
         self.assertEqual(cells.middles.shape, (len(cells.seeds), 3))
         both = cells.integrate(values, gradients)
         self.assertEqual(both.shape, (20, 2))
@@ -59,10 +59,12 @@ class Rays(unittest.TestCase):
             nearest = (away**2).sum(axis=2).argmin(axis=1)
             field = values[nearest] + np.einsum("ijk,ik->ij", gradients[nearest], away[np.arange(3000), nearest])
             np.testing.assert_allclose(found, 3.0 * field.mean(axis=0), atol=2e-3)
-        far = vt.Diagram(points + 3, box=UNIT_BOX, periodic=True).trace(origins - 10, directions, 3.0)
+        far = vt.Diagram(points + 3, box=UNIT_BOX, periodic=True).trace(origins - 10, directions, 3.0, middles=True)
         np.testing.assert_allclose(far.integrate(values, gradients), both, atol=1e-12)
         with self.assertRaisesRegex(ValueError, r"gradients has shape \(50, 3\): values need \(50, 2, 3\)"):
             cells.integrate(values, gradients[:, 0])
+        with self.assertRaisesRegex(ValueError, r"use trace\(..., middles=True\)"):
+            vt.Diagram(points).trace(origins, directions).integrate(values, gradients)
 
     def test_refusals(self):
         d = vt.Diagram(uniform(300, seed=3), box=UNIT_BOX, periodic=True)

@@ -137,7 +137,7 @@ struct RaySet {
     Coordinates origins, directions;
     std::vector<double> lengths;
     [[nodiscard]] votess::RayCells trace(const votess::Diagram& diagram) const {
-        return diagram.trace(origins, directions, lengths);
+        return diagram.trace(origins, directions, lengths, {.middles = true});
     }
 };
 
@@ -539,6 +539,10 @@ TEST_SUITE("query") {
         CHECK_THROWS_AS(tube.trace(x, d, Numbers{far}), votess::Error);
         CHECK(tube.trace(x, Numbers{1, 1e-3, 0}, Numbers{far}).seeds.size() > 100);  // many times around
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
-        CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers(50), Numbers(50)), votess::Error);
+        CHECK(trace(x, d, {1}).middles.empty());
+        CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers(50), Numbers(150)), votess::Error);  // without middles
+        const votess::RayCells cells = diagram.trace(x, d, Numbers{1}, {.middles = true});
+        CHECK(cells.integrate(Numbers(50), Numbers(150)) == Numbers{0});
+        CHECK_THROWS_AS(cells.integrate(Numbers(50), Numbers(50)), votess::Error);
     }
 }

@@ -374,9 +374,9 @@ static void check_diagram(void) {
     CHECK_REFUSES(votess_diagram_to_grid(diagram, cube, 1, shape, 0, 3, grid, NULL), "project = 3");
     const double along[6] = {1, 0, 0, 0, 1, 0}, lengths[2] = {0.5, 0.25}, backward[1] = {-1};
     votess_rays* rays = NULL;
-    CHECK_REFUSES(votess_rays_new(diagram, queries, along, backward, 1, &rays), "its length -1");
+    CHECK_REFUSES(votess_rays_new(diagram, queries, along, backward, 1, 0, &rays), "its length -1");
     CHECK(rays == NULL);
-    CHECK(votess_rays_new(diagram, queries, along, lengths, 2, &rays) == VOTESS_OK);
+    CHECK(votess_rays_new(diagram, queries, along, lengths, 2, 1, &rays) == VOTESS_OK);
     size_t rows = 0, pieces = 0;
     const int64_t* offsets = votess_rays_offsets(rays, &rows);
     const double* passed = votess_rays_lengths(rays, &pieces);
