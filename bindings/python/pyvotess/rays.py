@@ -50,8 +50,9 @@ class RayCells:
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
         slopes: Any = None
+        middles: Any = self.middles
         if gradients is not None:
-            if self.middles is None:
+            if middles is None:
                 raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
             slopes = np.asarray(gradients, np.float64)
             if slopes.shape != (*of_seeds.shape, 3):
@@ -61,7 +62,7 @@ class RayCells:
         for c, column in enumerate(columns):
             means = column[self.seeds]  # of the pieces
             if slopes is not None:
-                means += np.einsum("ij,ij->i", slopes[self.seeds, c], self.middles)
+                means += np.einsum("ij,ij->i", slopes[self.seeds, c], middles)
             sums.append(np.bincount(rays, means * self.lengths, len(self)))
         out: npt.NDArray[np.float64] = np.stack(sums, axis=-1).reshape(len(self), *of_seeds.shape[1:])
         return out
