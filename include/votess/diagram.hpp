@@ -99,7 +99,7 @@ struct GridOptions {
 };
 
 struct TraceOptions {
-    bool middles = false;            // compute RayCells::middles
+    bool middles = false;            // compute RayCells::middles: 24 bytes a cell passed
     ProgressCallback progress = {};  // as Options::progress
 };
 

@@ -146,7 +146,8 @@ class Diagram:
         origins, directions : (R, 3) arrays of finite numbers.
         lengths : (R,) numbers, or one for all. Infinity is allowed where a wall ends the ray. Default: the lengths of
             the directions, so that rays end at ``origins + directions``.
-        middles : also compute the middles of pieces, which gradients in :meth:`RayCells.integrate` need.
+        middles : also compute the middles of pieces, which gradients in :meth:`RayCells.integrate` need. They triple the
+            memory of the answer.
         progress : as for :func:`tessellate`.
 
         Raises

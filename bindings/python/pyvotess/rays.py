@@ -18,8 +18,8 @@ class RayCells:
     offsets: npt.NDArray[np.int64]  #: (R + 1,)
     seeds: npt.NDArray[np.int32]  #: (offsets[R],) the seed of each cell passed
     lengths: npt.NDArray[np.float64]  #: (offsets[R],) the length of the ray in it
-    #: (offsets[R], 3) the middle of each piece, minus the place of its seed, or of the seed's image whose cell it is.
-    #: None unless requested.
+    #: (offsets[R], 3) the middle of each piece, minus the place of the seed or image whose cell it is; None unless
+    #: requested.
     middles: Optional[npt.NDArray[np.float64]] = None
 
     def __len__(self) -> int:
