@@ -29,9 +29,7 @@ class RayCells:
     def __repr__(self) -> str:
         return f"<pyvotess.RayCells: {len(self)} rays through {len(self.seeds)} cells>"
 
-    def integrate(
-        self, values: npt.ArrayLike, gradients: Optional[npt.ArrayLike] = None
-    ) -> npt.NDArray[np.float64]:
+    def integrate(self, values: npt.ArrayLike, gradients: Optional[npt.ArrayLike] = None) -> npt.NDArray[np.float64]:
         """Returns the integral along each ray of a field that is linear in each cell: (R,) or (R, m).
 
         The field is ``value + gradient . (x - seed)`` in the cell of a seed or its image.

@@ -197,9 +197,8 @@ Gradients random_gradients(std::size_t seeds, std::uint64_t seed) {
     return field;
 }
 
-// Requires that each middle counts from the nearest of all seeds and images, by power, and that
-// integrate() agrees with it. lattice: vectors along x, in the xy plane, then anywhere; so short that shifts of 1
-// around the rounded one suffice.
+// Requires that each middle counts from the nearest of all seeds and images, by power, and that integrate() agrees.
+// lattice: vectors along x, in the xy plane, then anywhere; so short that shifts of 1 around the rounded one suffice.
 void check_middles(const Coordinates& points, std::span<const double> weights, const std::vector<Vector>& lattice,
                    const RaySet& rays, const votess::RayCells& cells, double error) {
     const std::size_t n = points.size() / 3;
