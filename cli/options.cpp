@@ -300,11 +300,11 @@ reproduced where the cell of a query has no wall; at walls cells end as if
 the points had mirror images behind. Weights and radii as for --probe)",
          {.needs = Needs::all_points, .solid = true}},
         {"--trace RAYS",
-         R"(the cells that each ray of the text RAYS passes, in order, and its length
-in each. A row holds the origin, the direction and the length, seven
-numbers. Rays end at walls, and go round where the domain repeats. Into
--o FILE.txt or - (a line for each ray: a seed, its length, the next seed),
-or into FILE.npz: row r of `seeds` and `lengths` is
+         R"(the cells that each ray of the file RAYS passes, in order, and its length
+in each. A row of its text or .npy holds the origin, the direction and the
+length, seven numbers. Rays end at walls, and go round where the domain
+repeats. Into -o FILE.txt or - (a line for each ray: a seed, its length,
+the next seed), or into FILE.npz: row r of `seeds` and `lengths` is
 seeds[offsets[r]:offsets[r+1]])",
          {.needs = Needs::all_points, .solid = true}},
         {"--values COLUMN[,COLUMN]",

@@ -174,6 +174,7 @@ std::string run_trace(const Arguments& arguments) {
     rays.threads = arguments.read.threads;
     rays.coordinates = {"1", "2", "3"};
     rays.columns = {"4", "5", "6", "7"};
+    rays.npy_holds_columns = true;
     const QueryInput input = read_and_sort(arguments, arguments.trace, rays, times);
     std::vector<double> directions, lengths;
     for (std::size_t r = 0; r < input.queries.size(); ++r) {
@@ -181,7 +182,7 @@ std::string run_trace(const Arguments& arguments) {
         lengths.push_back(input.queries.columns[3].values[r]);
     }
     const votess::RayCells cells = run_query(arguments, times, "trace", [&](const votess::ProgressCallback& callback) {
-        return input.diagram.trace(input.queries.points, directions, lengths, callback);
+        return input.diagram.trace(input.queries.points, directions, lengths, {.progress = callback});
     });
 
     write_numbers(arguments.outputs,

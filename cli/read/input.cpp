@@ -29,7 +29,9 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
     }
     constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
                                                       ".dump", ".lammpstrj", ".npz", ".ply"};
-    if (!request.coordinates.empty() && std::ranges::find(by_name, extension) == by_name.end())
+    const bool named =
+        std::ranges::find(by_name, extension) != by_name.end() || (extension == ".npy" && request.npy_holds_columns);
+    if (!request.coordinates.empty() && !named)
         throw bad_input("--columns goes with rows of text, .npz, .ply and LAMMPS dumps only, not with " +
                         in_quotes(path));
     const bool frames = extension == ".dump" || extension == ".lammpstrj" || extension == ".xyz" || extension == ".h5";
@@ -39,7 +41,7 @@ void refuse_options_of_others(const std::string& path, const std::string& extens
 }
 
 void refuse_columns(const std::string& path, const ReadRequest& request) {
-    if (!request.columns.empty() && !request.columns_may_lack)
+    if (!request.columns.empty() && !request.columns_may_lack && !request.npy_holds_columns)
         throw bad_input(path + ": a single array has no column " + in_quotes(request.columns[0]));
 }
 

@@ -102,6 +102,7 @@ struct ReadRequest {
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format
     std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
+    bool npy_holds_columns = false;        // side by side after x, y and z; else a .npy has none
     bool columns_may_lack = false;         // skip those of `columns` that the file lacks
     bool all_columns = false;              // read the others too
     std::size_t first_words = SIZE_MAX;    // from this one on, columns may hold words

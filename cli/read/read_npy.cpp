@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <optional>
+#include <span>
 
 #include "core/system.hpp"
 #include "failure.hpp"
@@ -13,7 +14,7 @@ namespace {
 class NpyFile {
 public:
     // Refuses a FIFO before opening it, which would wait for a writer.
-    NpyFile(const std::string& path, Dimensions dimensions) {
+    NpyFile(const std::string& path, std::span<const std::size_t> widths) {
         std::error_code problem;
         const auto status = std::filesystem::status(votess::system::path_of(path), problem);
         if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
@@ -25,7 +26,7 @@ public:
         };
         const auto skip = [this](std::uint64_t count) { file_->skip(count); };
         array_.emplace(ByteSource{file_->size(), read, skip}, path);
-        array_->check_points(columns_of(dimensions));
+        array_->check_points(widths);
     }
     [[nodiscard]] NpyArray& array() { return *array_; }
 
@@ -37,10 +38,10 @@ private:
 class NpyPieces : public InputPieces {
 public:
     NpyPieces(const std::string& path, std::size_t rows)
-        : path_(path), rows_(rows), file_(std::in_place, path, Dimensions::three) {}
+        : path_(path), rows_(rows), file_(std::in_place, path, columns_of(Dimensions::three)) {}
 
     bool restart() override {
-        file_.emplace(path_, Dimensions::three);
+        file_.emplace(path_, columns_of(Dimensions::three));
         return true;
     }
     bool next(Input& piece) override {
@@ -54,12 +55,24 @@ private:
     std::optional<NpyFile> file_;
 };
 
+Input read_npy_with_columns(const std::string& path, const std::vector<std::string>& names) {
+    const std::size_t width = 3 + names.size();
+    std::vector<double> rows;
+    NpyFile(path, {&width, 1}).array().read_floats(rows);
+    Input input;
+    for (const std::string& name : names) input.columns.push_back({.name = name});
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        (k % width < 3 ? input.points : input.columns[k % width - 3].values).push_back(rows[k]);
+    return input;
+}
+
 }  // namespace
 
 Input read_npy(const std::string& path, const ReadRequest& request) {
+    if (request.npy_holds_columns) return read_npy_with_columns(path, request.columns);
     const Share& share = request.share;
     Input input;
-    NpyFile file(path, request.dimensions);
+    NpyFile file(path, columns_of(request.dimensions));
     input.dimensions = file.array().shape()[1];
     const std::uint64_t rows = file.array().shape()[0];
     if (share.parts == 1)

@@ -14,14 +14,15 @@ const Element* expose(const votess_rays* rays, std::size_t* length,
 }  // namespace
 
 votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
-                              const double* lengths, size_t count, votess_rays** out) {
+                              const double* lengths, size_t count, int32_t middles, votess_rays** out) {
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
         require(diagram, "diagram");
         const auto from = coordinates(origins, count, "origins"), along = coordinates(directions, count, "directions");
         require_array(lengths, count, "lengths", "count");
-        *out = new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, diagram->progress)};
+        *out =
+            new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress})};
     });
 }
 
@@ -39,4 +40,8 @@ const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length) {
 
 const double* votess_rays_lengths(const votess_rays* rays, size_t* length) {
     return expose(rays, length, &votess::RayCells::lengths);
+}
+
+const double* votess_rays_middles(const votess_rays* rays, size_t* length) {
+    return expose(rays, length, &votess::RayCells::middles);
 }

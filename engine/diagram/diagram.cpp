@@ -77,8 +77,8 @@ std::vector<std::int32_t> Diagram::locate(std::span<const double> queries, const
 }
 
 RayCells Diagram::trace(std::span<const double> origins, std::span<const double> directions,
-                        std::span<const double> lengths, const ProgressCallback& progress) const {
-    return run(progress, [&] { return detail::trace(*state_, origins, directions, lengths); });
+                        std::span<const double> lengths, const TraceOptions& options) const {
+    return run(options.progress, [&] { return detail::trace(*state_, origins, directions, lengths, options.middles); });
 }
 
 Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {

@@ -117,7 +117,7 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
 
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries);
 RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
-               std::span<const double> lengths);
+               std::span<const double> lengths, bool middles);
 Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options);
 NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options);
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,

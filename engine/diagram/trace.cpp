@@ -10,7 +10,14 @@
 
 namespace votess {
 
-std::vector<double> RayCells::integrate(std::span<const double> values) const {
+std::vector<double> RayCells::integrate(std::span<const double> values, std::span<const double> gradients) const {
+    if (!gradients.empty() && gradients.size() != 3 * values.size())
+        throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
+                                                     " values, but " + std::to_string(gradients.size()) +
+                                                     " components of gradients: give three for each value, or none");
+    if (!gradients.empty() && middles.size() != 3 * seeds.size())
+        throw Error(ErrorCode::invalid_argument,
+                    "integrate: gradients need the middles of pieces: trace with TraceOptions::middles");
     for (const std::int32_t seed : seeds)
         if (static_cast<std::size_t>(seed) >= values.size())
             throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
@@ -18,8 +25,13 @@ std::vector<double> RayCells::integrate(std::span<const double> values) const {
                                                          std::to_string(seed) + ": give one for each seed");
     std::vector<double> integrals(offsets.empty() ? 0 : offsets.size() - 1);
     for (std::size_t r = 0; r < integrals.size(); ++r)
-        for (auto k = static_cast<std::size_t>(offsets[r]); k < static_cast<std::size_t>(offsets[r + 1]); ++k)
-            integrals[r] += values[static_cast<std::size_t>(seeds[k])] * lengths[k];
+        for (auto k = static_cast<std::size_t>(offsets[r]); k < static_cast<std::size_t>(offsets[r + 1]); ++k) {
+            const auto seed = static_cast<std::size_t>(seeds[k]);
+            double mean = values[seed];  // of the piece
+            for (std::size_t j = 0; j < 3 && !gradients.empty(); ++j)
+                mean += gradients[3 * seed + j] * middles[3 * k + j];
+            integrals[r] += mean * lengths[k];
+        }
     return integrals;
 }
 
@@ -110,13 +122,13 @@ Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x
 struct RayBatch {
     std::size_t begin = 0;
     std::vector<std::int32_t> seeds;
-    std::vector<double> lengths;
+    std::vector<double> lengths, middles;
 };
 
 }  // namespace
 
 RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
-               std::span<const double> lengths) {
+               std::span<const double> lengths, bool middles) {
     const Rays rays = check_rays(state, origins, directions, lengths);
     const std::size_t count = rays.origins.count();
     RayCells out;
@@ -141,7 +153,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             if (beyond.empty()) starts[i] = image_at(state, searcher.locator, x, searcher.places[i]);
         }
         cpu::RayTracer tracer(*state.job.domain, seeds, *state.cells, !state.endless);
-        RayBatch batch{begin, {}, {}};
+        RayBatch batch{begin, {}, {}, {}};
         std::vector<cpu::RayTracer::Piece> pieces;
         for (std::size_t r = begin; r < end; ++r) {
             if (r % rays_per_look == 0) check_stop();
@@ -155,8 +167,10 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
                                                              ": its length is infinite, and no wall ends it: "
                                                              "give a finite length");
             for (const cpu::RayTracer::Piece& piece : pieces) {
-                batch.seeds.push_back(seeds.input[piece.seed]);
+                batch.seeds.push_back(seeds.input[piece.image.seed]);
                 batch.lengths.push_back((piece.end - piece.begin) * speed);
+                if (!middles) continue;
+                for (const double x : tracer.middle_of(piece)) batch.middles.push_back(x / state.job.scale);
             }
             out.offsets[r + 1] = static_cast<std::int64_t>(pieces.size());
         }
@@ -167,9 +181,11 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
     std::ranges::sort(batches, {}, &RayBatch::begin);
     out.seeds.reserve(static_cast<std::size_t>(out.offsets[count]));
     out.lengths.reserve(static_cast<std::size_t>(out.offsets[count]));
+    if (middles) out.middles.reserve(3 * static_cast<std::size_t>(out.offsets[count]));
     for (RayBatch& batch : batches) {
         out.seeds.insert(out.seeds.end(), batch.seeds.begin(), batch.seeds.end());
         out.lengths.insert(out.lengths.end(), batch.lengths.begin(), batch.lengths.end());
+        out.middles.insert(out.middles.end(), batch.middles.begin(), batch.middles.end());
         batch = {};
     }
     return out;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
@@ -118,6 +119,14 @@ std::array<double, 3> RayTracer::position(const Image& image) const {
     std::array<double, 3> x{place.x, place.y, place.z};
     if (image.shift != exact::Shift{}) add_shift(domain_, image.shift, x);
     return minus(x, ray_.origin);
+}
+
+std::array<double, 3> RayTracer::middle_of(const Piece& piece) const {
+    const std::array<double, 3> p = position(piece.image);
+    const double time = 0.5 * (piece.begin + piece.end);
+    std::array<double, 3> middle;
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = time * ray_.direction[k] - p[k];
+    return middle;
 }
 
 exact::Crossing RayTracer::exact_of(const Event& event) const {
@@ -270,13 +279,15 @@ bool RayTracer::is_same_line(const Image& a, const Image& b) const {
     return exact::approach(ray_, between(a, b)) == 0 && exact::farther(ray_.origin, plane_of(a), plane_of(b)) == 0;
 }
 
-// Returns the seed of lowest index among those whose cells share the ray. ties_: those that are neighbors of `of`.
-std::size_t RayTracer::lowest_of_ties(const Image& of) {
+// Returns the image of lowest index among those whose cells share the ray, then of lowest shift. ties_: those that are
+// neighbors of `of`.
+RayTracer::Image RayTracer::lowest_of_ties(const Image& of) {
     ties_.insert(ties_.begin(), of);
-    std::size_t lowest = of.seed;
+    Image lowest = of;
+    const auto index = [&](const Image& i) { return std::pair{seeds_.input[i.seed], i.shift}; };
     for (std::size_t t = 0; t < ties_.size(); ++t) {
         const Image from = ties_[t];
-        if (seeds_.input[from.seed] < seeds_.input[lowest]) lowest = from.seed;
+        if (index(from) < index(lowest)) lowest = from;
         for (const CellGraph::Link& link : graph_.links(from.seed)) {
             const Image to = follow(from, link);
             const bool known =
@@ -311,9 +322,8 @@ bool RayTracer::trace(const exact::Ray& ray, double end, const Image& start, std
         const Image to = next.to;
         if (stops) next = stop_;
         if (later(next, from)) {
-            const std::size_t seed = ties_.empty() ? at.seed : lowest_of_ties(at);
             next.time = std::clamp(next.time, from.time, std::max(from.time, stop_.time));
-            out.push_back({seed, 0.5 * from.time, 0.5 * next.time});
+            out.push_back({ties_.empty() ? at : lowest_of_ties(at), 0.5 * from.time, 0.5 * next.time});
             from = next;
         }
         if (stops) break;

@@ -80,9 +80,9 @@ public:
         std::size_t seed;
         exact::Shift shift;
     };
-    // Receives the pieces of a ray: a sorted seed and the times between which its cell holds the ray.
+    // Receives the pieces of a ray: an image, and the times between which its cell holds the ray.
     struct Piece {
-        std::size_t seed;
+        Image image;
         double begin, end;
     };
 
@@ -92,6 +92,8 @@ public:
     // Appends the pieces of a ray from time 0 to `end`, or to a wall. No component of the direction exceeds 1 in size.
     // start: an image whose cell holds the origin. Returns false when the ray never ends.
     [[nodiscard]] bool trace(const exact::Ray& ray, double end, const Image& start, std::vector<Piece>& out);
+    // Returns the middle of a piece of the last ray, relative to its image.
+    [[nodiscard]] std::array<double, 3> middle_of(const Piece& piece) const;
 
 private:
     // A crossing, between bounds of twice its time; exact_of() decides where they overlap another's.
@@ -120,7 +122,7 @@ private:
     [[nodiscard]] Image walk_to_origin(Image from) const;
     [[nodiscard]] bool find_next(const Image& from, Event& event);
     [[nodiscard]] bool is_same_line(const Image& a, const Image& b) const;
-    [[nodiscard]] std::size_t lowest_of_ties(const Image& of);
+    [[nodiscard]] Image lowest_of_ties(const Image& of);
 
     const Domain& domain_;
     const SortedSeeds& seeds_;

@@ -274,14 +274,16 @@ VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, con
                                               uint32_t want, int32_t list_walls, const double* weights,
                                               votess_result** out);
 
-// The cells along rays, see Diagram::trace in diagram.hpp. origins, directions: 3 * count. lengths: count. On success
-// *out is new, else NULL; the diagram may be freed afterwards. Arrays as those of a result; rows as in struct RayCells.
+// The cells along rays, see Diagram::trace in diagram.hpp. origins, directions: 3 * count. lengths: count. middles:
+// nonzero for true. On success *out is new, else NULL; the diagram may be freed afterwards. Arrays as those of a
+// result; rows as in struct RayCells.
 VOTESS_API votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
-                                         const double* lengths, size_t count, votess_rays** out);
+                                         const double* lengths, size_t count, int32_t middles, votess_rays** out);
 VOTESS_API void votess_rays_free(votess_rays* rays);
 VOTESS_API const int64_t* votess_rays_offsets(const votess_rays* rays, size_t* length);
 VOTESS_API const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length);
 VOTESS_API const double* votess_rays_lengths(const votess_rays* rays, size_t* length);
+VOTESS_API const double* votess_rays_middles(const votess_rays* rays, size_t* length);
 
 // Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
 // for true. weights: count, only in a power diagram; NULL = 0. On success *out is new, else NULL; the diagram may be

@@ -258,6 +258,9 @@ class Trace(CliTest):
         with np.load(self.folder / "cells.npz") as arrays:
             offsets, seeds, parts = (arrays[name] for name in ("offsets", "seeds", "lengths"))
         self.assertEqual([a.dtype for a in (offsets, seeds, parts)], [np.int64, np.int32, np.float64])
+        self.put("rays.npy", np.column_stack((origins, directions, lengths)))
+        self.run_cli(*run[:-1], "rays.npy", "-o", "again.txt")
+        self.assertEqual((self.folder / "again.txt").read_bytes(), (self.folder / "cells.txt").read_bytes())
         rows = (self.folder / "cells.txt").read_text().splitlines()
         for r in range(20):
             own = slice(offsets[r], offsets[r + 1])
@@ -279,6 +282,8 @@ class Trace(CliTest):
         self.refuse("p.txt", "--trace", "rays.txt", "--locate", "rays.txt", "-o", "a.txt", says="--trace")
         self.put("short.txt", "0.5 0.5 0.5 1 0 0\n")
         self.refuse("p.txt", "--trace", "short.txt", "-o", "a.txt", says="no column '7'")
+        self.put("short.npy", np.ones((2, 6)))
+        self.refuse("p.txt", "--trace", "short.npy", "-o", "a.txt", says="expected (N, 7)")
         self.put("still.txt", "0.5 0.5 0.5 0 0 0 1\n")
         self.refuse("p.txt", "--trace", "still.txt", "-o", "a.txt", says="direction is 0")
 

@@ -333,11 +333,12 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_uint32, c_int32, c_void_p, POINTER(_HANDLE)),
     ),
-    "votess_rays_new": (c_int, (_HANDLE, c_void_p, c_void_p, c_void_p, c_size_t, POINTER(_HANDLE))),
+    "votess_rays_new": (c_int, (_HANDLE, c_void_p, c_void_p, c_void_p, c_size_t, c_int32, POINTER(_HANDLE))),
     "votess_rays_free": (None, (_HANDLE,)),
     "votess_rays_offsets": _ARRAY,  # int64
     "votess_rays_seeds": _ARRAY,  # int32
     "votess_rays_lengths": _ARRAY,  # float64
+    "votess_rays_middles": _ARRAY,  # float64
     "votess_natural_new": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_int32, c_int32, c_int32, c_void_p, POINTER(_HANDLE)),

@@ -129,6 +129,7 @@ class Diagram:
         origins: npt.ArrayLike,
         directions: npt.ArrayLike,
         lengths: Optional[npt.ArrayLike] = None,
+        middles: bool = False,
         progress: Union[None, bool, Progress] = None,
     ) -> RayCells:
         """Returns the seeds whose cells each ray passes, in order, and its length in each.
@@ -145,6 +146,8 @@ class Diagram:
         origins, directions : (R, 3) arrays of finite numbers.
         lengths : (R,) numbers, or one for all. Infinity is allowed where a wall ends the ray. Default: the lengths of
             the directions, so that rays end at ``origins + directions``.
+        middles : also compute the middles of pieces, which gradients in :meth:`RayCells.integrate` need. They triple the
+            memory of the answer.
         progress : as for :func:`tessellate`.
 
         Raises
@@ -166,12 +169,14 @@ class Diagram:
             along.ctypes.data,
             numbers.ctypes.data,
             len(start),
+            int(middles),
             ctypes.byref(rays.pointer),
         )
         return RayCells(
             array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
             array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
             array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
+            array_of(rays, "middles", np.float64, 3, "votess_rays_") if middles else None,
         )
 
     def probe(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
@@ -18,6 +18,9 @@ class RayCells:
     offsets: npt.NDArray[np.int64]  #: (R + 1,)
     seeds: npt.NDArray[np.int32]  #: (offsets[R],) the seed of each cell passed
     lengths: npt.NDArray[np.float64]  #: (offsets[R],) the length of the ray in it
+    #: (offsets[R], 3) the middle of each piece, minus the place of the seed or image whose cell it is; None unless
+    #: requested.
+    middles: Optional[npt.NDArray[np.float64]] = None
 
     def __len__(self) -> int:
         """R, the number of rays."""
@@ -26,14 +29,38 @@ class RayCells:
     def __repr__(self) -> str:
         return f"<pyvotess.RayCells: {len(self)} rays through {len(self.seeds)} cells>"
 
-    def integrate(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        """Returns the integral of values along each ray, the sum of value times length: (R,) or (R, m).
+    def integrate(self, values: npt.ArrayLike, gradients: Optional[npt.ArrayLike] = None) -> npt.NDArray[np.float64]:
+        """Returns the integral along each ray of a field that is linear in each cell: (R,) or (R, m).
 
+        The field is ``value + gradient . (x - seed)`` in the cell of a seed or its image.
+
+        Parameters
+        ----------
         values : (N,) or (N, m) real numbers, one row for each seed.
+        gradients : (N, 3) or (N, m, 3), after ``trace(..., middles=True)``. Default: 0, so that the integral is the sum
+            of value times length.
+
+        Raises
+        ------
+        ValueError : gradients of another shape, or without middles.
         """
         of_seeds: npt.NDArray[Any] = np.asarray(values, np.float64)
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
-        sums: Any = [np.bincount(rays, column[self.seeds] * self.lengths, len(self)) for column in columns]
+        slopes: Any = None
+        middles: Any = self.middles
+        if gradients is not None:
+            if middles is None:
+                raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
+            slopes = np.asarray(gradients, np.float64)
+            if slopes.shape != (*of_seeds.shape, 3):
+                raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, 3)}")
+            slopes = slopes.reshape(len(slopes), -1, 3)
+        sums: Any = []
+        for c, column in enumerate(columns):
+            means = column[self.seeds]  # of the pieces
+            if slopes is not None:
+                means += np.einsum("ij,ij->i", slopes[self.seeds, c], middles)
+            sums.append(np.bincount(rays, means * self.lengths, len(self)))
         out: npt.NDArray[np.float64] = np.stack(sums, axis=-1).reshape(len(self), *of_seeds.shape[1:])
         return out

@@ -42,6 +42,30 @@ class Rays(unittest.TestCase):
         self.assertAlmostEqual(cells.lengths[first].sum(), 0.5, 14)
         self.assertEqual(d.trace(np.zeros((0, 3)), np.zeros((0, 3))).integrate(values).shape, (0, 2))
 
+    def test_linear_in_cells_agrees_with_a_fine_march(self):
+        points = uniform(50, seed=7)
+        origins, directions = uniform(40, seed=8).reshape(2, 20, 3)
+        values, gradients = uniform(50, seed=9)[:, :2], uniform(100, seed=10).reshape(50, 2, 3)
+        cells = vt.Diagram(points, box=UNIT_BOX, periodic=True).trace(origins, directions, 3.0, middles=True)
+        self.assertEqual(cells.middles.shape, (len(cells.seeds), 3))
+        both = cells.integrate(values, gradients)
+        self.assertEqual(both.shape, (20, 2))
+        np.testing.assert_allclose(both[:, 1], cells.integrate(values[:, 1], gradients[:, 1]), rtol=1e-14)
+        steps = 3.0 * (np.arange(3000) + 0.5) / 3000
+        unit = directions / np.linalg.norm(directions, axis=1)[:, None]
+        for origin, along, found in zip(origins, unit, both):
+            away = origin + steps[:, None, None] * along - points
+            away -= np.round(away)
+            nearest = (away**2).sum(axis=2).argmin(axis=1)
+            field = values[nearest] + np.einsum("ijk,ik->ij", gradients[nearest], away[np.arange(3000), nearest])
+            np.testing.assert_allclose(found, 3.0 * field.mean(axis=0), atol=2e-3)
+        far = vt.Diagram(points + 3, box=UNIT_BOX, periodic=True).trace(origins - 10, directions, 3.0, middles=True)
+        np.testing.assert_allclose(far.integrate(values, gradients), both, atol=1e-12)
+        with self.assertRaisesRegex(ValueError, r"gradients has shape \(50, 3\): values need \(50, 2, 3\)"):
+            cells.integrate(values, gradients[:, 0])
+        with self.assertRaisesRegex(ValueError, r"use trace\(..., middles=True\)"):
+            vt.Diagram(points).trace(origins, directions).integrate(values, gradients)
+
     def test_refusals(self):
         d = vt.Diagram(uniform(300, seed=3), box=UNIT_BOX, periodic=True)
         at, along = [(0.5, 0.5, 0.5)], [(1, 0, 0)]

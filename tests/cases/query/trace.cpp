@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -34,6 +35,8 @@ struct Time {
 struct Row {
     std::vector<std::int32_t> seeds;
     std::vector<double> times;  // of the ends
+    // For each piece, from each image of the seed that shares the ray.
+    std::vector<std::vector<std::array<double, 3>>> middles;
 };
 
 constexpr int direction_quantum = -60;
@@ -42,6 +45,7 @@ constexpr int direction_quantum = -60;
 struct Line {
     mpz_class h, slope;
     std::int32_t seed;
+    test::Integers way;  // twice that from the origin to the image
 };
 
 // Returns the cells of a ray by all seeds and images, in integers. end: its last time.
@@ -69,7 +73,7 @@ Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double
             for (shift[1] = -reach[1]; shift[1] <= reach[1]; ++shift[1])
                 for (shift[2] = -reach[2]; shift[2] <= reach[2]; ++shift[2]) {
                     const test::IntegerPlane plane = domain.bisector(q, i, shift);
-                    lines.push_back({plane.h, test::dot(plane.n, d), static_cast<std::int32_t>(i)});
+                    lines.push_back({plane.h, test::dot(plane.n, d), static_cast<std::int32_t>(i), plane.n});
                 }
     }
     // A time of 1 is 2^-quantum of length over 2^-direction_quantum.
@@ -101,6 +105,16 @@ Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double
             to = &line;
         }
         const mpq_class exact(next.numerator, next.denominator);
+        const mpq_class twice_middle = mpq_class(now.numerator, now.denominator) + exact;
+        row.middles.emplace_back();
+        for (const Line& line : lines) {
+            if (line.seed != lowest || line.h != at->h || line.slope != at->slope) continue;
+            auto& middle = row.middles.back().emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const mpq_class twice = twice_middle * d[k] - line.way[k];
+                middle[k] = std::ldexp(twice.get_d(), domain.quantum() - 1);
+            }
+        }
         row.seeds.push_back(lowest);
         row.times.push_back(std::ldexp(exact.get_d(), domain.quantum() - direction_quantum));
         now = next;
@@ -114,13 +128,27 @@ double length_of(const double* d) {
     return std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
+double distance_of(const double* a, const double* b) {
+    const double way[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return length_of(way);
+}
+
 struct RaySet {
     Coordinates origins, directions;
     std::vector<double> lengths;
     [[nodiscard]] votess::RayCells trace(const votess::Diagram& diagram) const {
-        return diagram.trace(origins, directions, lengths);
+        return diagram.trace(origins, directions, lengths, {.middles = true});
     }
 };
+
+// Requires that each middle of a ray counts from an image of the row.
+void require_middles(const Row& row, const votess::RayCells& cells, std::size_t ray) {
+    const double* middle = cells.middles.data() + 3 * cells.offsets[ray];
+    for (std::size_t e = 0; e < row.middles.size(); ++e, middle += 3)
+        REQUIRE(std::ranges::any_of(row.middles[e], [&](const std::array<double, 3>& exact) {
+            return distance_of(middle, exact.data()) < 1e-13;
+        }));
+}
 
 // Requires that locate() agrees in the middle of each piece and at many points along each ray.
 void check_march(const votess::Diagram& diagram, const RaySet& rays, const votess::RayCells& cells) {
@@ -153,6 +181,97 @@ void check_march(const votess::Diagram& diagram, const RaySet& rays, const votes
     }
     CHECK(diagram.locate(queries) == expected);
     CHECK(expected.size() > 5 * count);
+}
+
+using Vector = std::array<double, 3>;
+
+struct Gradients {
+    std::vector<double> values, gradients;
+};
+
+Gradients random_gradients(std::size_t seeds, std::uint64_t seed) {
+    test::Random random(seed);
+    Gradients field;
+    for (std::size_t i = 0; i < seeds; ++i) field.values.push_back(random.uniform(-1, 1));
+    for (std::size_t i = 0; i < 3 * seeds; ++i) field.gradients.push_back(random.uniform(-9, 9));
+    return field;
+}
+
+// Requires that each middle counts from the nearest of all seeds and images, by power, and that integrate() agrees.
+// lattice: vectors along x, in the xy plane, then anywhere; so short that shifts of 1 around the rounded one suffice.
+void check_middles(const Coordinates& points, std::span<const double> weights, const std::vector<Vector>& lattice,
+                   const RaySet& rays, const votess::RayCells& cells, double error) {
+    const std::size_t n = points.size() / 3;
+    const Gradients field = random_gradients(n, 6);
+    std::vector<double> expected(rays.lengths.size());
+    REQUIRE(cells.middles.size() == 3 * cells.seeds.size());
+    const int images = lattice.empty() ? 1 : lattice.size() == 2 ? 9 : 27;
+    double worst = 0;
+    for (std::size_t r = 0; r < rays.lengths.size(); ++r) {
+        const double* d = &rays.directions[3 * r];
+        double from = 0;
+        for (auto e = static_cast<std::size_t>(cells.offsets[r]); e < static_cast<std::size_t>(cells.offsets[r + 1]);
+             ++e) {
+            const double along = from + 0.5 * cells.lengths[e];
+            from += cells.lengths[e];
+            double best = std::numeric_limits<double>::infinity();
+            Vector nearest{};
+            std::size_t seed = 0;
+            for (std::size_t i = 0; i < n; ++i) {
+                Vector way;
+                for (std::size_t k = 0; k < 3; ++k)
+                    way[k] = rays.origins[3 * r + k] + along / length_of(d) * d[k] - points[3 * i + k];
+                const auto move = [&](Vector& x, std::size_t v, double shift) {
+                    for (std::size_t k = 0; k < 3; ++k) x[k] -= shift * lattice[v][k];
+                };
+                for (std::size_t v = lattice.size(); v-- > 0;) move(way, v, std::round(way[v] / lattice[v][v]));
+                for (int code = 0; code < images; ++code) {
+                    Vector moved = way;
+                    int digits = code;
+                    for (std::size_t v = 0; v < lattice.size(); ++v, digits /= 3) move(moved, v, digits % 3 - 1);
+                    const double length = length_of(moved.data());
+                    const double power = length * length - (weights.empty() ? 0 : weights[i]);
+                    if (power >= best) continue;
+                    best = power;
+                    nearest = moved;
+                    seed = i;
+                }
+            }
+            double mean = field.values[seed];
+            for (std::size_t k = 0; k < 3; ++k) mean += field.gradients[3 * seed + k] * nearest[k];
+            expected[r] += mean * cells.lengths[e];
+            if (cells.lengths[e] < 1e-9) continue;
+            REQUIRE(seed == static_cast<std::size_t>(cells.seeds[e]));
+            worst = std::max(worst, distance_of(nearest.data(), &cells.middles[3 * e]));
+        }
+    }
+    CHECK(worst < error);
+    const std::vector<double> integrals = cells.integrate(field.values, field.gradients);
+    for (std::size_t r = 0; r < expected.size(); ++r) CHECK(std::abs(integrals[r] - expected[r]) < 20 * error);
+}
+
+// Requires the exact integral of a field that is linear everywhere.
+void check_linear(const Coordinates& points, const RaySet& rays, const votess::RayCells& cells) {
+    constexpr double slope[3] = {1.5, -2, 0.75};
+    Gradients field;
+    for (std::size_t i = 0; i < points.size(); i += 3) {
+        field.values.push_back(0.5 + slope[0] * points[i] + slope[1] * points[i + 1] + slope[2] * points[i + 2]);
+        field.gradients.insert(field.gradients.end(), slope, slope + 3);
+    }
+    const std::vector<double> integrals = cells.integrate(field.values, field.gradients);
+    std::size_t passed = 0;
+    for (std::size_t r = 0; r < integrals.size(); ++r) {
+        double length = 0;  // in the domain
+        for (std::int64_t e = cells.offsets[r]; e < cells.offsets[r + 1]; ++e)
+            length += cells.lengths[static_cast<std::size_t>(e)];
+        const double* d = &rays.directions[3 * r];
+        double mean = 0.5;
+        for (std::size_t k = 0; k < 3; ++k)
+            mean += slope[k] * (rays.origins[3 * r + k] + 0.5 * length / length_of(d) * d[k]);
+        CHECK(std::abs(integrals[r] - mean * length) < 1e-12);
+        passed += length > 0 ? 1 : 0;
+    }
+    CHECK(2 * passed > integrals.size());
 }
 
 }  // namespace
@@ -193,6 +312,7 @@ TEST_SUITE("query") {
                 const auto begin = cells.seeds.begin() + cells.offsets[r],
                            end = cells.seeds.begin() + cells.offsets[r + 1];
                 REQUIRE(std::vector<std::int32_t>(begin, end) == row.seeds);
+                require_middles(row, cells, r);
                 double along = 0;
                 for (std::size_t e = 0; e < row.seeds.size(); ++e, ++pieces) {
                     along += cells.lengths[static_cast<std::size_t>(cells.offsets[r]) + e];
@@ -240,6 +360,7 @@ TEST_SUITE("query") {
                 CHECK(again.offsets == cells.offsets);
                 CHECK(again.seeds == cells.seeds);
                 CHECK(again.lengths == cells.lengths);
+                CHECK(again.middles == cells.middles);
             }
         }
         votess::Options options;  // all of space
@@ -271,6 +392,59 @@ TEST_SUITE("query") {
                     expected = std::min(expected, ((d > 0 ? 1 : 0) - x) / d * length_of(&rays.directions[3 * r]));
                 }
                 CHECK(std::abs(sums[r] - expected) <= 1e-13 * expected);
+            }
+        }
+    }
+
+    TEST_CASE("trace: middles and linear fields in each domain") {
+        const test::PointSet set = test::uniform(60, 18);
+        test::Random random(19);
+        RaySet rays;
+        constexpr std::size_t count = 30;
+        for (std::size_t i = 0; i < 3 * count; ++i) rays.origins.push_back(random.uniform());
+        for (std::size_t i = 0; i < 3 * count; ++i) rays.directions.push_back(random.uniform(-1, 1));
+        for (std::size_t i = 0; i < count; ++i) rays.lengths.push_back(random.uniform(0.5, 3));
+        std::vector<double> weights;
+        for (std::size_t i = 0; i < 60; ++i) weights.push_back(random.uniform(-0.03, 0.03));
+        struct Domain {
+            const char* name;
+            votess::Options options;
+            std::vector<Vector> lattice;
+            double periods = 0;  // of origins, beyond the domain
+        };
+        std::vector<Domain> domains(6);
+        domains[0].name = "box";
+        domains[0].options.box = test::unit_box();
+        domains[1].name = "walls";
+        domains[1].options.box = test::unit_box();
+        domains[1].options.walls = {{{1, 2, 0.7}, 2}, {{-1, 0.1, 0}, -0.05}};
+        domains[1].options.outside = votess::Outside::keep;
+        domains[2].name = "all of space";
+        domains[3].name = "slab";
+        domains[3].options.box = test::unit_box();
+        domains[3].options.periodic = {true, true, false};
+        domains[3].lattice = {{1, 0, 0}, {0, 1, 0}};
+        domains[4].name = "triclinic";  // so flat that seeds are moved into the reduced cell
+        domains[4].options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {3.4, 1, 0}, {-2.3, 4.25, 1}};
+        domains[4].lattice = {{1, 0, 0}, {0.4, 1, 0}, {0.1, 0.25, 1}};
+        domains[5] = domains[4];
+        domains[5].name = "triclinic, many periods away";
+        domains[5].periods = 1e5;
+        for (const Domain& domain : domains) {
+            for (const bool weighted : {false, true}) {
+                CAPTURE(domain.name);
+                CAPTURE(weighted);
+                Coordinates points = set.points;
+                RaySet moved = rays;
+                for (std::size_t i = 0; i < points.size() && domain.periods > 0; i += 3) points[i] += 7;
+                for (std::size_t i = 0; i < moved.origins.size(); i += 3) moved.origins[i] += domain.periods;
+                votess::Options options = domain.options;
+                if (weighted) options.weights = weights;
+                const votess::RayCells cells = moved.trace(votess::Diagram(points, options));
+                if (domain.lattice.empty()) check_linear(points, moved, cells);
+                if (domain.options.walls.empty())
+                    check_middles(points, options.weights, domain.lattice, moved, cells,
+                                  1e-13 + 1e-15 * domain.periods);
             }
         }
     }
@@ -312,7 +486,7 @@ TEST_SUITE("query") {
                 c.options.periodic = {periodic, periodic, periodic};
                 const votess::Diagram diagram(c.points, c.options);
                 RaySet rays;
-                const std::size_t count = periodic ? 2 : 20;
+                const std::size_t count = periodic ? 8 : 20;
                 for (std::size_t r = 0; r < count; ++r) {
                     for (std::size_t k = 0; k < 3; ++k)
                         rays.origins.push_back(lattice.box->lower[k] + static_cast<double>(random.below(4)) / 2);
@@ -326,8 +500,9 @@ TEST_SUITE("query") {
                     CAPTURE(r);
                     const double* d = &rays.directions[3 * r];
                     const Row row = envelope(c, all, &rays.origins[3 * r], d, rays.lengths[r] / length_of(d));
-                    CHECK(std::vector<std::int32_t>(cells.seeds.begin() + cells.offsets[r],
-                                                    cells.seeds.begin() + cells.offsets[r + 1]) == row.seeds);
+                    REQUIRE(std::vector<std::int32_t>(cells.seeds.begin() + cells.offsets[r],
+                                                      cells.seeds.begin() + cells.offsets[r + 1]) == row.seeds);
+                    require_middles(row, cells, r);
                 }
             }
         }
@@ -370,5 +545,10 @@ TEST_SUITE("query") {
         CHECK_THROWS_AS(tube.trace(x, d, Numbers{far}), votess::Error);
         CHECK(tube.trace(x, Numbers{1, 1e-3, 0}, Numbers{far}).seeds.size() > 100);  // many times around
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
+        CHECK(trace(x, d, {1}).middles.empty());
+        CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers(50), Numbers(150)), votess::Error);  // without middles
+        const votess::RayCells cells = diagram.trace(x, d, Numbers{1}, {.middles = true});
+        CHECK(cells.integrate(Numbers(50), Numbers(150)) == Numbers{0});
+        CHECK_THROWS_AS(cells.integrate(Numbers(50), Numbers(50)), votess::Error);
     }
 }

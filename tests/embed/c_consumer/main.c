@@ -374,9 +374,9 @@ static void check_diagram(void) {
     CHECK_REFUSES(votess_diagram_to_grid(diagram, cube, 1, shape, 0, 3, grid, NULL), "project = 3");
     const double along[6] = {1, 0, 0, 0, 1, 0}, lengths[2] = {0.5, 0.25}, backward[1] = {-1};
     votess_rays* rays = NULL;
-    CHECK_REFUSES(votess_rays_new(diagram, queries, along, backward, 1, &rays), "its length -1");
+    CHECK_REFUSES(votess_rays_new(diagram, queries, along, backward, 1, 0, &rays), "its length -1");
     CHECK(rays == NULL);
-    CHECK(votess_rays_new(diagram, queries, along, lengths, 2, &rays) == VOTESS_OK);
+    CHECK(votess_rays_new(diagram, queries, along, lengths, 2, 1, &rays) == VOTESS_OK);
     size_t rows = 0, pieces = 0;
     const int64_t* offsets = votess_rays_offsets(rays, &rows);
     const double* passed = votess_rays_lengths(rays, &pieces);
@@ -385,6 +385,10 @@ static void check_diagram(void) {
     double sum = 0;
     for (size_t k = 0; k < pieces; ++k) sum += passed[k];
     CHECK(sum > 0.35 - 1e-14 && sum < 0.35 + 1e-14);  // the first leaves the box after 0.1
+    const double* middles = votess_rays_middles(rays, &rows);
+    CHECK(rows == 3 * pieces);
+    const double error = cube[3 * seeds[0]] + middles[0] - 1.95;
+    CHECK(error > -1e-14 && error < 1e-14);
     votess_rays_free(rays);
     votess_rays_free(NULL);
     votess_natural* natural = NULL;
