@@ -6,6 +6,8 @@ import types
 import unittest
 
 import numpy as np
+from helpers import CUBE
+
 import pyvotess as vt
 
 UNIT = (0, 0, 0, 1, 1, 1)
@@ -210,11 +212,7 @@ class Domains(unittest.TestCase):
                 vt.tessellate(p, only=only)
 
     def test_mesh(self):
-        vertices = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
-        triangles = np.array([
-            (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
-            (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
-        ])  # fmt: skip
+        vertices, triangles = CUBE
         p = points(200)
         want = "neighbors,volumes,areas,surfaces"
         t = vt.tessellate(p, mesh=(vertices, triangles), want=want, device="cpu")

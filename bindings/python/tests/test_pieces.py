@@ -10,15 +10,11 @@ import zipfile
 from pathlib import Path
 
 import numpy as np
-from helpers import uniform
+from helpers import CUBE, uniform
 
 import pyvotess as vt
 
-CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-TRIANGLES = np.array([
-    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7),
-    (1, 7, 3),
-])  # fmt: skip
+CORNERS, TRIANGLES = CUBE
 # A cube above another, so that a cell around both has two pieces.
 TWO_CUBES = (np.concatenate([CORNERS, CORNERS + (0, 0, 2)]), np.concatenate([TRIANGLES, TRIANGLES + 8]))
 
@@ -70,7 +66,7 @@ class TestPieces(unittest.TestCase):
 
     def test_arrays(self):
         points = uniform(60, 5)
-        t = vt.tessellate(points, mesh=(CORNERS, TRIANGLES), want="areas,volumes", device="cpu")
+        t = vt.tessellate(points, mesh=CUBE, want="areas,volumes", device="cpu")
         pieces = t.pieces()
         self.assertEqual(len(pieces), 60)
         np.testing.assert_array_equal(pieces.counts, 1)
@@ -95,7 +91,7 @@ class TestPieces(unittest.TestCase):
         self.assertGreater(len(fractions), 0)
 
     def test_refusals(self):
-        t = vt.tessellate(uniform(5), mesh=(CORNERS, TRIANGLES), device="cpu")
+        t = vt.tessellate(uniform(5), mesh=CUBE, device="cpu")
         with self.assertRaisesRegex(ValueError, "gap is -1"):
             t.pieces(gap=-1)
         with self.assertRaisesRegex(ValueError, "tessellate with `mesh`"):
@@ -170,7 +166,7 @@ class TestPieces(unittest.TestCase):
 
     def test_none(self):
         """Files without pieces are valid."""
-        pieces = vt.tessellate(np.empty((0, 3)), mesh=(CORNERS, TRIANGLES), device="cpu").pieces()
+        pieces = vt.tessellate(np.empty((0, 3)), mesh=CUBE, device="cpu").pieces()
         self.assertEqual(len(pieces), 0)
         for extension in (".glb", ".obj", ".3mf", ".stl"):
             pieces.save(self.folder / ("none" + extension))

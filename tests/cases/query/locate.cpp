@@ -8,7 +8,6 @@
 #include <votess/diagram.hpp>
 
 #include "cases/query/query_cases.hpp"
-#include "oracle/integer_domain.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -19,13 +18,7 @@ using test::Coordinates;
 using Case = test::QueryCase;
 // Returns the seed of the least power distance, the lowest of equal ones; -1 for a query outside the domain.
 std::int32_t nearest(const Case& c, const double* query) {
-    Coordinates points = c.points;
-    points.insert(points.end(), query, query + 3);
-    std::vector<double> weights = c.weights;
-    if (!weights.empty()) weights.push_back(0);
-    votess::Options options = c.options;
-    options.weights = weights;
-    const test::IntegerDomain domain(points, options);
+    const test::IntegerDomain domain = test::with_query(c, query);
     const std::size_t q = domain.size() - 1;
     if (domain.is_outside(q)) return -1;
     std::int32_t best = -1;

@@ -6,6 +6,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "oracle/integer_domain.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
 
@@ -67,6 +68,17 @@ inline std::array<double, 3> random_query(Random& random, const QueryCase& c, bo
         if (repeats && random.below(4) == 0) x[k] += static_cast<double>(random.integer(-1, 1));
     }
     return x;
+}
+
+// Returns the domain of the case with one more seed, the last one, of weight 0.
+inline IntegerDomain with_query(const QueryCase& c, const double* query) {
+    Coordinates points = c.points;
+    points.insert(points.end(), query, query + 3);
+    std::vector<double> weights = c.weights;
+    if (!weights.empty()) weights.push_back(0);
+    votess::Options options = c.options;
+    options.weights = weights;
+    return IntegerDomain(points, options);
 }
 
 }  // namespace test

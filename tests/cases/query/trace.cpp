@@ -11,7 +11,6 @@
 #include <votess/diagram.hpp>
 
 #include "cases/query/query_cases.hpp"
-#include "oracle/integer_domain.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -51,13 +50,7 @@ struct Line {
 // Returns the cells of a ray by all seeds and images, in integers. end: its last time.
 Row envelope(const QueryCase& c, const std::vector<bool>& has_cell, const double* origin, const double* direction,
              double end) {
-    Coordinates points = c.points;
-    points.insert(points.end(), origin, origin + 3);
-    std::vector<double> weights = c.weights;
-    if (!weights.empty()) weights.push_back(0);
-    votess::Options options = c.options;
-    options.weights = weights;
-    const test::IntegerDomain domain(points, options);
+    const test::IntegerDomain domain = test::with_query(c, origin);
     const std::size_t q = domain.size() - 1;
     Row row;
     if (domain.is_outside(q)) return row;
