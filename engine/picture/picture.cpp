@@ -68,7 +68,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     if (points.size() != 3 * n) {
         refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
     }
-    if (n == 0) refuse("picture: there is no cell to draw");
+    if (n == 0) refuse("picture: no cell to draw");
     if (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty()) {
         refuse("picture: the tessellation has no faces: ask for Want::faces");
     }

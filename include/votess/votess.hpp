@@ -183,8 +183,8 @@ struct Options {
     // positive area inside. `surface_areas` are those of the parts, and mesh_areas() the surface's share of them. Seeds
     // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Throws
     // invalid_argument for a mesh that is not closed or oriented alike, and names the first edge or triangle. Only
-    // tessellate() clips by a mesh, in a domain that is not periodic, without walls, min_face, min_area and `outside`.
-    // It cannot make vertices, faces, counts and radii of the parts: pieces() makes closed meshes of them.
+    // tessellate() and fit_volumes() clip by a mesh, and not with periodic axes, walls, min_face, min_area or
+    // `outside`. The parts have no vertices, faces, counts and radii: pieces() makes closed meshes of them.
     //
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
     // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A

@@ -95,7 +95,7 @@ public:
     [[nodiscard]] vulkan::Device& device() { return device_; }
     // Returns a pass that has no pipeline before make(). Throws as Pass().
     [[nodiscard]] Pass get(const PassInfo& info);
-    // Makes the pipelines. Throws the first error after all others are made.
+    // Makes the pipelines that are missing. Throws the first error; the others may then be missing still.
     void make();
 
 private:
