@@ -88,7 +88,7 @@ void clip_by_candidates(inout bool walls_wait) {
         }
         const uint end = min(candidate_count - first, tests_at_once);
         bool too_near = false;
-        real key = real(uintBitsToFloat(0x7f800000u));  // infinite where a lane has no candidate
+        real key = real(UNBOUNDED);  // where a lane has no candidate
         if (lane < end) {
             const uint q = SORTED_SEED(first + lane);
             const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);

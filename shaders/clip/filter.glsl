@@ -228,28 +228,24 @@ real vertex_error_bound(real condition, real distances, real length) {
     return error;
 }
 
-// Finds the vertex of three planes: (h_a nb x nc + na x (h_c nb - h_b nc)) / det(na,nb,nc). Returns the condition, with the
-// sign of the determinant. That sign and the bound above are certain where is_certain().
-real find_vertex(Plane a, Plane b, Plane c, out Vertex vertex) {
+// Finds the vertex of three planes: (h_a nb x nc + na x (h_c nb - h_b nc)) / det(na,nb,nc). Returns the determinant.
+// certain: its sign and the bound above are. Otherwise the determinant may be 0, and the vertex any numbers.
+real find_vertex(Plane a, Plane b, Plane c, out Vertex vertex, out bool certain) {
     const real bcx = difference_of_products(b.y, c.z, b.z, c.y), bcy = difference_of_products(b.z, c.x, b.x, c.z),
                bcz = difference_of_products(b.x, c.y, b.y, c.x);
     const real ex = difference_of_products(c.h, b.x, b.h, c.x), ey = difference_of_products(c.h, b.y, b.h, c.y),
                ez = difference_of_products(c.h, b.z, b.h, c.z);
     precise const real det = fma(a.x, bcx, fma(a.y, bcy, a.z * bcz));
     precise const real product = a.norm * b.norm * c.norm;
+    certain = abs(det) * max_condition > product;
     precise const real inverse = real(1) / det;
     precise const real x = fma(a.h, bcx, difference_of_products(a.y, ez, a.z, ey)) * inverse;
     precise const real y = fma(a.h, bcy, difference_of_products(a.z, ex, a.x, ez)) * inverse;
     precise const real z = fma(a.h, bcz, difference_of_products(a.x, ey, a.y, ex)) * inverse;
     precise const real length = sqrt(fma(x, x, fma(y, y, z * z)));
-    precise const real condition = product * inverse;
-    vertex = Vertex(x, y, z, length, vertex_error_bound(abs(condition), a.distance + b.distance + c.distance, length));
-    return condition;
-}
-
-// Returns whether the determinant is certainly positive, and the bound of the vertex is right.
-bool is_certain(real condition) {
-    return is_positive_below(condition, max_condition);
+    precise const real condition = product * abs(inverse);
+    vertex = Vertex(x, y, z, length, vertex_error_bound(condition, a.distance + b.distance + c.distance, length));
+    return det;
 }
 
 #endif

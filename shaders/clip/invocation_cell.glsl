@@ -65,7 +65,9 @@ void add_vertex(uint a, uint b, uint c) {
         return;
     }
     Vertex vertex;
-    if (!is_certain(find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex))) {
+    bool certain;
+    const real det = find_vertex(plane_at(a), plane_at(b), plane_at(c), vertex, certain);
+    if (!(certain && det > real(0))) {
         status = STATUS_NEEDS_EXACT;
         return;
     }

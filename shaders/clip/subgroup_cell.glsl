@@ -157,7 +157,7 @@ void start_cell() {
                              vertex_error_bound(real(1), a.distance + b.distance + c.distance, length)),
                    odd ? positive : negative);
     }
-    if (alike(!is_certain(real(1)))) status = STATUS_NEEDS_EXACT;
+    if (alike(!(max_condition > real(1)))) status = STATUS_NEEDS_EXACT;
     measure_radius();
 }
 
@@ -352,10 +352,11 @@ void make_vertices(int s, Plane p, uint plane, uint horizon_count, inout uint ma
     if (is_free && edge < horizon_count) {
         const uint ends = HORIZON(edge);
         Vertex vertex;
-        const real condition = find_vertex(plane_at(ends & 0xffffu), plane_at(ends >> 16), p, vertex);
-        certain = is_certain(abs(condition)) && certain;
+        bool is_certain;
+        const real det = find_vertex(plane_at(ends & 0xffffu), plane_at(ends >> 16), p, vertex, is_certain);
+        certain = is_certain && certain;
         // The positive order has the new plane in the middle, behind the second end or the first.
-        set_vertex(s, vertex, (condition < real(0) ? ends : (ends >> 16) | (ends << 16)) | (plane << 8));
+        set_vertex(s, vertex, (det < real(0) ? ends : (ends >> 16) | (ends << 16)) | (plane << 8));
     }
     made += count;
 }

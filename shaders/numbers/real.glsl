@@ -17,20 +17,10 @@ layout(constant_id = CONSTANT_UNIT_ROUNDOFF) const float float_unit = 5.9604645e
 #define real double
 const uint words_of_real = 2u;
 const double unit = 1.1102230246251565e-16LF;
-
-// Returns whether a number is at least 0 and less than this.
-bool is_positive_below(double number, double end) {
-    return number >= 0.0LF && number < end;
-}
 #else
 #define real float
 const uint words_of_real = 1u;
 const float unit = float_unit;
-
-// The same. As whole numbers, the bits of negative numbers and NaN are larger.
-bool is_positive_below(float number, float end) {
-    return floatBitsToUint(number) < floatBitsToUint(end);
-}
 #endif
 
 #endif

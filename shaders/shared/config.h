@@ -34,13 +34,13 @@
 #define MAX_TILT_BITS 59
 #define MIN_TILTED_SEEDS 8
 
-// sort: a stable radix sort, 4 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
+// sort: a stable radix sort, 8 bits at a time, of keys that hold a Hilbert index of 20 bits per axis in two words.
 #define KEY_BITS_PER_AXIS 20
 #define KEY_WORD_BITS 30
-#define DIGIT_BITS 4
+#define DIGIT_BITS 8  // a tile sorts them in two halves
 #define DIGITS (1 << DIGIT_BITS)
 #define TILE_GROUP 128     // invocations per tile, in sort and scan; every Vulkan device has 128
-#define TILE_ITEMS_EACH 8  // items of one invocation, at most 15: four bits count them
+#define TILE_ITEMS_EACH 8  // items of one invocation, the digits of half of four bits
 #define TILE_ITEMS (TILE_GROUP * TILE_ITEMS_EACH)
 #define MAX_LOOK_BACK 64  // seeds of equal key compared in search of a duplicate
 

@@ -1,4 +1,4 @@
-// A tile of the radix sort: TILE_ITEMS consecutive items, TILE_ITEMS_EACH consecutive ones per invocation.
+// A tile of the radix sort: TILE_ITEMS consecutive items.
 #ifndef VOTESS_SORT_RADIX_TILE_GLSL
 #define VOTESS_SORT_RADIX_TILE_GLSL
 
@@ -13,19 +13,9 @@ uint digit_of(uvec2 key) {
     return ((push.high_word != 0u ? key.y : key.x) >> push.shift) & (DIGITS - 1u);
 }
 
-// Returns how often each digit occurs among an invocation's items, four bits a digit.
-uvec2 count_digits(uint first) {
-    uvec2 counts = uvec2(0);
-    for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
-        if (first + i >= push.count) break;
-        const uint digit = digit_of(keys_in[first + i]);
-        counts[digit >> 3] += 1u << (4u * (digit & 7u));
-    }
-    return counts;
-}
-
-uint count_of(uvec2 counts, uint digit) {
-    return (counts[digit >> 3] >> (4u * (digit & 7u))) & 15u;
+// Returns the number of items of a tile; 0 beyond the last tile.
+uint size_of_tile(uint tile) {
+    return tile < push.tiles ? min(push.count - tile * TILE_ITEMS, TILE_ITEMS) : 0u;
 }
 
 #endif

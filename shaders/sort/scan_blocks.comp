@@ -4,12 +4,11 @@
 #include "invocations/index.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
+#include "sort/scan_tile.glsl"
 
 layout(push_constant) uniform Push { ScanPush push; };
 layout(std430, binding = BINDING_SCAN_DATA) buffer Data { uint data[]; };
 layout(std430, binding = BINDING_SCAN_SUMS) writeonly buffer Sums { uint block_sums[]; };
-
-shared uint sums[TILE_GROUP];
 
 void main() {
     const uint block = linear_group();
@@ -18,20 +17,12 @@ void main() {
     uint mine = 0u;
     for (uint i = 0u; i < TILE_ITEMS_EACH; ++i)
         if (first + i < push.count) mine += data[first + i];
-    sums[me] = mine;
-    barrier();
-    for (uint step = 1u; step < TILE_GROUP; step <<= 1) {
-        const uint before = me >= step ? sums[me - step] : 0u;
-        barrier();
-        sums[me] += before;
-        barrier();
-    }
-    uint sum = sums[me] - mine;
+    uint sum = scan_tile(mine);
     for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
         if (first + i >= push.count) break;
         const uint value = data[first + i];
         data[first + i] = sum;
         sum += value;
     }
-    if (me == TILE_GROUP - 1u && block * TILE_ITEMS < push.count) block_sums[block] = sums[me];
+    if (me == TILE_GROUP - 1u && block * TILE_ITEMS < push.count) block_sums[block] = sum;
 }

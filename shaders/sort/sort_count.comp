@@ -12,15 +12,12 @@ shared uint totals[DIGITS];
 void main() {
     const uint tile = linear_group();
     const uint me = gl_LocalInvocationID.x;
-    if (me < DIGITS) totals[me] = 0u;
+    const uint size = size_of_tile(tile);
+    for (uint digit = me; digit < DIGITS; digit += TILE_GROUP) totals[digit] = 0u;
     barrier();
-    if (tile < push.tiles) {
-        const uvec2 mine = count_digits(tile * TILE_ITEMS + me * TILE_ITEMS_EACH);
-        for (uint digit = 0u; digit < DIGITS; ++digit) {
-            const uint n = count_of(mine, digit);
-            if (n > 0u) atomicAdd(totals[digit], n);
-        }
-    }
+    for (uint item = me; item < size; item += TILE_GROUP)
+        atomicAdd(totals[digit_of(keys_in[tile * TILE_ITEMS + item])], 1u);
     barrier();
-    if (tile < push.tiles && me < DIGITS) counts[me * push.tiles + tile] = totals[me];
+    for (uint digit = me; digit < DIGITS && size > 0u; digit += TILE_GROUP)
+        counts[digit * push.tiles + tile] = totals[digit];
 }

@@ -59,7 +59,8 @@ std::string missing_for_subgroups(const vulkan::Adapter& adapter) {
     for (const auto& operations : needed)
         if ((adapter.subgroup_operations & operations.bit) == 0)
             return std::string(operations.name) + " operations of subgroups";
-    // Where sizes vary, drivers other than AMD's may report a nominal one that no shader runs with.
+    // Where sizes vary and none was probed (Device::find_subgroup_size()), only AMD's drivers report one that shaders
+    // have.
     if (!adapter.subgroup_size_control && adapter.min_subgroup_size != adapter.max_subgroup_size &&
         adapter.vendor_id != amd)
         return "control of the size of subgroups, which varies";

@@ -40,6 +40,11 @@ void Scan::reserve(Workspace& workspace, std::uint32_t count) {
 }
 
 void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const {
+    record_blocks(recorder, passes, data, count);
+    if (count > TILE_ITEMS) record_add(recorder, passes, data, sums_[0], count);
+}
+
+void Scan::record_blocks(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const {
     std::array<std::uint32_t, max_levels> counts{};  // items of each level
     std::size_t levels = 0;
     Bindings bindings;
@@ -53,13 +58,18 @@ void Scan::record(Recorder& recorder, const Passes& passes, const Slice& data, s
         recorder.barrier();
         if (count <= TILE_ITEMS) break;
     }
-    // Adds the sums, from the level before the last one down.
-    for (std::size_t level = levels - 1; level-- > 0;) {
-        bindings.set(BINDING_SCAN_DATA, level == 0 ? data : sums_[level - 1]);
-        bindings.set(BINDING_SCAN_SUMS, sums_[level]);
-        recorder.dispatch(passes.scan_add, bindings.list(), push_bytes(ScanPush{counts[level]}), counts[level]);
-        recorder.barrier();
-    }
+    // Adds the sums, from the level before the last one down to the sums of the first.
+    for (std::size_t level = levels - 1; level-- > 1;)
+        record_add(recorder, passes, sums_[level - 1], sums_[level], counts[level]);
+}
+
+void Scan::record_add(Recorder& recorder, const Passes& passes, const Slice& data, const Slice& sums,
+                      std::uint32_t count) {
+    Bindings bindings;
+    bindings.set(BINDING_SCAN_DATA, data);
+    bindings.set(BINDING_SCAN_SUMS, sums);
+    recorder.dispatch(passes.scan_add, bindings.list(), push_bytes(ScanPush{count}), count);
+    recorder.barrier();
 }
 
 void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32_t images, std::uint32_t walls,
@@ -270,7 +280,8 @@ void DeviceSeeds::record_radix_pass(Recorder& recorder, const Passes& passes, st
     const std::uint64_t invocations = std::uint64_t{push.tiles} * TILE_GROUP;
     recorder.dispatch(passes.sort_count, bindings.list(), push_bytes(push), invocations);
     recorder.barrier();
-    scan_.record(recorder, passes, counts_, push.tiles * DIGITS);
+    scan_.record_blocks(recorder, passes, counts_, push.tiles * DIGITS);
+    bindings.set(BINDING_SCAN_SUMS, scan_.block_sums());
     recorder.dispatch(passes.sort_scatter, bindings.list(), push_bytes(push), invocations);
     recorder.barrier();
 }

@@ -40,8 +40,15 @@ public:
     // Reserves arrays for up to `count` words.
     void reserve(Workspace& workspace, std::uint32_t count);
     void record(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const;
+    // Records sums inside blocks of TILE_ITEMS only. The first block's sum is 0, those of others are block_sums().
+    void record_blocks(Recorder& recorder, const Passes& passes, const Slice& data, std::uint32_t count) const;
+    [[nodiscard]] const Slice& block_sums() const { return sums_[0]; }
 
 private:
+    // Records that block b of the data gets sums[b] added.
+    static void record_add(Recorder& recorder, const Passes& passes, const Slice& data, const Slice& sums,
+                           std::uint32_t count);
+
     static constexpr std::size_t max_levels = 4;  // TILE_ITEMS^4 exceeds 32 bits
     std::array<Slice, max_levels> sums_;          // of each level: totals of the level before
 };

@@ -99,10 +99,14 @@ void query_queues(Adapter& a, const InstanceCalls& calls) {
     calls.vkGetPhysicalDeviceQueueFamilyProperties(a.handle, &count, families.data());
     for (const VkQueueFamilyProperties& family : families)
         a.families.push_back(family.queueCount > 0 ? family.queueFlags : 0);
+    // A family without graphics does not wait for frames that are drawn.
+    int best = -1;
     for (std::uint32_t i = 0; i < count; ++i) {
         if (!(a.families[i] & VK_QUEUE_COMPUTE_BIT)) continue;
-        const bool first = a.queue_family == VK_QUEUE_FAMILY_IGNORED;
-        if (!first && (a.timestamp_bits > 0 || families[i].timestampValidBits == 0)) continue;
+        const int value =
+            (families[i].timestampValidBits > 0 ? 2 : 0) + (a.families[i] & VK_QUEUE_GRAPHICS_BIT ? 0 : 1);
+        if (value <= best) continue;
+        best = value;
         a.queue_family = i;
         a.timestamp_bits = families[i].timestampValidBits;
     }
@@ -142,10 +146,11 @@ void query_properties(Adapter& a, const InstanceCalls& calls, const Support& sup
     a.max_allocation = limits.maxMemoryAllocationSize;
     a.max_buffer = buffers.maxBufferSize ? buffers.maxBufferSize : a.max_allocation;
     a.max_buffer = std::min({a.max_buffer, a.max_allocation, a.device_memory});
-    a.can_ask_for_nearest32 = floats.shaderRoundingModeRTEFloat32;
-    a.can_ask_for_nearest64 = floats.shaderRoundingModeRTEFloat64;
+    a.offered = {floats.shaderRoundingModeRTEFloat32 != VK_FALSE, floats.shaderRoundingModeRTEFloat64 != VK_FALSE,
+                 floats.shaderSignedZeroInfNanPreserveFloat32 != VK_FALSE,
+                 floats.shaderSignedZeroInfNanPreserveFloat64 != VK_FALSE};
     if (floats.roundingModeIndependence == VK_SHADER_FLOAT_CONTROLS_INDEPENDENCE_NONE)  // both or none
-        a.can_ask_for_nearest32 = a.can_ask_for_nearest64 = a.can_ask_for_nearest32 && a.can_ask_for_nearest64;
+        a.offered.nearest32 = a.offered.nearest64 = a.offered.nearest32 && a.offered.nearest64;
     a.lockstep = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
     a.driver = driver.driverName;
     if (driver.driverInfo[0]) a.driver += std::string(" ") + driver.driverInfo;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/vulkan/api.hpp"
+#include "gpu/vulkan/spirv.hpp"
 
 namespace votess::gpu::vulkan {
 
@@ -40,13 +41,13 @@ struct Adapter {
     bool lockstep = false;
 
     bool float64 = false;
-    // Shaders may demand that float32 or float64 rounds to nearest (vulkan/spirv.hpp).
-    bool can_ask_for_nearest32 = false, can_ask_for_nearest64 = false;
+    FloatDemands offered;  // what shaders may demand
 
-    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;  // with compute, and with timestamps if there is one
-    std::vector<VkQueueFlags> families;                    // flags of each family; 0 where it has no queue
-    std::uint32_t timestamp_bits = 0;                      // 0: no timestamps
-    bool portability_subset = false;                       // must be enabled where it exists
+    // With compute, with timestamps if there is one, and without graphics if there is one.
+    std::uint32_t queue_family = VK_QUEUE_FAMILY_IGNORED;
+    std::vector<VkQueueFlags> families;  // flags of each family; 0 where it has no queue
+    std::uint32_t timestamp_bits = 0;    // 0: no timestamps
+    bool portability_subset = false;     // must be enabled where it exists
 
     // The device is the CPU (lavapipe).
     [[nodiscard]] bool software() const { return type == VK_PHYSICAL_DEVICE_TYPE_CPU; }

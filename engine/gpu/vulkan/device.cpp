@@ -21,6 +21,7 @@ std::shared_ptr<Device> Device::create(std::shared_ptr<Instance> instance, const
     require_usable(adapter);
     std::shared_ptr<Device> device(new Device(std::move(instance), adapter, options));
     device->find_rounding();
+    device->find_subgroup_size();
     return device;
 }
 
@@ -72,6 +73,7 @@ std::shared_ptr<Device> Device::adopt(std::shared_ptr<Instance> instance, const 
     require_usable(adapter);
     std::shared_ptr<Device> device(new Device(std::move(instance), adapter, host));
     device->find_rounding();
+    device->find_subgroup_size();
     return device;
 }
 
@@ -89,14 +91,30 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     load_device_table(table_, handle_, instance_->calls().vkGetDeviceProcAddr);
 }
 
-// Shaders demand rounding to nearest where the device does not do that anyway. NVIDIA's compiler makes slower code with
-// the demand, by a tenth for a cell.
+// Shaders demand what the device offers, except what it does anyway: NVIDIA's compiler makes slower code with the
+// demand to round to nearest, by a tenth for a cell, and keeps infinities and NaN without a demand.
 void Device::find_rounding() {
+    constexpr std::uint32_t nvidia = 0x10de;
+    const FloatDemands& offered = adapter_.offered;
+    if (adapter_.vendor_id != nvidia) demands_ = {false, false, offered.infinities32, offered.infinities64};
     const bool can_probe = queue_ != VK_NULL_HANDLE;
     if (can_probe) rounding_ = probe_rounding(*this, float64_);
     if (rounding_.nearest32 && (rounding_.nearest64 || !float64_)) return;
-    demands_ = {adapter_.can_ask_for_nearest32, adapter_.can_ask_for_nearest64};
+    demands_.nearest32 = offered.nearest32;
+    demands_.nearest64 = offered.nearest64;
     if (can_probe && (demands_.nearest32 || demands_.nearest64)) rounding_ = probe_rounding(*this, float64_);
+}
+
+// Drivers may report a nominal size that no shader has, as MoltenVK does. Kernels check the size again, and leave all
+// cells if it is another one.
+void Device::find_subgroup_size() {
+    constexpr VkSubgroupFeatureFlags needed = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT;
+    Adapter& a = adapter_;
+    if (a.subgroup_size_control || a.min_subgroup_size == a.max_subgroup_size || queue_ == VK_NULL_HANDLE ||
+        !a.subgroup_in_compute || (a.subgroup_operations & needed) != needed)
+        return;
+    const std::uint32_t size = probe_subgroup_size(*this);
+    if (size > 0) a.subgroup_size = a.min_subgroup_size = a.max_subgroup_size = size;
 }
 
 Device::~Device() {

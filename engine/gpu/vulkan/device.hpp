@@ -24,6 +24,9 @@ struct Rounding {
 // Runs a shader to find out. float64: whether the device has it and it is enabled.
 [[nodiscard]] Rounding probe_rounding(Device& device, bool float64);
 
+// Runs a shader to find the size of its subgroups. Returns 0 where they differ or have missing lanes.
+[[nodiscard]] std::uint32_t probe_subgroup_size(Device& device);
+
 // Features to enable where the device has them.
 struct DeviceOptions {
     bool float64 = true;
@@ -33,7 +36,7 @@ struct DeviceOptions {
 struct HostDevice {
     VkDevice handle = VK_NULL_HANDLE;
     std::uint32_t queue_family = 0;
-    VkQueue queue = VK_NULL_HANDLE;      // runs the probe of rounding; null: no probe
+    VkQueue queue = VK_NULL_HANDLE;      // runs the probes; null: none
     bool float64 = false;                // enabled
     bool subgroup_size_control = false;  // enabled
     VkPipelineCache pipeline_cache = VK_NULL_HANDLE;
@@ -55,13 +58,14 @@ public:
     [[nodiscard]] VkDevice handle() const { return handle_; }
     // Tests replace entries to make them fail; so the table is read at every call.
     [[nodiscard]] VolkDeviceTable& table() { return table_; }
-    [[nodiscard]] const Adapter& adapter() const { return adapter_; }  // queue_family: that of the queue
+    // queue_family: that of the queue. Sizes of subgroups: as probed, where they vary and shaders cannot choose.
+    [[nodiscard]] const Adapter& adapter() const { return adapter_; }
     [[nodiscard]] Instance& instance() { return *instance_; }
     // Returns whether float64 is enabled and rounds to nearest, on which the error bounds rely.
     [[nodiscard]] bool has_float64() const { return float64_ && rounding_.nearest64; }
     [[nodiscard]] bool rounds_to_nearest() const { return rounding_.nearest32; }
     // What shaders must demand.
-    [[nodiscard]] const Rounding& demands() const { return demands_; }
+    [[nodiscard]] const FloatDemands& demands() const { return demands_; }
     // The pipelines on disk. A host's device has none.
     [[nodiscard]] const PipelineCache& pipeline_cache() const { return *cache_; }
     [[nodiscard]] PassCache& pass_cache() { return *passes_; }
@@ -81,6 +85,7 @@ private:
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const DeviceOptions& options);
     Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const HostDevice& host);
     void find_rounding();
+    void find_subgroup_size();
     void set_name(std::uint64_t object, VkObjectType type, const char* text);
 
     std::shared_ptr<Instance> instance_;
@@ -90,7 +95,8 @@ private:
     VkQueue queue_ = VK_NULL_HANDLE;
     std::mutex queue_mutex_;
     bool float64_ = false;  // enabled
-    Rounding rounding_, demands_;
+    Rounding rounding_;
+    FloatDemands demands_;
     std::optional<PipelineCache> cache_;
     std::unique_ptr<PassCache> passes_;
     VkPipelineCache host_cache_ = VK_NULL_HANDLE;

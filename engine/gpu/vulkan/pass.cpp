@@ -129,8 +129,7 @@ void Pass::Made::make_layout() {
 void Pass::Made::make_pipeline(const PassInfo& info) {
     const VolkDeviceTable& table = device.table();
     const Adapter& adapter = device.adapter();
-    const std::vector<std::uint32_t> spirv =
-        rounding_to_nearest(info.spirv, device.demands().nearest32, device.demands().nearest64);
+    const std::vector<std::uint32_t> spirv = with_demands(info.spirv, device.demands());
     VkShaderModuleCreateInfo code{};
     code.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
     code.codeSize = std::span(spirv).size_bytes();

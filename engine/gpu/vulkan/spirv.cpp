@@ -18,7 +18,13 @@ enum Operation : std::uint32_t {
     op_function = 54,
     op_decorate = 71
 };
-constexpr std::uint32_t capability_float64 = 10, capability_rounding_to_nearest = 4467, mode_rounding_to_nearest = 4462;
+constexpr std::uint32_t capability_float64 = 10;
+
+// A demand is a capability of the module and an execution mode of each entry point and width.
+struct Demand {
+    std::uint32_t capability, mode;
+    bool float32, float64;
+};
 
 // Calls `each` with each instruction before the first function: these are all declarations.
 template <class Each>
@@ -52,14 +58,16 @@ std::vector<std::uint32_t> declared(std::span<const std::uint32_t> spirv, Decora
     return values;
 }
 
-std::vector<std::uint32_t> rounding_to_nearest(std::span<const std::uint32_t> spirv, bool float32, bool float64) {
+std::vector<std::uint32_t> with_demands(std::span<const std::uint32_t> spirv, FloatDemands demands) {
     bool has_float64 = false;
     for_each_declaration(spirv, [&](std::span<const std::uint32_t> words) {
         has_float64 = has_float64 || ((words[0] & 0xffffu) == op_capability && words[1] == capability_float64);
     });
-    float64 = float64 && has_float64;
+    std::vector<Demand> made{{4467, 4462, demands.nearest32, demands.nearest64 && has_float64},
+                             {4466, 4461, demands.infinities32, demands.infinities64 && has_float64}};
+    std::erase_if(made, [](const Demand& d) { return !d.float32 && !d.float64; });
     std::vector<std::uint32_t> module(spirv.begin(), spirv.end());
-    if (!float32 && !float64) return module;
+    if (made.empty()) return module;
     // The order of declarations is: capabilities, extensions, others, entry points, their modes, others.
     module.resize(header_words);
     std::size_t at = header_words;
@@ -69,12 +77,14 @@ std::vector<std::uint32_t> rounding_to_nearest(std::span<const std::uint32_t> sp
         at += words.size();
         const std::uint32_t next = spirv[at] & 0xffffu;
         if (operation == op_capability && next != op_capability) {
-            append(module, op_capability, {capability_rounding_to_nearest});
+            for (const Demand& d : made) append(module, op_capability, {d.capability});
             append_extension(module, "SPV_KHR_float_controls");
         }
         if (operation != op_entry_point) return;
-        if (float32) append(module, op_execution_mode, {words[2], mode_rounding_to_nearest, 32});
-        if (float64) append(module, op_execution_mode, {words[2], mode_rounding_to_nearest, 64});
+        for (const Demand& d : made) {
+            if (d.float32) append(module, op_execution_mode, {words[2], d.mode, 32});
+            if (d.float64) append(module, op_execution_mode, {words[2], d.mode, 64});
+        }
     });
     module.insert(module.end(), spirv.begin() + static_cast<std::ptrdiff_t>(at), spirv.end());
     return module;

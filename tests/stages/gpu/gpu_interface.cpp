@@ -18,15 +18,17 @@ using Ids = std::multiset<std::uint32_t>;
 
 namespace {
 
-// The ids that a shader declares, its capabilities, and the widths in which it demands to round to nearest.
+// The ids that a shader declares, its capabilities, and the widths in which it demands to round to nearest and to keep
+// infinities.
 struct Declared {
-    Ids sets, bindings, constants, capabilities, nearest;
+    Ids sets, bindings, constants, capabilities, nearest, infinities;
     bool operator==(const Declared&) const = default;
 };
 
 Declared read_spirv(std::span<const std::uint32_t> words) {
     constexpr std::uint32_t magic = 0x07230203, op_decorate = 71, spec_id = 1, binding = 33, descriptor_set = 34;
     constexpr std::uint32_t op_execution_mode = 16, op_capability = 17, rounding_to_nearest = 4462;
+    constexpr std::uint32_t keeping_infinities = 4461;
     Declared found;
     REQUIRE(words[0] == magic);
     for (std::size_t at = 5; at < words.size(); at += words[at] >> 16) {
@@ -34,6 +36,8 @@ Declared read_spirv(std::span<const std::uint32_t> words) {
         const std::uint32_t operation = words[at] & 0xffff;
         if (operation == op_capability) found.capabilities.insert(words[at + 1]);
         if (operation == op_execution_mode && words[at + 2] == rounding_to_nearest) found.nearest.insert(words[at + 3]);
+        if (operation == op_execution_mode && words[at + 2] == keeping_infinities)
+            found.infinities.insert(words[at + 3]);
         if (operation != op_decorate) continue;
         const std::uint32_t value = words[at + 3];
         switch (words[at + 2]) {
@@ -58,7 +62,7 @@ thread_local Declared declared;
 struct Calls {
     std::mutex mutex;
     std::deque<Ids> bindings;  // of a layout, whose handle points here
-    std::size_t max_bindings = 0, asks_for_nearest = 0;
+    std::size_t max_bindings = 0, asks_for_nearest = 0, asks_for_infinities = 0;
     std::set<std::uint32_t> all_bindings, all_constants;
 } calls;
 
@@ -100,6 +104,7 @@ VKAPI_ATTR VkResult VKAPI_CALL compare(VkDevice, VkPipelineCache, std::uint32_t,
     CHECK(constants == declared.constants);
     CHECK(bindings == declared.bindings);
     CHECK(declared.nearest.count(32) == calls.asks_for_nearest);
+    CHECK(declared.infinities.count(32) == calls.asks_for_infinities);
     CHECK(declared.sets.size() == declared.sets.count(0));  // in set 0, all of them
     // Ids are declared once.
     const std::set<std::uint32_t> once(constants.begin(), constants.end());
@@ -119,6 +124,7 @@ TEST_SUITE("stages") {
         const auto instance = test::vk::Instance::create({.validation = false});
         const auto device = test::vk::Device::create(instance, Gpu::first(*instance));
         calls.asks_for_nearest = device->demands().nearest32;
+        calls.asks_for_infinities = device->demands().infinities32;
         VolkDeviceTable& table = device->table();
         table.vkCreateDescriptorSetLayout = note_set_layout;
         table.vkCreatePipelineLayout = note_layout;
@@ -152,22 +158,26 @@ TEST_SUITE("stages") {
         CHECK(calls.max_bindings == 18);
     }
 
-    TEST_CASE("gpu interface: shaders demand to round to nearest, in the widths that they have") {
-        constexpr std::uint32_t capability_float64 = 10, capability_rounding = 4467;
+    TEST_CASE(
+        "gpu interface: shaders demand to round to nearest and to keep infinities, in the widths that they have") {
+        constexpr std::uint32_t capability_float64 = 10, capability_infinities = 4466, capability_rounding = 4467;
         for (const auto spirv : {votess::gpu::shaders::clip_f32, votess::gpu::shaders::clip_f64}) {
             const Declared before = read_spirv(spirv);
             const bool has_float64 = before.capabilities.count(capability_float64) == 1;
-            for (const bool float32 : {false, true})
-                for (const bool float64 : {false, true}) {
-                    CAPTURE(has_float64);
-                    CAPTURE(float32);
-                    CAPTURE(float64);
-                    Declared expected = before;
-                    if (float32) expected.nearest.insert(32);
-                    if (float64 && has_float64) expected.nearest.insert(64);
-                    if (!expected.nearest.empty()) expected.capabilities.insert(capability_rounding);
-                    CHECK(read_spirv(votess::gpu::vulkan::rounding_to_nearest(spirv, float32, float64)) == expected);
-                }
+            for (unsigned bits = 0; bits < 16; ++bits) {
+                CAPTURE(has_float64);
+                CAPTURE(bits);
+                const votess::gpu::vulkan::FloatDemands demands{(bits & 1) != 0, (bits & 2) != 0, (bits & 4) != 0,
+                                                                (bits & 8) != 0};
+                Declared expected = before;
+                if (demands.nearest32) expected.nearest.insert(32);
+                if (demands.nearest64 && has_float64) expected.nearest.insert(64);
+                if (demands.infinities32) expected.infinities.insert(32);
+                if (demands.infinities64 && has_float64) expected.infinities.insert(64);
+                if (!expected.nearest.empty()) expected.capabilities.insert(capability_rounding);
+                if (!expected.infinities.empty()) expected.capabilities.insert(capability_infinities);
+                CHECK(read_spirv(votess::gpu::vulkan::with_demands(spirv, demands)) == expected);
+            }
         }
     }
 

@@ -68,6 +68,21 @@ TEST_SUITE("stages") {
         CHECK(instance->take_messages().empty());
     }
 
+    TEST_CASE("vulkan: a probe finds the size of subgroups where it varies") {
+        const auto instance = Instance::create();
+        Adapter adapter = Gpu::first(*instance);
+        if (adapter.min_subgroup_size != adapter.max_subgroup_size) return;
+        const std::uint32_t size = adapter.subgroup_size;
+        adapter.subgroup_size_control = false;  // as MoltenVK on Apple's GPUs
+        adapter.min_subgroup_size = 4;
+        adapter.subgroup_size = adapter.max_subgroup_size = 2 * size;
+        CHECK(Device::create(instance, adapter)->adapter().subgroup_size == size);
+        CHECK(Device::create(instance, adapter)->adapter().min_subgroup_size == size);
+        adapter.subgroup_operations = VK_SUBGROUP_FEATURE_BASIC_BIT;  // no probe
+        CHECK(Device::create(instance, adapter)->adapter().subgroup_size == 2 * size);
+        CHECK(instance->take_messages().empty());
+    }
+
     TEST_CASE("vulkan: features are used when there and wanted") {
         Gpu with;
         CHECK(with.device->has_float64() == with.adapter.float64);

@@ -49,8 +49,9 @@ void main() {
     const real heavier = weighted != 0u ? heavier_by(lighter_at(3u)) : real(0);
     max_heavier = max(heavier, real(0));
     Vertex v;
+    bool certain;
     uint verdict = 0u;
-    if (is_certain(find_vertex(a, b, c, v)) && !is_too_near(a) && !is_too_near(b) && !is_too_near(c) && !is_too_near(d)) {
+    if (find_vertex(a, b, c, v, certain) > real(0) && certain && !is_too_near(a) && !is_too_near(b) && !is_too_near(c) && !is_too_near(d)) {
         verdict = 1u;
         const real side = side_of(d, v.x, v.y, v.z), bound = side_bound(d, v.error);
         if (side > bound) verdict |= 2u;

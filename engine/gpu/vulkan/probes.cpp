@@ -1,4 +1,5 @@
-// Vulkan lets a device round sums and products to nearest or toward zero, and does not say which. This tries it out.
+// Vulkan does not say how a device rounds, nor the size of subgroups where it varies. These run shaders to find out.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -66,6 +67,27 @@ bool rounds_to_nearest(Device& device, std::span<const std::uint32_t> spirv) {
 }
 
 }  // namespace
+
+std::uint32_t probe_subgroup_size(Device& device) {
+    constexpr std::uint32_t count = 1024;
+    Memory memory(device, 1 << 16);
+    const Pass pass(device, {.name = "probe_lanes",
+                             .spirv = shaders::probe_lanes,
+                             .push_bytes = sizeof(ScanPush),
+                             .local_size = TILE_GROUP});
+    const Buffer sizes = memory.buffer(count * sizeof(std::uint32_t), MemoryKind::download, "sizes");
+    Commands commands(device);
+    commands.begin();
+    const BufferBinding bindings[] = {{BINDING_SCAN_DATA, &sizes}};
+    commands.dispatch(pass, bindings, push_bytes(ScanPush{count}), count);
+    commands.barrier_to_host();
+    commands.end();
+    commands.submit();
+    commands.wait();
+    sizes.invalidate();
+    const auto found = sizes.as<std::uint32_t>();
+    return std::ranges::count(found, found[0]) == count ? found[0] : 0;
+}
 
 Rounding probe_rounding(Device& device, bool float64) {
     return {rounds_to_nearest<float>(device, shaders::probe_rounding_f32),
