@@ -168,7 +168,7 @@ struct BufferSizes {
 
 // Outcome of a frame, written by the GPU in this layout.
 struct Header {
-    std::uint32_t seeds;       // of the frame
+    std::uint32_t seeds;       // of the frame; the number in RecordOptions::count_buffer where there is one
     std::uint32_t certified;   // cells that are proven exact
     std::uint32_t unresolved;  // cells for resolve(), which need exact arithmetic or more neighbors
     std::uint32_t duplicates;  // seeds equal to another one of lower index
@@ -200,7 +200,12 @@ struct Timestamps {
 };
 
 struct RecordOptions {
-    std::uint32_t count = 0;             // seeds of this frame, at most most_seeds
+    std::uint32_t count = 0;  // seeds of this frame, at most most_seeds
+    // For a number of seeds that only the GPU knows: a buffer with TRANSFER_SRC usage that holds it as uint32, at a
+    // multiple of 4. All stages then run for `count` seeds, and a larger number means `count`. Seeds and weights beyond
+    // the number are not read. Their cells get status `outside`, but Header::outside does not count them. Before:
+    // writes to the number must be visible to copies (stage TRANSFER, access TRANSFER_READ).
+    BufferRange count_buffer{};
     std::optional<Box> box{};            // of this frame; default: that of the plan. Not with walls
     std::optional<TriclinicBox> cell{};  // of this frame, if the plan has one
     Timestamps timestamps{};             // none when pool is null

@@ -63,7 +63,7 @@ void main() {
         } else if (status == STATUS_EMPTY) {
             atomicAdd(empty, 1u);
         } else if (status == STATUS_OUTSIDE) {
-            atomicAdd(outside, 1u);
+            if (seed < header.seeds) atomicAdd(outside, 1u);
         } else {
             atomicAdd(unresolved, 1u);
         }

@@ -10,6 +10,10 @@
 #define POINTS_FLOAT32 1u
 #define POINTS_UNITS 2u  // whole numbers of units already, modulo 2^64
 
+// What upload checks of each point.
+#define CHECK_BOX 1u    // points outside of the box, or not finite, get no coordinates
+#define CHECK_COUNT 2u  // points from RunState.present on are not read and get no coordinates
+
 // RunState.lossy
 #define LOSSY_POINTS 1u
 #define LOSSY_BOX 2u

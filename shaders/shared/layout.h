@@ -22,7 +22,7 @@ struct UploadPush {
     uvec2 lower[3];  // the box as float64 bits, in an order of whole numbers: see ordered_bits()
     uvec2 upper[3];
     uint stride;  // numbers from point to point
-    uint check;   // 1: points outside of the box, or not finite, get no coordinates
+    uint check;   // bits of CHECK_
     uint begin;   // index of the first point's first number in the raw buffer
 };
 
@@ -209,6 +209,8 @@ struct RunState {
     int weight_exponent;  // see WEIGHT_BITS
     uint lossy_weights;   // 1: some weights were rounded
     uvec2 heaviest;       // weight of seeds that are not in a part
+    uint present;         // points of a frame, where the device alone knows their number
+    uint unused;
 };
 
 // What knn found out about a cell's list.

@@ -94,14 +94,19 @@ void leave_out(uint point) {
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
+    const bool checks_box = (push.check & CHECK_BOX) != 0u;
     bool lost = false;
+    if ((push.check & CHECK_COUNT) != 0u && point >= state.present) {
+        leave_out(point);
+        return;
+    }
 #ifdef WEIGHTS
     const bool inside = is_inside(point, 0u);
     points_w[push.first + point] = inside ? coordinate(point, 0u, lost) : uvec2(0);
-    if (!inside && push.check != 0u) leave_out(point);
-    if (lost || !inside && push.check == 0u) atomicOr(state.lossy_weights, 1u);
+    if (!inside && checks_box) leave_out(point);
+    if (lost || !inside && !checks_box) atomicOr(state.lossy_weights, 1u);
 #else
-    if (push.check != 0u && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
+    if (checks_box && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
         leave_out(point);
         return;
     }

@@ -30,6 +30,8 @@ void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const
     const std::uint32_t most = state_->plan->options.most_seeds;
     if (options.count > most)
         refuse("count = " + std::to_string(options.count) + " is more than most_seeds = " + std::to_string(most));
+    if (options.count_buffer.offset % 4 != 0)
+        refuse("count_buffer.offset = " + std::to_string(options.count_buffer.offset) + " must be a multiple of 4");
     detail::check_domain(state_->plan->options, options);
     state_->record(commands, options);
 }
@@ -71,7 +73,8 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
     outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
     outputs_.set(BINDING_SEEDS_Y, seeds_.bindings().get(BINDING_SEEDS_Y));
     // Makes all descriptor sets: a recording of fewer seeds needs no other.
-    record(VK_NULL_HANDLE, {.count = plan->options.most_seeds, .box = {}, .cell = {}, .timestamps = {}});
+    record(VK_NULL_HANDLE,
+           {.count = plan->options.most_seeds, .count_buffer = {}, .box = {}, .cell = {}, .timestamps = {}});
 }
 
 void detail::FrameState::record(VkCommandBuffer commands, const RecordOptions& options) {
@@ -96,7 +99,7 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     stamp(0);
     {
         const auto label = recorder_.label("upload");
-        record_upload(options.count);
+        record_upload(options);
     }
     stamp(1);
     {
@@ -115,18 +118,27 @@ void detail::FrameState::record_stages(const RecordOptions& options) {
     stamp(4);
 }
 
-void detail::FrameState::record_upload(std::uint32_t count) {
+void detail::FrameState::record_upload(const RecordOptions& of_frame) {
     const gpu::Passes& passes = *plan->passes;
     const PlanOptions& options = plan->options;
+    const std::uint32_t count = of_frame.count;
     seeds_.record_begin(recorder_, false);
     recorder_.fill(header_, offsetof(FrameHeader, seeds), 4, count);
     recorder_.fill(header_, offsetof(FrameHeader, certified), sizeof(FrameHeader) - 4, 0);
     recorder_.fill(cells_.slice(BINDING_CHUNK_STATE), offsetof(gpu::ChunkState, row_base), 4, 0);
     recorder_.barrier();
+    std::uint32_t check = CHECK_BOX;
+    if (of_frame.count_buffer.buffer != VK_NULL_HANDLE) {
+        const gpu::Slice number{of_frame.count_buffer.buffer, of_frame.count_buffer.offset, sizeof(std::uint32_t)};
+        recorder_.copy(number, 0, header_, offsetof(FrameHeader, seeds), number.size);
+        seeds_.record_present(recorder_, number);
+        recorder_.barrier();
+        check |= CHECK_COUNT;
+    }
     const std::uint32_t format = options.format == SeedFormat::float32 ? POINTS_FLOAT32 : POINTS_FLOAT64;
-    seeds_.record_upload(recorder_, passes, {raw_, format, options.stride, true}, 0, count);
+    seeds_.record_upload(recorder_, passes, {raw_, format, options.stride, check}, 0, count);
     if (const auto& weights = options.weights)
-        seeds_.record_weights(recorder_, passes, {weights_, format, weights->stride, true, weights->first}, 0, count);
+        seeds_.record_weights(recorder_, passes, {weights_, format, weights->stride, check, weights->first}, 0, count);
     if (!plan->walls.empty()) seeds_.record_walls(recorder_, passes, count);
     if (is_periodic(options)) seeds_.record_images(recorder_, passes, header_, count);
 }

@@ -32,7 +32,7 @@ struct FrameState {
 
 private:
     void record_stages(const RecordOptions& options);
-    void record_upload(std::uint32_t count);
+    void record_upload(const RecordOptions& options);
     void record_cells(std::uint32_t count);
     [[nodiscard]] gpu::ChunkJob chunk_job(std::uint32_t count) const;
 

@@ -226,6 +226,10 @@ void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
     recorder.fill(run_state(), offsetof(RunState, lossy), 4, bits);
 }
 
+void DeviceSeeds::record_present(Recorder& recorder, const Slice& count) const {
+    recorder.copy(count, 0, run_state(), offsetof(RunState, present), sizeof(RunState::present));
+}
+
 void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                                  std::uint32_t count) const {
     UploadPush push{};
@@ -238,7 +242,7 @@ void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const
     push.shift = weights_->shift;
     push.format = raw.format;
     push.stride = raw.stride;
-    push.check = raw.check ? 1 : 0;
+    push.check = raw.check;
     push.begin = raw.begin;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
@@ -259,7 +263,7 @@ void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const 
     push.shift = units_.shift;
     push.format = raw.format;
     push.stride = raw.stride;
-    push.check = raw.check ? 1 : 0;
+    push.check = raw.check;
     push.begin = raw.begin;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);

@@ -83,18 +83,20 @@ public:
 
     // Records the reset of the run state; a barrier must follow. lossy: points are rounded already.
     void record_begin(Recorder& recorder, bool lossy) const;
+    // Records that the number of points is in this buffer. Uploads check it with CHECK_COUNT.
+    void record_present(Recorder& recorder, const Slice& count) const;
     // Records the conversion of raw points. `begin` is the first number of the raw array, `first` the first seed.
-    // check: points outside of the box get no cell.
+    // check: bits of CHECK_.
     struct Raw {
         Slice slice;
         std::uint32_t format = POINTS_FLOAT64, stride = 3;
-        bool check = false;
+        std::uint32_t check = 0;
         std::uint32_t begin = 0;
     };
     void record_upload(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                        std::uint32_t count) const;
-    // The same for weights, one number a seed, after its coordinates. check: a seed whose weight is not from the least
-    // to the largest gets no cell. Otherwise lighter weights, and those that are not finite, count as the least.
+    // The same for weights, one number a seed, after its coordinates. CHECK_BOX: a seed whose weight is not from the
+    // least to the largest gets no cell. Otherwise lighter weights, and those that are not finite, count as the least.
     void record_weights(Recorder& recorder, const Passes& passes, const Raw& raw, std::uint32_t first,
                         std::uint32_t count) const;
     // Records after the upload of `count` seeds: seeds beyond walls get no cell.

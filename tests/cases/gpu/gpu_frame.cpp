@@ -223,7 +223,7 @@ TEST_SUITE("cases") {
             set.points.resize(std::size_t{3} * count);
             target.write<double>(set.points, 3);
             beside.write<double>(set.points, 3);
-            run(host, both, count);
+            run(host, both, {.count = count});
             CHECK(compare(collect<double>(plan, target, count), on_cpu(set, options)) == "");
             CHECK(compare(collect<double>(second, beside, count), on_cpu(set, other)) == "");
         }
@@ -235,6 +235,47 @@ TEST_SUITE("cases") {
         const auto after = test::allocations();
         host.commands.end();
         if (recording && !host.gpu.instance->validation()) CHECK(*recording == *after);
+    }
+
+    TEST_CASE("gpu frame: a number of seeds that only the GPU knows") {
+        Host host;
+        PointSet set = test::uniform(400, 21);
+        set.box = test::unit_box();
+        const vk::Buffer number = host.memory.buffer(8, vk::MemoryKind::upload);
+        for (const bool periodic : {false, true}) {
+            PlanOptions options = options_for(set);
+            options.periodic = {periodic, periodic, false};
+            options.areas = true;  // as other tests: the same pipelines
+            const Plan plan = host.plan(options);
+            const Target target(host, plan);
+            const Target* const one[] = {&target};
+            for (const std::uint32_t present : {400u, 5000u, 250u, 1u, 0u}) {  // 5000: more than are recorded
+                CAPTURE(periodic);
+                CAPTURE(present);
+                const std::uint32_t count = std::min(present, options.most_seeds);
+                PointSet shown = set;
+                shown.points.resize(std::size_t{3} * count);
+                Coordinates given = shown.points;
+                given.resize(set.points.size(), 0.5);  // not read; they would be duplicates
+                target.write<double>(given, 3);
+                number.as<std::uint32_t>()[1] = present;
+                number.flush();
+                run(host, one, {.count = options.most_seeds, .count_buffer = {number.handle(), 4}});
+                const Header head = target.head();
+                CHECK(head.seeds == present);
+                CHECK(head.outside == 0);
+                CHECK(head.duplicates == 0);
+                CHECK(head.certified + head.unresolved == count);
+                for (std::uint32_t i = count; i < options.most_seeds; ++i)
+                    REQUIRE(target.cell(options.most_seeds)[i].status ==
+                            static_cast<std::uint32_t>(CellStatus::outside));
+                if (count > 0) CHECK(compare(collect<double>(plan, target, count), on_cpu(shown, options)) == "");
+            }
+        }
+        CHECK(test::error_of([&] {
+                  Frame frame = Target(host, host.plan(options_for(set))).frame;
+                  frame.record(host.commands.handle(), {.count = 1, .count_buffer = {number.handle(), 2}});
+              }) == votess::ErrorCode::invalid_argument);
     }
 
     TEST_CASE("gpu frame: seeds and results in one buffer") {

@@ -74,7 +74,7 @@ TEST_SUITE("cases") {
                     }
                     first.write<double>(sets[0].points, 3);
                     second.write<double>(sets[1].points, 3);
-                    run(host, both, options.most_seeds);
+                    run(host, both, {.count = options.most_seeds});
                     for (int t = 0; t < 2; ++t) {
                         const Target& target = *both[t];
                         check_header(target.head(), target.cell(n));
@@ -137,7 +137,7 @@ TEST_SUITE("cases") {
         const auto check_frame = [&](const std::optional<votess::TriclinicBox>& cell) {
             target.write<double>(set.points, 3);
             const Target* const one[] = {&target};
-            run(host, one, options.most_seeds, {}, cell);
+            run(host, one, {.count = options.most_seeds, .cell = cell});
             check_header(target.head(), target.cell(set.size()));
             PlanOptions used = options;
             if (cell) used.cell = cell;

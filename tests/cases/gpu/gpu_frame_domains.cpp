@@ -27,7 +27,7 @@ TEST_SUITE("cases") {
             for (double& x : set.points) x *= factor;
             target.write<double>(set.points, 3);
             const votess::Box box = test::cube(-factor * factor, 2e4 * factor);
-            run(host, one, options.most_seeds, box);
+            run(host, one, {.count = options.most_seeds, .box = box});
             options.box = box;
             CHECK(compare(collect<double>(plan, target, set.size(), box), on_cpu(set, options)) == "");
         }

@@ -68,7 +68,7 @@ Outcome in_flight(Host& host, const PlanOptions& options, bool by_subgroup, cons
             target.write<double>(moved[t].set.points, options.stride);
             if (options.weights) target.write_weights(moved[t].weights);
         }
-        run(host, both, options.most_seeds);
+        run(host, both, {.count = options.most_seeds});
         for (std::size_t t = 0; t < 2; ++t) {
             const Target& target = *both[t];
             const Header h = target.head();

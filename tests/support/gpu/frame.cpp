@@ -9,12 +9,10 @@
 
 namespace test::frame {
 
-void run(Host& host, std::span<const Target* const> targets, std::uint32_t count, const std::optional<votess::Box>& box,
-         const std::optional<votess::TriclinicBox>& cell) {
+void run(Host& host, std::span<const Target* const> targets, const RecordOptions& options) {
     host.commands.begin();
     host.commands.barrier();
-    for (const Target* target : targets)
-        target->frame.record(host.commands.handle(), {.count = count, .box = box, .cell = cell});
+    for (const Target* target : targets) target->frame.record(host.commands.handle(), options);
     host.commands.barrier_to_host();
     host.commands.end();
     host.commands.submit();
@@ -27,7 +25,7 @@ void run(Host& host, std::span<const Target* const> targets, std::uint32_t count
 
 void run(Host& host, const Target& target, std::uint32_t count) {
     const Target* const one[] = {&target};
-    run(host, one, count);
+    run(host, one, {.count = count});
 }
 
 template <class Real>
@@ -187,7 +185,7 @@ std::string check(Host& host, std::span<const PointSet> sets, PlanOptions option
     for (const PointSet& set : sets) {
         options.box = options_for(set).box;
         target.write<double>(set.points, options.stride);
-        run(host, one, static_cast<std::uint32_t>(set.size()), options.box);
+        run(host, one, {.count = static_cast<std::uint32_t>(set.size()), .box = options.box});
         check_header(target.head(), target.cell(set.size()));
         const std::string found = compare(collect<double>(plan, target, set.size(), options.box), on_cpu(set, options));
         if (!found.empty()) return set.name + ": " + found;

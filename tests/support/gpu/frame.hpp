@@ -99,8 +99,7 @@ struct Target {
     [[nodiscard]] std::span<const Cell> cell(std::size_t count) const { return cells.as<Cell>().first(count); }
 };
 
-void run(Host& host, std::span<const Target* const> targets, std::uint32_t count,
-         const std::optional<votess::Box>& box = {}, const std::optional<votess::TriclinicBox>& cell = {});
+void run(Host& host, std::span<const Target* const> targets, const RecordOptions& options);
 void run(Host& host, const Target& target, std::uint32_t count);
 
 struct Rows {
