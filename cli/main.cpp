@@ -47,6 +47,15 @@ void print(const std::string& text) {
     }
 }
 
+std::string json_devices() {
+    std::string text;
+    for (const votess::DeviceInfo& device : votess::devices())
+        text += std::string(text.empty() ? "[" : ", ") + "{\"device\": " + json_string(device.id) +
+                ", \"name\": " + json_string(device.name) + ", \"description\": " + json_string(device.description) +
+                "}";
+    return text + "]\n";
+}
+
 void print_devices() {
     std::vector<votess::DeviceInfo> rows = votess::devices();
     rows.insert(rows.begin(), {"device", "name", "description"});
@@ -217,7 +226,10 @@ int main_inside(int count, const char* const* values) {
         if (!arguments.answer.empty()) {
             print(arguments.answer);
         } else if (arguments.list_devices) {
-            print_devices();
+            if (arguments.json)
+                print(json_devices());
+            else
+                print_devices();
         } else if (!arguments.locate.empty()) {
             print(run_locate(arguments));
         } else if (!arguments.probe.empty()) {

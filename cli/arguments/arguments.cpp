@@ -443,12 +443,12 @@ Arguments read_arguments(int count, const char* const* values) {
     const Typed typed(count, values);
     Arguments arguments;
     arguments.list_devices = typed.has("--list-devices");
+    arguments.json = typed.has("--json");
     arguments.answer = answer_to(typed);
     if (arguments.list_devices || !arguments.answer.empty()) return arguments;
 
     arguments.verify = typed.has("--verify");
     arguments.points_alone = arguments.read.species = typed.has("--points");
-    arguments.json = typed.has("--json");
     arguments.quiet = typed.has("--quiet");
     arguments.outputs = typed.values("--output");
     arguments.threads_given = typed.has("--threads");

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 
+#include "gpu/passes/kernel_choice.hpp"
+
 namespace votess::gpu {
 namespace {
 
@@ -66,8 +68,12 @@ std::vector<DeviceInfo> list_devices() {
     std::vector<DeviceInfo> all;
     try {
         for (const Adapter& a : vulkan::Instance::create()->adapters()) {
-            std::string text = a.description();
-            if (!a.missing().empty()) text += "; not usable: " + a.missing();
+            std::string text = a.description() + "; ";
+            if (const std::string missing = a.missing(); !missing.empty())
+                text += "not usable: " + missing;
+            else
+                text += kernel_text(a, choose_subgroup_size(a, Kernel::automatic),
+                                    measures_in_float64(a, a.float64, Measure::automatic));
             all.push_back({std::to_string(all.size()), a.name, text});
         }
     } catch (const Error& error) {

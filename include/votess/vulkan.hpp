@@ -274,6 +274,9 @@ public:
 
     [[nodiscard]] const BufferSizes& sizes() const noexcept;
     [[nodiscard]] const PlanOptions& options() const noexcept;
+    // Returns one line that names the kernel, its lanes and the numbers that measure: "subgroups of 32 make cells,
+    // measured in float64".
+    [[nodiscard]] std::string kernel() const;
     // Returns a Frame on these buffers; makes only descriptor sets. Any number of frames may be in flight, each with
     // its own workspace and outputs. Throws invalid_argument for a missing buffer or an offset that cannot be bound.
     [[nodiscard]] Frame frame(const Buffers& buffers) const;

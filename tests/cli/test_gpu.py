@@ -45,7 +45,9 @@ class Devices(CliTest):
         self.assertRegex(lines[0], r"^device +name +description$")
         self.assertRegex(lines[1], r"^cpu +CPU +\d+ thread")
         for index, line in enumerate(lines[2:]):
-            self.assertRegex(line, rf"^{index} +\S.*Vulkan \d.*storage buffers to .*subgroups of \d+")
+            self.assertRegex(line, rf"^{index} +\S.*Vulkan \d.*storage buffers to .*subgroups of \d+.* make cells.*, measured in ")
+        for line, device in zip(lines[1:], self.json("--list-devices")):
+            self.assertEqual(line.split(), " ".join(device[key] for key in lines[0].split()).split())
         self.assertTrue(self.has_lavapipe(), "the tests need Mesa's lavapipe")
 
     def test_no_driver(self):

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "gpu/frames/frame.hpp"
+#include "gpu/passes/kernel_choice.hpp"
 #include "input/options.hpp"
 
 namespace votess::vulkan {
@@ -157,6 +158,11 @@ const BufferSizes& Plan::sizes() const noexcept {
 
 const PlanOptions& Plan::options() const noexcept {
     return state_->options;
+}
+
+std::string Plan::kernel() const {
+    const gpu::PassSettings& settings = state_->passes->settings;
+    return gpu::kernel_text(state_->device->adapter(), settings.subgroup_size, settings.measure_float64);
 }
 
 Frame Plan::frame(const Buffers& buffers) const {

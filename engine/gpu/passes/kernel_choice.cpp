@@ -109,6 +109,19 @@ Kernel kernel_from_environment() {
                 "VOTESS_VULKAN_KERNEL is '" + std::string(word) + "': give automatic, invocation or subgroup");
 }
 
+std::string kernel_text(const vulkan::Adapter& adapter, std::uint32_t subgroup_size, bool measure_float64) {
+    std::string text = "subgroups of " + std::to_string(subgroup_size) + " make cells";
+    if (subgroup_size == 0) {
+        const std::string missing = missing_for_subgroups(adapter);
+        text = "invocations make cells";
+        if (!missing.empty())
+            text += ", as it lacks " + missing;
+        else if (adapter.software())
+            text += ", which is faster on a CPU";
+    }
+    return text + ", measured in " + (measure_float64 ? "float64" : "sums of two float32");
+}
+
 std::uint32_t local_size_from_environment() {
     const std::string_view word = environment("VOTESS_VULKAN_LOCAL_SIZE");
     if (word.empty()) return 0;

@@ -40,6 +40,10 @@ enum class Measure {
 // "float64" or "float32". Throws `invalid_argument`.
 [[nodiscard]] Measure measure_from_environment();
 
+// Returns the choice in words: "subgroups of 32 make cells, measured in float64".
+[[nodiscard]] std::string kernel_text(const vulkan::Adapter& adapter, std::uint32_t subgroup_size,
+                                      bool measure_float64);
+
 // Returns VOTESS_VULKAN_LOCAL_SIZE of the environment, for measurements: invocations of a work-group, a power of two up
 // to 1024. 0 when it is not set. Throws `invalid_argument`.
 [[nodiscard]] std::uint32_t local_size_from_environment();

@@ -429,6 +429,7 @@ TEST_SUITE("cases") {
         if (host.gpu.adapter.limits.maxStorageBufferRange < 4 * VkDeviceSize{options.most_entries})
             CHECK(test::error_of([&] { Plan(host.device(), options); }) == votess::ErrorCode::unsupported);
         const Plan plan = host.plan(good);
+        CHECK(plan.kernel().find(" make cells") != std::string::npos);
         CHECK(refused([&] { Frame().record(VK_NULL_HANDLE, {}); }));
         CHECK(refused([&] { static_cast<void>(plan.frame({})); }));
         CHECK(said == "the buffer of workspace is null");

@@ -167,7 +167,7 @@ TEST_SUITE("stages") {
         Reader reader;
         const auto run = filled<RunState>();
         const Words run_words = words_of(run.lossy, run.suspects, run.duplicates, run.incomplete, run.weight_exponent,
-                                         run.lossy_weights, run.heaviest);
+                                         run.lossy_weights, run.heaviest, run.present, run.unused);
         CHECK(sizeof run == 4 * run_words.size());
         CHECK(reader.buffer(shaders::test_layout_run, push_bytes(run)) == run_words);
         const auto chunk = filled<ChunkState>();
