@@ -11,7 +11,7 @@
 //
 // Contract of record(): it does not allocate (in Vulkan or on the heap), submit, wait or access files. The commands are
 // for a queue family with compute, outside a render pass. They change the bound compute pipeline, compute descriptor
-// set 0 and push constants, but no graphics state.
+// set 0 and push constants, but no graphics state. Descriptor buffers (VK_EXT_descriptor_buffer) must be bound again.
 //
 // volk.h may be included before or after this header. A program that uses the prototypes of vulkan.h includes that
 // first.

@@ -148,7 +148,9 @@ PassSettings usual_settings(const Device& device, std::uint32_t k) {
     constexpr std::uint32_t software_walk = 512, usual_walk = 2000, usual_subgroup = 40000, usual_again = 400000;
     PassSettings s;
     s.k = k == 0 ? usual_k : k;
-    s.subgroup_size = choose_subgroup_size(device.adapter(), kernel_from_environment());
+    const Kernel kernel = kernel_from_environment();
+    s.subgroup_size = choose_subgroup_size(device.adapter(), kernel);
+    s.on_cpu = device.adapter().software() && kernel == Kernel::automatic;
     s.measure_float64 = measures_in_float64(device.adapter(), device.has_float64(), measure_from_environment());
     if (k != 0) s.first_count = std::min(k, max_first_count);
     // A chunk waits for its slowest cell. Where the device is the CPU, its own clipper is faster at long walks.

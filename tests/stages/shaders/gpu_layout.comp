@@ -167,6 +167,8 @@ void main() {
     put(state.weight_exponent);
     put(state.lossy_weights);
     put(state.heaviest);
+    put(state.present);
+    put(state.unused);
 #elif defined(CHUNK)
     put(state.todo_count);
     put(state.groups_x);
