@@ -16,9 +16,10 @@ from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
 from .alpha import AlphaComplex, make_alpha
+from .derivatives import make_derivatives
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
-from .pairs import Pairs, make_derivatives, make_pairs
+from .pairs import Pairs, make_pairs
 from .pieces import Pieces, make_pieces
 from .stats import VerifyReport, verify
 from .zones import Zones, read_zones

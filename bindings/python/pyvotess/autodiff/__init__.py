@@ -1,0 +1,144 @@
+"""Derivatives of volumes, centroids and areas by points and weights, for reverse-mode differentiation.
+
+On NumPy arrays here; :mod:`pyvotess.autodiff.jax` and :mod:`pyvotess.autodiff.torch` wrap it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
+
+import numpy as np
+
+from .._input import as_float64_or_float32
+from .._motion import blocks, motion_of
+from ..tessellator import tessellate
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from ..tessellation import Tessellation
+
+    Float64Array = npt.NDArray[np.float64]
+
+__all__ = ["Gradients", "Measures", "forward", "vjp"]
+
+_WANT = "volumes,centroids,areas,faces"
+
+
+class Gradients(NamedTuple):
+    """The derivatives of a number by the points and weights."""
+
+    points: Float64Array  #: (N, 3) float64, in the plane (N, 2)
+    weights: Float64Array  #: (N,) float64; in a Voronoi diagram all weights are 0
+
+
+class Measures(NamedTuple):
+    """The arrays of a package for N cells, with those of their rows, see :class:`pyvotess.Rows`."""
+
+    volumes: Any  #: (N,)
+    centroids: Any  #: (N, 3), in the plane (N, 2); NaN for a seed without a cell
+    status: Any  #: (N,) int32
+    areas: Any  #: one for each entry of ``adjacency``
+    adjacency: Any  #: (offsets[N],) int32
+    offsets: Any  #: (N + 1,) int32
+
+
+def forward(points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None, **options: Any) -> Tessellation:
+    """Returns the cells with the arrays that :func:`vjp` reads: volumes, centroids, areas and faces.
+
+    ``options`` are those of :func:`pyvotess.tessellate`. ``box`` or ``cell`` is needed, because the default box and "hull"
+    move with the points. ``precision`` is "double" by default.
+    """
+    if options.get("cell") is None and (options.get("box") is None or isinstance(options["box"], str)):
+        raise ValueError(f"box is {options.get('box')!r}, which has no fixed ends: give box or cell as numbers")
+    for name in ("radii", "want"):
+        if name in options:
+            instead = "weights, the squares of the radii" if name == "radii" else "want to tessellate(), then call vjp()"
+            raise ValueError(f"{name} is not an option of derivatives: give {instead}")
+    options.setdefault("precision", "double")
+    return tessellate(points, weights=weights, want=_WANT, **options)
+
+
+def _cotangent(values: Any, name: str, array: Float64Array) -> Float64Array:
+    given = as_float64_or_float32(values, name)
+    if given.shape != array.shape:
+        raise ValueError(f"{name} has shape {given.shape}: it must be {array.shape}, that of the array of the result")
+    return given.astype(np.float64, copy=False)
+
+
+def vjp(
+    t: Tessellation,
+    volumes: Optional[npt.ArrayLike] = None,
+    centroids: Optional[npt.ArrayLike] = None,
+    areas: Optional[npt.ArrayLike] = None,
+) -> Gradients:
+    """Returns the product of the derivatives of ``t`` with vectors, from the left.
+
+    This is the gradient of ``(volumes * t.volumes).sum() + (centroids * t.centroids).sum() + (areas * t.areas).sum()``.
+
+    Parameters
+    ----------
+    t : from :func:`forward`, or any result with "faces" in want, and "volumes,centroids" for centroids.
+    volumes : (N,) the derivatives of a number by ``t.volumes``. Default: 0.
+    centroids : (N, 3) those by ``t.centroids``; ignored where a seed has no cell. In the plane (N, 2).
+    areas : those by ``t.areas``, one for each entry of ``t.neighbors.indices``.
+
+    The derivatives are in closed form. Walls and the vectors of a periodic domain are fixed. Where more cells meet than
+    in general position, as in a lattice, areas have no derivative; those of the present polygons are returned.
+
+    Raises ValueError for other shapes, with ``only`` or ``min_face``, and where cells reach infinity; AttributeError for
+    arrays that are missing in ``t``, as in a mesh.
+    """
+    t._check_whole()
+    t._require_end("vjp()")
+    t._require_whole_faces("vjp()")
+    places = t.wrapped_points
+    motion = motion_of(t, places)
+    of_volumes = None if volumes is None else _cotangent(volumes, "volumes", t.volumes)
+    of_areas = None if areas is None else _cotangent(areas, "areas", t.faces.indptr[:-1])
+    slopes = middles = None
+    if centroids is not None:
+        has_cell = t.volumes > 0
+        slopes = _cotangent(centroids, "centroids", t.centroids) / np.where(has_cell, t.volumes, 1)[:, None]
+        middles = np.where(has_cell[:, None], t.centroids - places, 0)
+
+    # The integral over each face of a field, and of the field times the place: dot products with the motion need no more.
+    field = np.zeros(len(motion.i))
+    moment = np.zeros_like(motion.vector)
+    for block in blocks(t, places):
+        faces = slice(block.first, block.first + len(block.cell))
+        if of_volumes is not None:
+            value = of_volumes[block.cell] * block.size
+            field[faces] += value
+            moment[faces] += value[:, None] * block.centroid()
+        if slopes is not None and middles is not None:
+            # d(h.c) is the integral of h.(y - c) / V times the motion. It is linear on each simplex.
+            cell = block.cell[block.face]
+            slope = slopes[cell]
+            values = [np.einsum("sk,sk->s", slope, corner - middles[cell]) for corner in block.corners]
+            count = len(values)
+            total = sum(values)
+            field[faces] += block.sums(block.parts * total / count)
+            product = sum(value[:, None] * corner for value, corner in zip(values, block.corners))
+            product += total[:, None] * sum(block.corners)
+            moment[faces] += block.sums((block.parts / (count * (count + 1)))[:, None] * product)
+        if of_areas is not None:
+            given = of_areas[faces]
+            for row, face, at, much in block.rims():
+                value = given[row] * much
+                field[faces] += np.bincount(face, value, len(given))
+                for axis in range(at.shape[1]):
+                    moment[faces, axis] += np.bincount(face, value * at[:, axis], len(given))
+
+    field *= motion.per_distance
+    moment *= motion.per_distance[:, None]
+    is_seed = motion.j >= 0
+    count = len(t)
+
+    def gathered(of_cell: Float64Array, of_neighbor: Float64Array) -> Float64Array:
+        """Returns (N,) sums over the faces of cells and of their neighbors."""
+        return np.bincount(motion.i, of_cell, count) + np.bincount(motion.j[is_seed], of_neighbor[is_seed], count)
+
+    pushed = field[:, None] * motion.vector - moment
+    by_points = [gathered(moment[:, axis], pushed[:, axis]) for axis in range(moment.shape[1])]
+    return Gradients(np.stack(by_points, axis=1), gathered(0.5 * field, -0.5 * field))
