@@ -36,7 +36,7 @@ def as_array(values: Any, name: str) -> npt.NDArray[Any]:
         raise ValueError(f"{name} is in memory of a device, type {memory} of DLPack: copy it to the CPU")
     try:
         return np.from_dlpack(values)
-    except (BufferError, RuntimeError) as error:
+    except (AttributeError, BufferError, RuntimeError) as error:  # NumPy before 1.23 has no from_dlpack
         raise ValueError(f"{name} cannot be read by DLPack: {error}") from error
 
 

@@ -21,6 +21,25 @@ if TYPE_CHECKING:
 _CORNERS = 20_000  # of the faces in a block, so that its arrays stay in the cache
 
 
+def dot(a: Float64Array, b: Float64Array) -> Float64Array:
+    """Returns the dot products of the columns."""
+    return np.einsum("ks,ks->s", a, b)
+
+
+def _cross(a: Float64Array, b: Float64Array) -> Float64Array:
+    (ax, ay, az), (bx, by, bz) = a, b
+    return np.stack((ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx))
+
+
+def _length(a: Float64Array) -> Float64Array:
+    return np.sqrt(dot(a, a))
+
+
+def _ratio(a: Float64Array, b: Float64Array) -> Float64Array:
+    """Returns a / b, and 0 unless b is positive."""
+    return np.divide(a, b, out=np.zeros_like(a), where=b > 0)
+
+
 @dataclass(frozen=True)
 class Motion:
     """The motion of P faces, one for each entry of the rows. Walls do not move.
@@ -32,7 +51,7 @@ class Motion:
 
     i: Int64Array  # (P,) the cell
     j: Int32Array  # (P,) the neighbor, negative for a wall
-    vector: Float64Array  # (P, 3), 0 for a wall
+    vector: Float64Array  # (3, P), 0 for a wall; in the plane (2, P), as all vectors here
     per_distance: Float64Array  # (P,) 1 / d, 0 for a wall
 
 
@@ -42,72 +61,78 @@ def motion_of(t: SeedCells, places: Float64Array) -> Motion:
     i = np.repeat(np.arange(len(t)), np.diff(rows.indptr))
     j = rows.indices
     is_seed = j >= 0
-    vector = places[np.where(is_seed, j, i)] - places[i]
+    points = np.ascontiguousarray(places.T)
+    vector = points.take(np.where(is_seed, j, i), axis=1) - points.take(i, axis=1)
     if t.shifts is not None:
-        vector += np.where(is_seed[:, None], t.shifts @ edges_of(t), 0)
-    distance = np.sqrt(np.einsum("pk,pk->p", vector, vector))
-    return Motion(i, j, vector, np.divide(1, distance, out=np.zeros(len(i)), where=is_seed))
+        vector += edges_of(t).T @ np.where(is_seed, t.shifts.T, 0.0)
+    distance = _length(vector)
+    return Motion(i, j, vector, _ratio(np.ones(len(i)), distance))
 
 
-#: Terms of derivatives: a face or cell whose measure changes by `much` times the motion of a face at a point, relative
-#: to the seed.
+#: Terms of derivatives: the measure of a row changes by `much` times the motion of a face at a point, relative to the
+#: seed. The arrays are row, face, point and much.
 Terms = Tuple["Int64Array", "Int64Array", "Float64Array", "Float64Array"]
 
 
 @dataclass(frozen=True)
 class Polygons:
-    """F faces of whole cells, from ``first`` on, cut into S simplices: fans of triangles, in the plane one segment each.
+    """F faces of whole cells, and S simplices that fill them: fans of triangles, in the plane one segment for each.
 
     Coordinates are relative to the seed of the cell.
     """
 
-    first: int
+    first: int  # the entry of the rows of the first face
     cell: Int64Array  # (F,)
-    face: Int64Array  # (S,) from 0, the face of each simplex
+    face: Int64Array  # (S,) the face of each simplex, from 0 on
     starts: Int64Array  # (F,) the first simplex of each face
-    corners: Tuple[Float64Array, ...]  # three, in the plane two, (S, 3); the last two are the ends of an edge of the face
-    ids: Tuple[Int32Array, Int32Array]  # two (S,) vertices: the ends of that edge
-    parts: Float64Array  # (S,) sizes of simplices, which sum to those of the faces
+    corners: Tuple[Float64Array, ...]  # three, in the plane two, of the simplices, each (3, S)
+    parts: Float64Array  # (S,) sizes of simplices
     size: Float64Array  # (F,)
-    normal: Float64Array  # (F, 3)
+    normal: Float64Array  # (3, F)
+    indptr: Int64Array  # (F + 1,) the corners of face k are indptr[k] to indptr[k + 1] of the following
+    ids: Int32Array  # vertices
+    position: Float64Array  # (3, indptr[F])
 
     def sums(self, values: Float64Array) -> Float64Array:
         """Returns the sums over the simplices of each face."""
-        return np.add.reduceat(values, self.starts) if len(values) else values
+        if len(self.starts) == values.shape[-1]:
+            return values
+        sums: Float64Array = np.add.reduceat(values, self.starts, axis=-1)
+        return sums
 
-    def centroid(self) -> Float64Array:
-        """Returns the (F, 3) centroids of the faces."""
-        middle = sum(self.corners) / len(self.corners)
-        return self.sums(self.parts[:, None] * middle) / np.where(self.size > 0, self.size, 1)[:, None]
+    def centroids(self) -> Float64Array:
+        """Returns the (3, F) centroids of the faces."""
+        return self.sums(self.parts / len(self.corners) * sum(self.corners)) / np.where(self.size > 0, self.size, 1)
 
     def rims(self) -> Iterator[Terms]:
-        """Yields the derivatives of the sizes of the faces, as terms of motions of faces at points.
+        """Yields terms of the derivatives of the sizes of the faces.
 
         The change of an area is the integral of the motion of its edges along their outward normals m in the face:
-        (motion of the other face - n.n' motion of this face) / m.n'. In the plane the ends of the face move.
+        (motion of the other face - n.n' motion of this face) / m.n'. In the plane the two ends of the face move.
         """
-        begin, end = self.corners[-2:]
-        a, b = (ids.astype(np.int64) for ids in self.ids)
+        face = np.repeat(np.arange(len(self.size)), np.diff(self.indptr))
+        normal = self.normal.take(face, axis=1)
+        entry = np.arange(len(face))
         if len(self.corners) == 3:
-            face, key = self.face, np.minimum(a, b) * (1 + max(a.max(initial=0), b.max(initial=0))) + np.maximum(a, b)
-            edge, at = end - begin, 0.5 * (begin + end)
-            outward = np.cross(edge, self.normal[face])  # with the length of the edge
-            squared = np.einsum("ek,ek->e", edge, edge)
+            after = entry + 1
+            after[self.indptr[1:] - 1] = self.indptr[:-1]
+            a, b = self.ids.astype(np.int64), self.ids[after].astype(np.int64)
+            key = np.minimum(a, b) << 32 | np.maximum(a, b)
+            begin, end = self.position, self.position.take(after, axis=1)
+            at, edge = 0.5 * (begin + end), end - begin
+            outward, squared = _cross(edge, normal), dot(edge, edge)  # both with the length of the edge
         else:
-            face, key = np.tile(self.face, 2), np.concatenate((a, b))
-            at = np.concatenate((begin, end))
-            outward = np.stack((-self.normal[:, 1], self.normal[:, 0]), 1)  # counterclockwise
-            outward = np.concatenate((-outward, outward))
-            squared = np.ones(len(face))
-        # An edge of a cell is on two faces. The sort is stable, and faces ascend by cell: both are side by side.
-        order = np.lexsort((self.cell[face], key))
+            key, at = self.ids, self.position
+            tangent = np.stack((-normal[1], normal[0]))  # counterclockwise
+            outward, squared = np.where(entry % 2, tangent, -tangent), np.ones(len(face))
+        # Two faces of a cell have the edge. Faces ascend by cell and the sort is stable, so they are side by side.
+        order = np.argsort(key, kind="stable")
         other = np.empty(len(order), np.int64)
         other[order[0::2]], other[order[1::2]] = face[order[1::2]], face[order[0::2]]
-        cosine = np.einsum("ek,ek->e", self.normal[face], self.normal[other])
-        sine = np.einsum("ek,ek->e", outward, self.normal[other])
-        much = np.divide(squared, sine, out=np.zeros(len(sine)), where=sine > 0)
+        normal_of_other = self.normal.take(other, axis=1)
+        much = _ratio(squared, dot(outward, normal_of_other))
         yield face, other, at, much
-        yield face, face, at, -cosine * much
+        yield face, face, at, -dot(normal, normal_of_other) * much
 
 
 def polygons(t: SeedCells, places: Float64Array, first: int, last: int) -> Polygons:
@@ -117,27 +142,23 @@ def polygons(t: SeedCells, places: Float64Array, first: int, last: int) -> Polyg
     indptr = faces.indptr[begin : end + 1] - faces.indptr[begin]
     ids = faces.indices[faces.indptr[begin] : faces.indptr[end]]
     cell = np.repeat(np.arange(first, last), np.diff(rows.indptr[first : last + 1]))
-    count = np.diff(indptr)
-    place = places[np.repeat(cell, count)]
-    position = t.vertices[ids] - place
+    position = (t.vertices.take(ids, axis=0) - places.take(np.repeat(cell, np.diff(indptr)), axis=0)).T.copy()
+    each = np.arange(len(cell))
     if t.planar:
-        a, b = position[0::2], position[1::2]
+        a, b = position[:, 0::2], position[:, 1::2]
         edge = b - a
-        size = np.sqrt(np.einsum("fk,fk->f", edge, edge))
-        normal = np.stack((edge[:, 1], -edge[:, 0]), 1) / np.where(size > 0, size, 1)[:, None]
-        each = np.arange(len(count))
-        return Polygons(begin, cell, each, each, (a, b), (ids[0::2], ids[1::2]), size, size, normal)
-    face = np.repeat(np.arange(len(count)), count)
-    entry = np.arange(len(ids))
-    start = np.repeat(indptr[:-1], count)
-    after = np.where(entry + 1 < np.repeat(indptr[1:], count), entry + 1, start)
-    corners = position[start], position, position[after]
-    part = 0.5 * np.cross(corners[1] - corners[0], corners[2] - corners[0])  # area vectors
-    area = np.add.reduceat(part, indptr[:-1]) if len(count) else np.zeros((0, 3))
-    size = np.sqrt(np.einsum("fk,fk->f", area, area))
-    normal = area / np.where(size > 0, size, 1)[:, None]
-    parts = np.einsum("sk,sk->s", part, normal[face])
-    return Polygons(begin, cell, face, indptr[:-1], corners, (ids, ids[after]), parts, size, normal)
+        size = _length(edge)
+        normal = np.stack((edge[1], -edge[0])) / np.where(size > 0, size, 1)
+        return Polygons(begin, cell, each, each, (a, b), size, size, normal, indptr, ids, position)
+    face = np.repeat(each, np.diff(indptr) - 2)
+    middle = np.arange(len(face)) + 2 * face + 1  # the second corner of each triangle
+    corners = tuple(position.take(entry, axis=1) for entry in (indptr[face], middle, middle + 1))
+    part = 0.5 * _cross(corners[1] - corners[0], corners[2] - corners[0])  # area vectors
+    starts = indptr[:-1] - 2 * each
+    area = np.add.reduceat(part, starts, axis=1) if len(cell) else np.zeros((3, 0))
+    size = _length(area)
+    normal = area / np.where(size > 0, size, 1)
+    return Polygons(begin, cell, face, starts, corners, dot(part, normal.take(face, axis=1)), size, normal, indptr, ids, position)
 
 
 def blocks(t: SeedCells, places: Float64Array) -> Iterator[Polygons]:

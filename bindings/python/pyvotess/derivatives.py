@@ -35,7 +35,7 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
         entry = (np.concatenate((value, -value)), (np.tile(cell, 2), np.concatenate((cell, neighbor))))
         return coo_matrix(entry, shape=(len(t), len(t))).tocsr()
     faces = polygons(t, places, 0, len(t))
-    terms = [(i, np.arange(len(i)), faces.centroid(), faces.size)] if of == "volumes" else faces.rims()
+    terms = [(i, np.arange(len(i)), faces.centroids(), faces.size)] if of == "volumes" else faces.rims()
     entries = []  # row, seed, value: a number for weights, a vector for points
     for row, face, at, much in terms:
         scale = much * motion.per_distance[face]
@@ -43,8 +43,8 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
             entries.append((row, i[face], 0.5 * scale))
             entries.append((row, j[face], -0.5 * scale))
         else:
-            entries.append((row, i[face], scale[:, None] * at))
-            entries.append((row, j[face], scale[:, None] * (motion.vector[face] - at)))
+            entries.append((row, i[face], (scale * at).T))
+            entries.append((row, j[face], (scale * (motion.vector[:, face] - at)).T))
 
     row, seed, value = (np.concatenate(parts) for parts in zip(*entries))
     kept = seed >= 0

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from .._input import as_float64_or_float32
-from .._motion import blocks, motion_of
+from .._motion import blocks, dot, motion_of
 from ..tessellator import tessellate
 
 if TYPE_CHECKING:
@@ -99,8 +99,8 @@ def vjp(
     slopes = middles = None
     if centroids is not None:
         has_cell = t.volumes > 0
-        slopes = _cotangent(centroids, "centroids", t.centroids) / np.where(has_cell, t.volumes, 1)[:, None]
-        middles = np.where(has_cell[:, None], t.centroids - places, 0)
+        slopes = (_cotangent(centroids, "centroids", t.centroids) / np.where(has_cell, t.volumes, 1)[:, None]).T
+        middles = np.where(has_cell[:, None], t.centroids - places, 0).T
 
     # The integral over each face of a field, and of the field times the place: dot products with the motion need no more.
     field = np.zeros(len(motion.i))
@@ -110,35 +110,33 @@ def vjp(
         if of_volumes is not None:
             value = of_volumes[block.cell] * block.size
             field[faces] += value
-            moment[faces] += value[:, None] * block.centroid()
+            moment[:, faces] += value * block.centroids()
         if slopes is not None and middles is not None:
-            # d(h.c) is the integral of h.(y - c) / V times the motion. It is linear on each simplex.
+            # d(h.c) is the integral of h.(y - c) / V times the motion. That is linear on each simplex.
             cell = block.cell[block.face]
-            slope = slopes[cell]
-            values = [np.einsum("sk,sk->s", slope, corner - middles[cell]) for corner in block.corners]
-            count = len(values)
-            total = sum(values)
+            slope = slopes.take(cell, axis=1)
+            middle = dot(slope, middles.take(cell, axis=1))
+            values = [dot(slope, corner) - middle for corner in block.corners]
+            count, total = len(values), sum(values)
             field[faces] += block.sums(block.parts * total / count)
-            product = sum(value[:, None] * corner for value, corner in zip(values, block.corners))
-            product += total[:, None] * sum(block.corners)
-            moment[faces] += block.sums((block.parts / (count * (count + 1)))[:, None] * product)
+            product = sum((value + total) * corner for value, corner in zip(values, block.corners))
+            moment[:, faces] += block.sums(block.parts / (count * (count + 1)) * product)
         if of_areas is not None:
             given = of_areas[faces]
             for row, face, at, much in block.rims():
                 value = given[row] * much
                 field[faces] += np.bincount(face, value, len(given))
-                for axis in range(at.shape[1]):
-                    moment[faces, axis] += np.bincount(face, value * at[:, axis], len(given))
+                for axis, place in enumerate(at):
+                    moment[axis, faces] += np.bincount(face, value * place, len(given))
 
     field *= motion.per_distance
-    moment *= motion.per_distance[:, None]
+    moment *= motion.per_distance
     is_seed = motion.j >= 0
-    count = len(t)
 
     def gathered(of_cell: Float64Array, of_neighbor: Float64Array) -> Float64Array:
         """Returns (N,) sums over the faces of cells and of their neighbors."""
+        count = len(t)
         return np.bincount(motion.i, of_cell, count) + np.bincount(motion.j[is_seed], of_neighbor[is_seed], count)
 
-    pushed = field[:, None] * motion.vector - moment
-    by_points = [gathered(moment[:, axis], pushed[:, axis]) for axis in range(moment.shape[1])]
+    by_points = [gathered(*pushed) for pushed in zip(moment, field * motion.vector - moment)]
     return Gradients(np.stack(by_points, axis=1), gathered(0.5 * field, -0.5 * field))

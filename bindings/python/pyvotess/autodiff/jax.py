@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+import pickle
 from typing import Any, List, Optional, Tuple
 
 import jax
@@ -13,84 +15,91 @@ from . import Measures, forward, vjp
 
 __all__ = ["tessellate"]
 
-_PADDING = np.iinfo(np.int32).min
+_PADDING = np.iinfo(np.int32).min  # of adjacency
+_KEPT = 8  # sets of options whose last cells are kept
 
 
-def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = None, **options: Any) -> Measures:
-    """Returns the measures of the cells as JAX arrays, of the type of ``points``.
+class _Cells:
+    """The cells with fixed options, as a function that JAX differentiates. JAX compiles it once for each shape."""
 
-    points, weights : as for :func:`pyvotess.autodiff.forward`. Integers are not differentiable and refused.
-    max_rows : the length of ``areas`` and ``adjacency``, at least the number of entries of all rows. What follows the
-        entries is padding: areas 0 and the smallest int32. Default: both, and ``offsets``, are None, because JAX needs
-        their length before it runs.
-    options : as for :func:`pyvotess.autodiff.forward`.
+    def __init__(self, options: bytes, max_rows: Optional[int]) -> None:
+        self.options = pickle.loads(options)
+        self.max_rows = max_rows
+        self.last: List[Any] = []  # points, weights and their cells: derivatives follow the cells
+        self.call = jax.custom_vjp(self._call)
+        self.call.defvjp(self._forward, self._backward)
 
-    The cells are made on the host by ``jax.pure_callback``. ``jax.vmap`` makes them one after another.
-    """
-    points = jnp.asarray(points)
-    weights = None if weights is None else jnp.asarray(weights)
-    for name, array in (("points", points), ("weights", weights)):
-        if array is not None and not jnp.issubdtype(array.dtype, jnp.floating):
-            raise ValueError(f"{name} has dtype {array.dtype}: give float64 or float32")
-    kept: List[Any] = []  # the inputs and cells of the last call: derivatives follow it
+    def _call(self, points: Any, weights: Any) -> Any:
+        return jax.pure_callback(self._measure, self._shapes(points), points, weights, vmap_method="sequential")
 
-    def cells(*inputs: Any) -> Tessellation:
-        arrays = [None if array is None else np.array(array) for array in inputs]
-        if not kept or not all(np.array_equal(a, b) for a, b in zip(arrays, kept[0])):
-            kept[:] = arrays, forward(*arrays, **options)
-        found: Tessellation = kept[1]
-        return found
+    def _forward(self, points: Any, weights: Any) -> Any:
+        return self.call(points, weights), (points, weights)
 
-    def padded(values: Any, padding: Any) -> Any:
-        if max_rows is None:
-            return None
-        if len(values) > max_rows:
-            raise ValueError(f"max_rows is {max_rows}, but the rows have {len(values)} entries: give a larger one")
-        return np.concatenate((values, np.full(max_rows - len(values), padding, values.dtype)))
+    def _backward(self, inputs: Any, given: Measures) -> Any:
+        like = tuple(None if array is None else jax.ShapeDtypeStruct(array.shape, array.dtype) for array in inputs)
+        cotangents = given.volumes, given.centroids, given.areas
+        return jax.pure_callback(self._differentiate, like, *inputs, *cotangents, vmap_method="sequential")
 
-    def measure(points: Any, weights: Any) -> Measures:
-        t, dtype = cells(points, weights), points.dtype
-        rows = t.rows()
-        return Measures(
-            volumes=t.volumes.astype(dtype),
-            centroids=t.centroids.astype(dtype),
-            status=rows.status,
-            areas=padded(t.areas.astype(dtype), 0) if max_rows is not None else None,
-            adjacency=padded(rows.adjacency, _PADDING),
-            offsets=None if max_rows is None else rows.offsets,
-        )
-
-    def differentiate(points: Any, weights: Any, volumes: Any, centroids: Any, areas: Any) -> Tuple[Any, Any]:
-        t = cells(points, weights)
-        found = vjp(t, volumes, centroids, None if areas is None else np.asarray(areas)[: len(t.areas)])
-        return found.points.astype(points.dtype), None if weights is None else found.weights.astype(weights.dtype)
-
-    def shapes(points: Any) -> Measures:
-        count = len(points)
-
+    def _shapes(self, points: Any) -> Measures:
         def real(*shape: int) -> Any:
             return jax.ShapeDtypeStruct(shape, points.dtype)
 
         def integer(length: int) -> Any:
             return jax.ShapeDtypeStruct((length,), np.int32)
 
+        count, rows = len(points), self.max_rows
         each = Measures(real(count), real(*points.shape), integer(count), None, None, None)
-        if max_rows is None:
+        return each if rows is None else each._replace(areas=real(rows), adjacency=integer(rows), offsets=integer(count + 1))
+
+    # On the host:
+
+    def _cells(self, *inputs: Any) -> Tessellation:
+        arrays = [None if array is None else np.array(array) for array in inputs]  # the memory is JAX's for the call
+        last = self.last
+        if not last or not all(np.array_equal(a, b) for a, b in zip(arrays, last[0])):
+            self.last = last = [arrays, forward(*arrays, **self.options)]
+        t: Tessellation = last[1]
+        return t
+
+    def _measure(self, points: Any, weights: Any) -> Measures:
+        t, dtype, length = self._cells(points, weights), points.dtype, self.max_rows
+        rows = t.rows()
+        each = Measures(t.volumes.astype(dtype), t.centroids.astype(dtype), rows.status, None, None, None)
+        if length is None:
             return each
-        return each._replace(areas=real(max_rows), adjacency=integer(max_rows), offsets=integer(count + 1))
+        padding = length - len(t.areas)
+        if padding < 0:
+            raise ValueError(f"max_rows is {length}, but the rows have {len(t.areas)} entries: give a larger one")
+        areas = np.pad(t.areas.astype(dtype), (0, padding))
+        adjacency = np.pad(rows.adjacency, (0, padding), constant_values=_PADDING)
+        return each._replace(areas=areas, adjacency=adjacency, offsets=rows.offsets)
 
-    @jax.custom_vjp
-    def call(points: Any, weights: Any) -> Any:
-        return jax.pure_callback(measure, shapes(points), points, weights, vmap_method="sequential")
+    def _differentiate(self, points: Any, weights: Any, volumes: Any, centroids: Any, areas: Any) -> Tuple[Any, Any]:
+        t = self._cells(points, weights)
+        found = vjp(t, volumes, centroids, None if areas is None else np.asarray(areas)[: len(t.areas)])
+        return found.points.astype(points.dtype), None if weights is None else found.weights.astype(weights.dtype)
 
-    def call_forward(points: Any, weights: Any) -> Any:
-        return call(points, weights), (points, weights)
 
-    def call_backward(inputs: Any, given: Measures) -> Any:
-        like = tuple(None if array is None else jax.ShapeDtypeStruct(array.shape, array.dtype) for array in inputs)
-        cotangents = given.volumes, given.centroids, given.areas
-        return jax.pure_callback(differentiate, like, *inputs, *cotangents, vmap_method="sequential")
+_cells_of = functools.lru_cache(_KEPT)(_Cells)
 
-    call.defvjp(call_forward, call_backward)
-    found: Measures = call(points, weights)
+
+def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = None, **options: Any) -> Measures:
+    """Returns the measures of the cells as JAX arrays, of the type of ``points``.
+
+    points, weights : as for :func:`pyvotess.autodiff.forward`, arrays of float64 or float32.
+    max_rows : the length of ``areas`` and ``adjacency``, at least the number of entries of all rows. Padding follows
+        the entries: areas 0, and the smallest int32. Default: ``areas``, ``adjacency`` and ``offsets`` are None, because
+        JAX needs their length before the run.
+    options : as for :func:`pyvotess.autodiff.forward`. They are constants.
+
+    ``jax.pure_callback`` makes the cells on the host, for ``jax.vmap`` one set after another. Errors are those of JAX
+    with the message of votess. The last cells stay in memory. Wait for results before the program ends, as by
+    ``block_until_ready()``: JAX may crash in a callback then.
+    """
+    points = jnp.asarray(points)
+    weights = None if weights is None else jnp.asarray(weights)
+    for name, array in (("points", points), ("weights", weights)):
+        if array is not None and not jnp.issubdtype(array.dtype, jnp.floating):
+            raise ValueError(f"{name} has dtype {array.dtype}: give float64 or float32")
+    found: Measures = _cells_of(pickle.dumps(options), max_rows).call(points, weights)
     return found

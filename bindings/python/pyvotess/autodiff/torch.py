@@ -21,8 +21,8 @@ def _tensor(array: Any, like: Any = None) -> Any:
 class _Cells(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, points: Any, weights: Any, options: Any) -> Any:
-        ctx.inputs = inputs = points.detach(), None if weights is None else weights.detach()
-        ctx.t = t = forward(*inputs, **options)
+        ctx.save_for_backward(points, weights)  # then autograd refuses points that change before backward()
+        ctx.t = t = forward(points.detach(), None if weights is None else weights.detach(), **options)
         rows = t.rows()
         of_rows = tuple(_tensor(array) for array in (rows.status, rows.adjacency, rows.offsets))
         ctx.mark_non_differentiable(*of_rows)
@@ -32,7 +32,7 @@ class _Cells(torch.autograd.Function):
     @once_differentiable
     def backward(ctx: Any, volumes: Any, centroids: Any, areas: Any, *of_rows: Any) -> Any:
         found = vjp(ctx.t, volumes, centroids, areas)
-        points, weights = ctx.inputs
+        points, weights = ctx.saved_tensors
         return _tensor(found.points, points), None if weights is None else _tensor(found.weights, weights), None
 
 
@@ -44,5 +44,11 @@ def tessellate(points: Any, weights: Any = None, **options: Any) -> Measures:
 
     There are no second derivatives.
     """
+    for name, tensor in (("points", points), ("weights", weights)):
+        if tensor is not None and not (torch.is_tensor(tensor) and tensor.is_floating_point()):
+            kind = tensor.dtype if torch.is_tensor(tensor) else type(tensor).__name__
+            raise ValueError(f"{name} is {kind}: give a tensor of float64 or float32")
+        if tensor is not None and tensor.device.type != "cpu":
+            raise ValueError(f"{name} is on {tensor.device}: give {name}.cpu()")
     volumes, centroids, areas, status, adjacency, offsets = _Cells.apply(points, weights, options)
     return Measures(volumes, centroids, status, areas, adjacency, offsets)
