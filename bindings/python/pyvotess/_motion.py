@@ -23,7 +23,8 @@ _CORNERS = 20_000  # of the faces in a block, so that its arrays stay in the cac
 
 def dot(a: Float64Array, b: Float64Array) -> Float64Array:
     """Returns the dot products of the columns."""
-    return np.einsum("ks,ks->s", a, b)
+    products: Float64Array = np.einsum("ks,ks->s", a, b)
+    return products
 
 
 def _cross(a: Float64Array, b: Float64Array) -> Float64Array:

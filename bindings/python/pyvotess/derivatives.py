@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, List
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
         return coo_matrix(entry, shape=(len(t), len(t))).tocsr()
     faces = polygons(t, places, 0, len(t))
     terms = [(i, np.arange(len(i)), faces.centroids(), faces.size)] if of == "volumes" else faces.rims()
-    entries = []  # row, seed, value: a number for weights, a vector for points
+    entries: List[Any] = []  # row, seed, value: a number for weights, a vector for points
     for row, face, at, much in terms:
         scale = much * motion.per_distance[face]
         if by == "weights":

@@ -55,7 +55,6 @@ class Differences(unittest.TestCase):
         self.compare(0.95 * points, weights, box=UNIT_BOX, walls=[(1, 1, 1, 2.86), (-1, 2, 0, 1.92)])
         self.compare(points + (3, -2, 0), None, box=UNIT_BOX, periodic=True)
         self.compare(1.2 * points - 0.1, None, box=UNIT_BOX, outside="keep")
-        self.compare(points.astype(np.float32).astype(float), None, box=UNIT_BOX)
 
     def test_plane(self):
         points, weights = uniform(SEEDS, seed=6)[:, :2], 0.004 * uniform(SEEDS, seed=7)[:, 0]

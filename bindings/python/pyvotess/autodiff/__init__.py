@@ -59,7 +59,7 @@ def forward(points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None, **op
     return tessellate(points, weights=weights, want=_WANT, **options)
 
 
-def _cotangent(values: Any, name: str, array: Float64Array) -> Float64Array:
+def _cotangent(values: Any, name: str, array: npt.NDArray[Any]) -> Float64Array:
     given = as_float64_or_float32(values, name)
     if given.shape != array.shape:
         raise ValueError(f"{name} has shape {given.shape}: it must be {array.shape}, that of the array of the result")
@@ -133,7 +133,7 @@ def vjp(
     moment *= motion.per_distance
     is_seed = motion.j >= 0
 
-    def gathered(of_cell: Float64Array, of_neighbor: Float64Array) -> Float64Array:
+    def gathered(of_cell: Float64Array, of_neighbor: Float64Array) -> Any:
         """Returns (N,) sums over the faces of cells and of their neighbors."""
         count = len(t)
         return np.bincount(motion.i, of_cell, count) + np.bincount(motion.j[is_seed], of_neighbor[is_seed], count)

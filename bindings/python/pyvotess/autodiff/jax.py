@@ -54,7 +54,7 @@ class _Cells:
     # On the host:
 
     def _cells(self, *inputs: Any) -> Tessellation:
-        arrays = [None if array is None else np.array(array) for array in inputs]  # the memory is JAX's for the call
+        arrays: List[Any] = [None if array is None else np.array(array) for array in inputs]  # the memory is JAX's for the call
         last = self.last
         if not last or not all(np.array_equal(a, b) for a, b in zip(arrays, last[0])):
             self.last = last = [arrays, forward(*arrays, **self.options)]
