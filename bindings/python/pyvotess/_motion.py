@@ -45,9 +45,9 @@ def _ratio(a: Float64Array, b: Float64Array) -> Float64Array:
 class Motion:
     """The motion of P faces, one for each entry of the rows. Walls do not move.
 
-    A point y of a face, relative to the seed i, moves along the outward normal by
-    y.dx_i / d + (v - y).dx_j / d + (dw_i - dw_j) / 2 d. Here v is the vector to the neighbor j, and d its length: the
-    change of |y - v|^2 - w_j - |y|^2 + w_i, divided by the length of its gradient, 2 d.
+    Let v be the vector from seed i to its neighbor j, and d its length. A point y of the face, relative to i, moves along
+    the outward normal by y.dx_i / d + (v - y).dx_j / d + (dw_i - dw_j) / 2 d. The face is the zero of
+    |y - v|^2 - w_j - |y|^2 + w_i, and the gradient of that has the length 2 d.
     """
 
     i: Int64Array  # (P,) the cell
@@ -108,8 +108,8 @@ class Polygons:
     def rims(self) -> Iterator[Terms]:
         """Yields terms of the derivatives of the sizes of the faces.
 
-        The change of an area is the integral of the motion of its edges along their outward normals m in the face:
-        (motion of the other face - n.n' motion of this face) / m.n'. In the plane the two ends of the face move.
+        The change of an area is the integral of the motion of its edges, along their outward normals m in the face. An
+        edge moves by (motion of the other face - n.n' motion of this face) / m.n'. In the plane the two ends move so.
         """
         face = np.repeat(np.arange(len(self.size)), np.diff(self.indptr))
         normal = self.normal.take(face, axis=1)

@@ -1,12 +1,13 @@
 """pyvotess.autodiff: products with derivatives against central differences, identities and matrices; JAX and PyTorch."""
 
 import unittest
+import unittest.mock
 
 import numpy as np
 from helpers import CELL, CUBE, UNIT_BOX, have, lattice, uniform
 
 import pyvotess as vt
-from pyvotess import autodiff
+from pyvotess import _motion, autodiff
 
 SEEDS = 100
 SQUARE = (0, 0, 1, 1)
@@ -137,6 +138,15 @@ class Identities(unittest.TestCase):
                 for by, values in zip(("points", "weights"), autodiff.vjp(t, **{of: given[of]})):
                     expected = t.derivatives(of, by).T @ given[of]
                     np.testing.assert_allclose(values.ravel(), expected, rtol=1e-10, atol=1e-10, err_msg=f"{of} by {by}")
+
+    def test_blocks(self):
+        """The faces are read in blocks of cells, whose size changes nothing."""
+        t = autodiff.forward(uniform(SEEDS), box=UNIT_BOX)
+        whole = autodiff.vjp(t, **cotangents(t))
+        for corners in (1, 500):
+            with unittest.mock.patch.object(_motion, "_CORNERS", corners):
+                for values, expected in zip(autodiff.vjp(t, **cotangents(t)), whole):
+                    np.testing.assert_allclose(values, expected, rtol=1e-12, atol=1e-12)
 
     def test_no_seeds(self):
         t = autodiff.forward(np.empty((0, 3)), box=UNIT_BOX)

@@ -1,6 +1,6 @@
-"""Derivatives of volumes, centroids and areas by points and weights, for reverse-mode differentiation.
+"""Derivatives of volumes, centroids and areas by points and weights, on NumPy arrays.
 
-On NumPy arrays here; :mod:`pyvotess.autodiff.jax` and :mod:`pyvotess.autodiff.torch` wrap it.
+``pyvotess.autodiff.jax`` and ``pyvotess.autodiff.torch`` wrap them for those packages.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Gradients(NamedTuple):
 
 
 class Measures(NamedTuple):
-    """The arrays of a package for N cells, with those of their rows, see :class:`pyvotess.Rows`."""
+    """The cells as arrays of JAX or PyTorch. The last two are those of :class:`pyvotess.Rows`."""
 
     volumes: Any  #: (N,)
     centroids: Any  #: (N, 3), in the plane (N, 2); NaN for a seed without a cell
@@ -74,7 +74,8 @@ def vjp(
 ) -> Gradients:
     """Returns the product of the derivatives of ``t`` with vectors, from the left.
 
-    This is the gradient of ``(volumes * t.volumes).sum() + (centroids * t.centroids).sum() + (areas * t.areas).sum()``.
+    It is the gradient of ``(volumes * t.volumes).sum() + (centroids * t.centroids).sum() + (areas * t.areas).sum()``, with
+    the arguments as constants.
 
     Parameters
     ----------
@@ -86,8 +87,10 @@ def vjp(
     The derivatives are in closed form. Walls and the vectors of a periodic domain are fixed. Where more cells meet than
     in general position, as in a lattice, areas have no derivative; those of the present polygons are returned.
 
-    Raises ValueError for other shapes, with ``only`` or ``min_face``, and where cells reach infinity; AttributeError for
-    arrays that are missing in ``t``, as in a mesh.
+    Raises
+    ------
+    ValueError : other shapes; results with ``only`` or ``min_face``, or with cells that reach infinity.
+    AttributeError : ``t`` lacks an array, as in a mesh.
     """
     t._check_whole()
     t._require_end("vjp()")

@@ -86,6 +86,8 @@ _cells_of = functools.lru_cache(_KEPT)(_Cells)
 def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = None, **options: Any) -> Measures:
     """Returns the measures of the cells as JAX arrays, of the type of ``points``.
 
+    Parameters
+    ----------
     points, weights : as for :func:`pyvotess.autodiff.forward`, arrays of float64 or float32.
     max_rows : the length of ``areas`` and ``adjacency``, at least the number of entries of all rows. Padding follows
         the entries: areas 0, and the smallest int32. Default: ``areas``, ``adjacency`` and ``offsets`` are None, because

@@ -39,6 +39,8 @@ class _Cells(torch.autograd.Function):
 def tessellate(points: Any, weights: Any = None, **options: Any) -> Measures:
     """Returns the measures of the cells as tensors, of the type of ``points``.
 
+    Parameters
+    ----------
     points, weights : as for :func:`pyvotess.autodiff.forward`, tensors on the CPU.
     options : as for :func:`pyvotess.autodiff.forward`.
 
