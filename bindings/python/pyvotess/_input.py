@@ -144,10 +144,10 @@ def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Fl
 
 def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     """Returns (count,) float64, one number for each point or query."""
-    array = as_float64_or_float32(values, name).astype(np.float64)
+    array = as_float64_or_float32(values, name)
     if array.shape != (count,):
         raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
-    return np.ascontiguousarray(array)
+    return array.astype(np.float64, copy=False)
 
 
 def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:

@@ -11,7 +11,7 @@ import numpy as np
 from helpers import CUBE, EVERYTHING, UNIT_BOX, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _library  # noqa: E402
+from pyvotess import _input, _library  # noqa: E402
 
 
 class DLPackOnly:
@@ -76,6 +76,8 @@ class Input(unittest.TestCase):
         arrays = {"points": self.points, "weights": values, "box": np.array(UNIT_BOX, float), "only": np.flatnonzero(mask)}
         given = {name: DLPackOnly(array) for name, array in arrays.items()}
         np.testing.assert_array_equal(vt.tessellate(**given).volumes, vt.tessellate(**arrays).volumes)
+        for as_given in (values, DLPackOnly(values)):
+            self.assertTrue(np.shares_memory(_input.as_one_each(as_given, "weights", 200, "points"), values))
         cube = tuple(DLPackOnly(array) for array in CUBE)
         np.testing.assert_allclose(vt.tessellate(self.points, mesh=cube).volumes.sum(), 1, rtol=1e-12)
         diagram, queries = vt.Diagram(DLPackOnly(self.points), box=UNIT_BOX), 0.4 + 0.2 * self.points[:20]
