@@ -77,13 +77,11 @@ Terms = Tuple["Int64Array", "Int64Array", "Float64Array", "Float64Array"]
 
 @dataclass(frozen=True)
 class Polygons:
-    """F faces of whole cells, and S simplices that fill them: fans of triangles, in the plane one segment for each.
+    """F faces, and S simplices that fill them: fans of triangles, in the plane one segment for each.
 
     Coordinates are relative to the seed of the cell.
     """
 
-    first: int  # the entry of the rows of the first face
-    cell: Int64Array  # (F,)
     face: Int64Array  # (S,) the face of each simplex, from 0 on
     starts: Int64Array  # (F,) the first simplex of each face
     corners: Tuple[Float64Array, ...]  # three, in the plane two, of the simplices, each (3, S)
@@ -106,7 +104,7 @@ class Polygons:
         return self.sums(self.parts / len(self.corners) * sum(self.corners)) / np.where(self.size > 0, self.size, 1)
 
     def rims(self) -> Iterator[Terms]:
-        """Yields terms of the derivatives of the sizes of the faces.
+        """Yields terms of the derivatives of the sizes of the faces, which are those of whole cells.
 
         The change of an area is the integral of the motion of its edges, along their outward normals m in the face. An
         edge moves by (motion of the other face - n.n' motion of this face) / m.n'. In the plane the two ends move so.
@@ -136,38 +134,41 @@ class Polygons:
         yield face, face, at, -dot(normal, normal_of_other) * much
 
 
-def polygons(t: SeedCells, places: Float64Array, first: int, last: int) -> Polygons:
-    """Returns the faces of the cells from ``first`` to before ``last``."""
-    rows, faces = t.neighbors, t.faces
-    begin, end = int(rows.indptr[first]), int(rows.indptr[last])
-    indptr = faces.indptr[begin : end + 1] - faces.indptr[begin]
-    ids = faces.indices[faces.indptr[begin] : faces.indptr[end]]
-    cell = np.repeat(np.arange(first, last), np.diff(rows.indptr[first : last + 1]))
-    position = (t.vertices.take(ids, axis=0) - places.take(np.repeat(cell, np.diff(indptr)), axis=0)).T.copy()
-    each = np.arange(len(cell))
+def polygons(t: SeedCells, places: Float64Array, motion: Motion, faces: Int64Array) -> Polygons:
+    """Returns these faces, entries of the rows in ascending order."""
+    offsets = t.faces.indptr
+    count = offsets[faces + 1] - offsets[faces]
+    indptr = np.concatenate(([0], np.cumsum(count)))
+    ids = t.faces.indices.take(np.arange(indptr[-1]) + np.repeat(offsets[faces] - indptr[:-1], count))
+    position = (t.vertices.take(ids, axis=0) - places.take(np.repeat(motion.i[faces], count), axis=0)).T.copy()
+    each = np.arange(len(faces))
     if t.planar:
         a, b = position[:, 0::2], position[:, 1::2]
         edge = b - a
         size = _length(edge)
         normal = np.stack((edge[1], -edge[0])) / np.where(size > 0, size, 1)
-        return Polygons(begin, cell, each, each, (a, b), size, size, normal, indptr, ids, position)
-    face = np.repeat(each, np.diff(indptr) - 2)
+        return Polygons(each, each, (a, b), size, size, normal, indptr, ids, position)
+    face = np.repeat(each, count - 2)
     middle = np.arange(len(face)) + 2 * face + 1  # the second corner of each triangle
     corners = tuple(position.take(entry, axis=1) for entry in (indptr[face], middle, middle + 1))
     part = 0.5 * _cross(corners[1] - corners[0], corners[2] - corners[0])  # area vectors
     starts = indptr[:-1] - 2 * each
-    area = np.add.reduceat(part, starts, axis=1) if len(cell) else np.zeros((3, 0))
+    area = np.add.reduceat(part, starts, axis=1) if len(faces) else np.zeros((3, 0))
     size = _length(area)
     normal = area / np.where(size > 0, size, 1)
-    return Polygons(begin, cell, face, starts, corners, dot(part, normal.take(face, axis=1)), size, normal, indptr, ids, position)
+    return Polygons(face, starts, corners, dot(part, normal.take(face, axis=1)), size, normal, indptr, ids, position)
 
 
-def blocks(t: SeedCells, places: Float64Array) -> Iterator[Polygons]:
-    """Yields the faces of all cells, of some cells at a time."""
-    ends = t.faces.indptr[t.neighbors.indptr]  # of the corners of each cell
-    first = 0
-    while first < len(t):
-        last = max(first + 1, int(np.searchsorted(ends, ends[first] + _CORNERS, "right")) - 1)
-        if ends[last] > ends[first]:
-            yield polygons(t, places, first, last)
-        first = last
+def blocks(
+    t: SeedCells, places: Float64Array, motion: Motion, faces: Int64Array
+) -> Iterator[Tuple[slice, Polygons]]:
+    """Yields these faces, those of some cells at a time, and which they are of ``faces``."""
+    firsts = np.searchsorted(faces, t.neighbors.indptr)  # of the faces of each cell
+    corners = np.concatenate(([0], np.cumsum(np.diff(t.faces.indptr)[faces])))[firsts]
+    cell = 0
+    while cell < len(t):
+        end = max(cell + 1, int(np.searchsorted(corners, corners[cell] + _CORNERS, "right")) - 1)
+        part = slice(int(firsts[cell]), int(firsts[end]))
+        if part.start < part.stop:
+            yield part, polygons(t, places, motion, faces[part])
+        cell = end

@@ -34,8 +34,9 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
         cell, neighbor = i[is_seed], j[is_seed]
         entry = (np.concatenate((value, -value)), (np.tile(cell, 2), np.concatenate((cell, neighbor))))
         return coo_matrix(entry, shape=(len(t), len(t))).tocsr()
-    faces = polygons(t, places, 0, len(t))
-    terms = [(i, np.arange(len(i)), faces.centroids(), faces.size)] if of == "volumes" else faces.rims()
+    every = np.arange(len(i))
+    faces = polygons(t, places, motion, every)
+    terms = [(i, every, faces.centroids(), faces.size)] if of == "volumes" else faces.rims()
     entries: List[Any] = []  # row, seed, value: a number for weights, a vector for points
     for row, face, at, much in terms:
         scale = much * motion.per_distance[face]

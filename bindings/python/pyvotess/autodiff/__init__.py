@@ -97,49 +97,53 @@ def vjp(
     t._require_whole_faces("vjp()")
     places = t.wrapped_points
     motion = motion_of(t, places)
-    of_volumes = None if volumes is None else _cotangent(volumes, "volumes", t.volumes)
-    of_areas = None if areas is None else _cotangent(areas, "areas", t.faces.indptr[:-1])
-    slopes = middles = None
-    if centroids is not None:
-        has_cell = t.volumes > 0
-        slopes = (_cotangent(centroids, "centroids", t.centroids) / np.where(has_cell, t.volumes, 1)[:, None]).T
-        middles = np.where(has_cell[:, None], t.centroids - places, 0).T
-
-    # The integral over each face of a field, and of the field times the place: dot products with the motion need no more.
-    field = np.zeros(len(motion.i))
+    i, j = motion.i, motion.j
+    # The integral over each face of a function of the place, and of it times the place, give its product with the motion.
+    field = np.zeros(len(i))
     moment = np.zeros_like(motion.vector)
-    for block in blocks(t, places):
-        faces = slice(block.first, block.first + len(block.cell))
-        if of_volumes is not None:
-            value = of_volumes[block.cell] * block.size
-            field[faces] += value
-            moment[:, faces] += value * block.centroids()
-        if slopes is not None and middles is not None:
-            # d(h.c) is the integral of h.(y - c) / V times the motion. That is linear on each simplex.
-            cell = block.cell[block.face]
-            slope = slopes.take(cell, axis=1)
-            middle = dot(slope, middles.take(cell, axis=1))
-            values = [dot(slope, corner) - middle for corner in block.corners]
+
+    if volumes is not None or centroids is not None:
+        # The sum changes by the integral of constant + slope.y times the motion of each face of a cell.
+        constant, slope = np.zeros(len(t)), np.zeros_like(places.T)
+        if volumes is not None:
+            constant = _cotangent(volumes, "volumes", t.volumes)
+        if centroids is not None:
+            has_cell = t.volumes > 0
+            slope = _cotangent(centroids, "centroids", t.centroids).T / np.where(has_cell, t.volumes, 1)
+            constant = constant - dot(slope, np.where(has_cell, (t.centroids - places).T, 0))
+        # Two cells have the face, with opposite motions: their difference, once. A seed has its images from both sides.
+        once = np.flatnonzero(j >= i)
+        cell, neighbor = i[once], j[once]
+        has_two = cell != neighbor
+        slope_beyond = np.where(has_two, slope.take(neighbor, axis=1), 0)
+        slopes = slope.take(cell, axis=1) - slope_beyond
+        constants = constant[cell] - np.where(has_two, constant[neighbor], 0)
+        constants += dot(slope_beyond, motion.vector.take(once, axis=1))
+        for part, block in blocks(t, places, motion, once):
+            of_simplices = slopes[:, part].take(block.face, axis=1), constants[part].take(block.face)
+            values = [dot(of_simplices[0], corner) + of_simplices[1] for corner in block.corners]
             count, total = len(values), sum(values)
-            field[faces] += block.sums(block.parts * total / count)
+            field[once[part]] = block.sums(block.parts * total / count)
             product = sum((value + total) * corner for value, corner in zip(values, block.corners))
-            moment[:, faces] += block.sums(block.parts / (count * (count + 1)) * product)
-        if of_areas is not None:
-            given = of_areas[faces]
+            moment[:, once[part]] = block.sums(block.parts / (count * (count + 1)) * product)
+
+    if areas is not None:
+        given = _cotangent(areas, "areas", t.faces.indptr[:-1])
+        for part, block in blocks(t, places, motion, np.arange(len(i))):
+            count = part.stop - part.start
             for row, face, at, much in block.rims():
-                value = given[row] * much
-                field[faces] += np.bincount(face, value, len(given))
+                value = given[part].take(row) * much
+                field[part] += np.bincount(face, value, count)
                 for axis, place in enumerate(at):
-                    moment[axis, faces] += np.bincount(face, value * place, len(given))
+                    moment[axis, part] += np.bincount(face, value * place, count)
 
     field *= motion.per_distance
     moment *= motion.per_distance
-    is_seed = motion.j >= 0
+    is_seed = j >= 0
 
     def gathered(of_cell: Float64Array, of_neighbor: Float64Array) -> Any:
         """Returns (N,) sums over the faces of cells and of their neighbors."""
-        count = len(t)
-        return np.bincount(motion.i, of_cell, count) + np.bincount(motion.j[is_seed], of_neighbor[is_seed], count)
+        return np.bincount(i, of_cell, len(t)) + np.bincount(j[is_seed], of_neighbor[is_seed], len(t))
 
     by_points = [gathered(*pushed) for pushed in zip(moment, field * motion.vector - moment)]
     return Gradients(np.stack(by_points, axis=1), gathered(0.5 * field, -0.5 * field))
