@@ -79,7 +79,9 @@ class Differences(unittest.TestCase):
         t = autodiff.forward(points, weights, box=UNIT_BOX)
         lost = t.status != 0
         self.assertGreater(lost.sum(), 5)
-        for by, values in zip(("points", "weights"), autodiff.vjp(t, **cotangents(t))):
+        given = cotangents(t)
+        given["centroids"][lost] = np.nan  # as are their centroids
+        for by, values in zip(("points", "weights"), autodiff.vjp(t, **given)):
             self.assertTrue(np.isfinite(values).all(), by)
             self.assertFalse(values[lost].any(), by)
         self.compare(uniform(SEEDS), weights, box=UNIT_BOX)
