@@ -185,6 +185,8 @@ print("wheel:", t.stats.device, len(t.neighbors), "cells")'
 grep -q HDF5 refused || fail "clvotess does not say why it writes no .h5: $(cat refused)"
 cd "$tests"
 VOTESS_TEST_INSTALLED=1 quietly "$work/fresh/bin/python" -m unittest test_results test_input test_domain test_library
+quietly "$work/fresh/bin/pip" install --quiet "jax>=0.4.36"
+VOTESS_TEST_INSTALLED=1 quietly "$work/fresh/bin/python" -m unittest test_autodiff
 cd "$work"
 tail -1 "$log"
 

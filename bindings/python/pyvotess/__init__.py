@@ -7,7 +7,7 @@
 See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
 """
 
-from . import walls
+from . import autodiff, walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._library import VERSION as __version__
@@ -18,7 +18,7 @@ from .fields.lloyd import Relaxation, lloyd
 from .fields.moments import transport_cost
 from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .frames import Frame, read_frames
-from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors
+from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors, Rows
 from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
 from .pieces import Piece, Pieces
@@ -52,6 +52,7 @@ __all__ = [
     "Probes",
     "RayCells",
     "Relaxation",
+    "Rows",
     "StageSeconds",
     "Stats",
     "StreamResult",
@@ -63,6 +64,7 @@ __all__ = [
     "VotessError",
     "Zones",
     "__version__",
+    "autodiff",
     "devices",
     "fit_volumes",
     "from_ase",

@@ -19,6 +19,27 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
 
 
+#: DLPack's types of memory that a program on the CPU reads: its own, pinned for CUDA or ROCm, and managed by CUDA.
+_HOST = (1, 3, 11, 13)
+
+
+def as_array(values: Any, name: str) -> npt.NDArray[Any]:
+    """Returns an array, without a copy of one that has the interface of NumPy or DLPack."""
+    known = ("__array__", "__array_interface__", "__array_struct__")
+    if not hasattr(values, "__dlpack__") or any(hasattr(values, attribute) for attribute in known):
+        try:
+            return np.asarray(values)
+        except ValueError as error:
+            raise ValueError(f"{name} is not an array of numbers: {error}") from error
+    memory = int(values.__dlpack_device__()[0])
+    if memory not in _HOST:
+        raise ValueError(f"{name} is in memory of a device, type {memory} of DLPack: copy it to the CPU")
+    try:
+        return np.from_dlpack(values)
+    except (AttributeError, BufferError, RuntimeError) as error:  # NumPy before 1.23 has no from_dlpack
+        raise ValueError(f"{name} cannot be read by DLPack: {error}") from error
+
+
 def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
     """Returns the values as C-contiguous float64 or float32, without a copy if they are that already.
 
@@ -26,10 +47,7 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
     """
     if np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise ValueError(f"{name} is not an array of numbers: {error}") from error
+    array = as_array(values, name)
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
         raise ValueError(f"{name} has dtype {array.dtype}: give float64, float32 or integers")
     if array.dtype.kind in "iu" and array.dtype.itemsize == 8:
@@ -126,17 +144,17 @@ def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Fl
 
 def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     """Returns (count,) float64, one number for each point or query."""
-    array = as_float64_or_float32(values, name).astype(np.float64)
+    array = as_float64_or_float32(values, name)
     if array.shape != (count,):
         raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
-    return np.ascontiguousarray(array)
+    return array.astype(np.float64, copy=False)
 
 
 def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
     """Returns (M,) int64 from indices or a mask of ``count`` flags."""
     if values is None:
         return None
-    array = np.asarray(values)
+    array = as_array(values, "only")
     if array.dtype == bool:
         if array.shape != (count,):
             raise ValueError(f"only is a mask of shape {array.shape} for {count} points: it must be ({count},)")
@@ -166,7 +184,7 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
     if len(pair) != 2:
         raise ValueError(f"mesh is a {type(mesh).__name__}: give (vertices, triangles), or a mesh with both")
     vertices = np.ascontiguousarray(as_float64_or_float32(pair[0], "vertices of mesh"), np.float64)
-    triangles = np.asarray(pair[1])
+    triangles = as_array(pair[1], "triangles of mesh")
     if vertices.ndim != 2 or vertices.shape[1] != 3:
         raise ValueError(f"vertices of mesh have shape {vertices.shape}: it must be (V, 3)")
     if triangles.ndim != 2 or triangles.shape[1] != 3 or triangles.dtype.kind not in "iu":

@@ -11,7 +11,7 @@ import numpy as np
 
 from ._call import Handle, array_of, raise_on_failure
 from ._library import lib
-from .mesh import Faces, Lists, Neighbors, count_edges
+from .mesh import Faces, Lists, Neighbors, Rows, count_edges
 from .stats import Stats, read_stats
 
 if TYPE_CHECKING:
@@ -427,6 +427,15 @@ class SeedCells(Cells):
         self._check_wanted("neighbors")
         return Neighbors(self.indptr, self.indices)
 
+    def rows(self) -> Rows:
+        """Returns the neighbor lists as ``adjacency`` and ``offsets``, and ``status``, all int32.
+
+        ``adjacency`` is ``indices`` without a copy. Raises ValueError for 2**31 entries or more.
+        """
+        if self.indptr[-1] >= 2**31:
+            raise ValueError(f"the rows have {self.indptr[-1]} entries, too many for int32: use indptr and indices")
+        return Rows(self.indices, self.indptr.astype(np.int32), self.status.astype(np.int32))
+
     @property
     def ids(self) -> Optional[Int32Array]:
         """(M,) int32, with ``only``: row k is the cell of point ids[k]. None if all points have rows."""
@@ -440,6 +449,10 @@ class SeedCells(Cells):
     def least_face(self) -> float:
         """Area below which ``min_face`` or ``min_area`` dropped faces, length unit squared; 0 without either."""
         return self._data.least_face
+
+    def _require_whole_faces(self, what: str) -> None:
+        if self.least_face > 0:
+            raise ValueError(f"{what} needs whole cells: leave out min_face and min_area")
 
     @property
     def weights(self) -> Optional[Float64Array]:

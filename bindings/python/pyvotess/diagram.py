@@ -11,7 +11,7 @@ import numpy as np
 from . import _c_api
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
-from ._input import Domain, as_one_each, as_points, as_word
+from ._input import Domain, as_array, as_one_each, as_points, as_word
 from ._library import lib
 from ._run import implied_words, new_options
 from ._state import Cells
@@ -157,7 +157,7 @@ class Diagram:
         start, along = _as_queries(origins), _as_queries(directions)
         if len(along) != len(start):
             raise ValueError(f"{len(start)} origins, but {len(along)} directions: give one for each ray")
-        given = np.linalg.norm(along, axis=1) if lengths is None else np.asarray(lengths)
+        given = np.linalg.norm(along, axis=1) if lengths is None else as_array(lengths, "lengths")
         if given.ndim == 0:
             given = np.full(len(start), given)
         numbers = as_one_each(given, "lengths", len(start), "rays")
@@ -421,7 +421,7 @@ class Diagram:
         return grid
 
     def _as_values(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        array = np.ascontiguousarray(values, np.float64)
+        array = np.ascontiguousarray(as_array(values, "values"), np.float64)
         if array.ndim not in (1, 2) or len(array) != len(self):
             raise ValueError(f"values have the shape {array.shape}: give ({len(self)},) or ({len(self)}, m)")
         return array

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterator, List, Optional, Union, overload
+from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional, Union, overload
 
 import numpy as np
 
@@ -78,6 +78,14 @@ class Neighbors(Lists):
         indices = self._indices[is_seed]
         values = np.ones(len(indices), dtype=bool)
         return csr_array((values, indices, seeds_before[self._indptr]), shape=(len(self), len(self)))
+
+
+class Rows(NamedTuple):
+    """Neighbor lists and status in int32, the form that differentiable renderers read."""
+
+    adjacency: Int32Array  #: (offsets[N],) int32: ``indices``, walls (negative) included
+    offsets: Int32Array  #: (N + 1,) int32: row i of the lists is ``adjacency[offsets[i]:offsets[i+1]]``
+    status: Int32Array  #: (N,) int32, values of :class:`CellStatus`
 
 
 class Faces(Lists):

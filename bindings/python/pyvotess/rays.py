@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
+from ._input import as_array
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -44,7 +46,7 @@ class RayCells:
         ------
         ValueError : gradients of another shape, or without middles.
         """
-        of_seeds: npt.NDArray[Any] = np.asarray(values, np.float64)
+        of_seeds: npt.NDArray[Any] = as_array(values, "values").astype(np.float64, copy=False)
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
         slopes: Any = None
@@ -52,7 +54,7 @@ class RayCells:
         if gradients is not None:
             if middles is None:
                 raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
-            slopes = np.asarray(gradients, np.float64)
+            slopes = as_array(gradients, "gradients").astype(np.float64, copy=False)
             if slopes.shape != (*of_seeds.shape, 3):
                 raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, 3)}")
             slopes = slopes.reshape(len(slopes), -1, 3)

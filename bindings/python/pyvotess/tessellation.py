@@ -16,9 +16,10 @@ from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
 from .alpha import AlphaComplex, make_alpha
+from .derivatives import make_derivatives
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
-from .pairs import Pairs, make_derivatives, make_pairs
+from .pairs import Pairs, make_pairs
 from .pieces import Pieces, make_pieces
 from .stats import VerifyReport, verify
 from .zones import Zones, read_zones
@@ -164,8 +165,8 @@ class Tessellation(SeedCells):
         Derivatives of volumes by weights need only "areas".
 
         Rows: N with ``of="volumes"``; one for each entry of ``neighbors.indices`` with ``of="areas"``. Columns: 3 N with
-        ``by="points"``, column 3 j + axis for a coordinate of seed j; N with ``by="weights"``. In a Voronoi diagram the
-        weights are 0. Walls and the vectors of a periodic domain are fixed. The derivatives are in closed form. Where
+        ``by="points"``, column 3 j + axis for a coordinate of seed j, in the plane 2 N; N with ``by="weights"``. In a
+        Voronoi diagram the weights are 0. Walls and the vectors of a periodic domain are fixed. The derivatives are in closed form. Where
         more cells meet than in general position, as in a lattice, areas have no derivative; those of the present
         polygons are returned.
         """

@@ -54,8 +54,8 @@ def tessellate(
     ----------
     points : (N, 3) array of real numbers, any length unit; N may be 0. Or (N, 2): then the cells are polygons, and
         box, cell, origin and walls have two components each, see the page "Two dimensions".
-        float64 and float32 in C order are copied; other arrays are converted without loss. If another thread changes
-        the array during the call, cells are wrong, but nothing crashes.
+        float64 and float32 in C order are copied; other arrays are converted without loss, also those that have only
+        `__dlpack__`. If another thread changes the array during the call, cells are wrong, but nothing crashes.
     box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside is an error. A bound may be infinite, and "none" stands for all of space. Cells that reach

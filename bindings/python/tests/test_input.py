@@ -8,10 +8,23 @@ import unittest
 import weakref
 
 import numpy as np
-from helpers import EVERYTHING, UNIT_BOX, uniform
+from helpers import CUBE, EVERYTHING, UNIT_BOX, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _library  # noqa: E402
+from pyvotess import _input, _library  # noqa: E402
+
+
+class DLPackOnly:
+    """An array that has no other interface."""
+
+    def __init__(self, array, device=(1, 0)):
+        self._array, self._device = array, device
+
+    def __dlpack__(self, **options):
+        return self._array.__dlpack__(**options)
+
+    def __dlpack_device__(self):
+        return self._device
 
 
 class Input(unittest.TestCase):
@@ -54,6 +67,35 @@ class Input(unittest.TestCase):
                 return self.points
 
         self.assert_same(ArrayLike())
+
+    def test_dlpack(self):
+        t = self.assert_same(DLPackOnly(self.points))
+        self.assertTrue(np.shares_memory(t.points, self.points))
+        self.assert_same(DLPackOnly(np.asfortranarray(self.points)))
+        values, mask = 0.01 * self.points[:, 0], self.points[:, 1] > 0.5
+        arrays = {"points": self.points, "weights": values, "box": np.array(UNIT_BOX, float), "only": np.flatnonzero(mask)}
+        given = {name: DLPackOnly(array) for name, array in arrays.items()}
+        np.testing.assert_array_equal(vt.tessellate(**given).volumes, vt.tessellate(**arrays).volumes)
+        for as_given in (values, DLPackOnly(values)):
+            self.assertTrue(np.shares_memory(_input.as_one_each(as_given, "weights", 200, "points"), values))
+        cube = tuple(DLPackOnly(array) for array in CUBE)
+        np.testing.assert_allclose(vt.tessellate(self.points, mesh=cube).volumes.sum(), 1, rtol=1e-12)
+        diagram, queries = vt.Diagram(DLPackOnly(self.points), box=UNIT_BOX), 0.4 + 0.2 * self.points[:20]
+        found = diagram.interpolate(DLPackOnly(values), DLPackOnly(queries))
+        np.testing.assert_array_equal(found, diagram.interpolate(values, queries))
+        with self.assertRaisesRegex(ValueError, "points is in memory of a device, type 2 of DLPack: copy it to the CPU"):
+            vt.tessellate(DLPackOnly(self.points, device=(2, 0)))
+
+    def test_dlpack_of_results(self):
+        volumes = self.expected.volumes
+        try:
+            exported = np.from_dlpack(volumes)
+        except BufferError as error:  # before NumPy 2.1
+            self.assertIn("readonly", str(error))
+        else:
+            self.assertTrue(np.shares_memory(exported, volumes))
+            self.assertFalse(exported.flags.writeable)
+        np.testing.assert_array_equal(np.from_dlpack(volumes.copy()), volumes)
 
     def test_float32(self):
         narrow = self.points.astype(np.float32)

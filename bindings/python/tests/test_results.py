@@ -266,6 +266,17 @@ class Rows(unittest.TestCase):
         self.assertEqual(self.neighbors.indices.dtype, np.int32)
         self.assertIn("30 rows", repr(self.neighbors))
 
+    def test_int32(self):
+        points = np.concatenate((uniform(50), uniform(50)[:2]))
+        for options in ({"box": UNIT_BOX, "list_walls": True}, {"box": UNIT_BOX, "periodic": True}):
+            t = vt.tessellate(points, **options)
+            adjacency, offsets, status = t.rows()
+            for array, expected in ((adjacency, t.indices), (offsets, t.indptr), (status, t.status)):
+                np.testing.assert_array_equal(array, expected)
+                self.assertEqual(array.dtype, np.int32)
+            self.assertTrue(np.shares_memory(adjacency, t.indices))
+            self.assertEqual(status[-1], vt.CellStatus.DUPLICATE)
+
     @unittest.skipUnless(HAVE_SCIPY, "SciPy is not installed")
     def test_to_scipy(self):
         matrix = self.neighbors.to_scipy()

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Container, Dict, Mapping, Optional, Tuple
 
 import numpy as np
 
+from .._input import as_array
 from .._state import ARRAYS, names_of
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict
             raise ValueError(f"columns has the name {name!r}: give a non-empty text without / and zero characters")
         if name in taken:
             raise ValueError(f"columns has {name!r}, but the file has an array of that name: rename it")
-        array = np.asarray(values)
+        array = as_array(values, f"column {name!r}")
         if array.ndim not in (1, 2) or len(array) != len(t) or array.shape[1:] == (0,):
             raise ValueError(f"column {name!r} has shape {array.shape}: give one row for each of the {len(t)} cells")
         if array.dtype.kind not in "biuf":
@@ -98,7 +99,7 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
             f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
             f"columns are {', '.join(columns)}"
         )
-    values = np.asarray(color, np.float64)
+    values = np.asarray(as_array(color, "color"), np.float64)
     if values.shape != (len(t),):
         raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
     return values, ""

@@ -9,7 +9,7 @@ import numpy as np
 
 from .._c_api import RepairWord
 from .._call import Progress, showing
-from .._input import as_count, as_points
+from .._input import as_array, as_count, as_points
 from ..fit import fit_volumes
 from ..pairs import edges_of
 from ..tessellator import Tessellator
@@ -43,7 +43,7 @@ class Relaxation:
 
 
 def _as_mask(fixed: Any, count: int) -> BoolArray:
-    array = np.asarray(fixed)
+    array = as_array(fixed, "fixed")
     mask = np.zeros(count, dtype=bool)
     if array.dtype == bool:
         if array.shape != (count,):

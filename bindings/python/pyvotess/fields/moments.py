@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
 
 import numpy as np
 
+from .._input import as_array
 from ..export.geometry import mesh_of, triangles
 from ..pairs import edges_of
 
@@ -108,7 +109,7 @@ def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64A
         corner = t.box[0] if t.origin is None else t.origin
         turns = np.floor((points - corner) @ np.linalg.inv(edges))
         points = points - np.where(t.periodic, turns, 0) @ edges
-    values = np.asarray(density(points), dtype=np.float64)
+    values = as_array(density(points), "the answer of density").astype(np.float64, copy=False)
     if values.shape != (len(points),):
         raise ValueError(
             f"density returned an array of shape {values.shape} for {len(points)} points: it must be ({len(points)},)"
