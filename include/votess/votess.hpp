@@ -480,7 +480,7 @@ struct VerifyReport {
 struct DeviceInfo {
     std::string id;           // for Options::device
     std::string name;         // for people
-    std::string description;  // limits and features in one line
+    std::string description;  // limits, features and the way to make cells, in one line
 };
 // Returns the devices of this machine, the CPU among them.
 [[nodiscard]] VOTESS_API std::vector<DeviceInfo> devices();
