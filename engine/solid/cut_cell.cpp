@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "core/arithmetic.hpp"
 
@@ -77,7 +78,8 @@ const CutMeasures& CutCell::measure() {
     const double thickness = signs_.met_tie() ? place_error_ : 0;
     out_.volume_error = sum_area_ * thickness;
     for (CutMeasures::Face& face : out_.faces) face.error *= thickness;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
 }
 
@@ -164,7 +166,7 @@ void CutCell::find_candidates() {
         }
     candidates_.clear();
     mesh_.for_each_in(bounds, [&](std::uint32_t t) {
-        candidates_.push_back(t);
+        if (!mesh_.beside(t, bounds)) candidates_.push_back(t);
         return true;
     });
     std::ranges::sort(candidates_);
@@ -187,13 +189,14 @@ std::size_t CutCell::see(std::int32_t vertex) {
     seen_.push_back({vertex, 0, false, signs_.place(mesh_.vertex(vertex))});
     SeenVertex& u = seen_.back();
     outside_bits_.resize(outside_bits_.size() + words_);
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        MeshSigns::Value& value = vertex_values_.emplace_back();
-        value.sign = -1;  // inside of the walls
+    vertex_values_.resize(seen_.size() * faces_.size());
+    MeshSigns::Value* value = &vertex_values_[seen * faces_.size()];
+    for (std::size_t f = 0; f < faces_.size(); ++f, ++value) {
+        value->sign = -1;  // inside of the walls
         if (plane_[f] < 0) continue;
-        value = signs_.value(index(plane_[f]), u.place);
-        u.unsure += value.sign == 0 ? 1 : 0;
-        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+        *value = signs_.value(index(plane_[f]), u.place);
+        u.unsure += value->sign == 0 ? 1 : 0;
+        if (value->sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
     }
     return seen;
 }
@@ -367,6 +370,7 @@ void CutCell::add_on_face(std::int32_t given) {
 void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
     const double volume = weight * dot(a, cross(minus(b, a), minus(c, b))) / 6;  // exact to the size of c - b
     sum_volume_ += volume;
+    if (!centroids_) return;
     for (std::size_t k = 0; k < 3; ++k) sum_moment_[k] += volume * (a[k] + b[k] + c[k]) / 4;
 }
 
@@ -382,22 +386,27 @@ void CutCell::find_windings() {
     out_.winding = on_wall ? 0 : winding_at(start);  // the mesh lies inside of the walls
     if (!out_.meets_surface) return;
     winding_.assign(index(cell_.slots()), 0);
-    known_.assign(index(cell_.slots()), false);
+    known_.assign(index(cell_.slots()), 0);
     winding_[index(start)] = out_.winding;
-    known_[index(start)] = true;
-    for (bool again = true; again;) {
-        again = false;
-        for (const Edge& edge : edges_) {
+    known_[index(start)] = 1;
+    // Each pass keeps the edges whose vertices are both unknown.
+    pending_.resize(edges_.size());
+    std::iota(pending_.begin(), pending_.end(), 0);
+    for (std::size_t before = pending_.size() + 1; pending_.size() < before;) {
+        before = pending_.size();
+        std::erase_if(pending_, [&](std::int32_t e) {
+            const Edge& edge = edges_[index(e)];
             const std::size_t from = index(edge.from), to = index(edge.to);
-            if (known_[from] == known_[to]) continue;
+            if (known_[from] == known_[to]) return known_[from] != 0;
             int jump = 0;
             for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next) jump += crossings_[index(c)].jump;
-            if (known_[from])
+            if (known_[from] != 0)
                 winding_[to] = winding_[from] + jump;
             else
                 winding_[from] = winding_[to] - jump;
-            known_[from] = known_[to] = again = true;
-        }
+            known_[from] = known_[to] = 1;
+            return true;
+        });
     }
 }
 

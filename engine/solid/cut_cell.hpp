@@ -44,7 +44,9 @@ struct CutMeasures {
 // One for each thread.
 class CutCell {
 public:
-    CutCell(const ClosedMesh& mesh, const Domain& domain) : mesh_(mesh), domain_(domain) {}
+    // centroids: whether measure() finds them.
+    CutCell(const ClosedMesh& mesh, const Domain& domain, bool centroids)
+        : mesh_(mesh), domain_(domain), centroids_(centroids) {}
 
     // Begins the cell of a seed; add() all its neighbors, then call measure().
     // ties: the same for all cells whose measures must fit together.
@@ -117,6 +119,7 @@ private:
 
     const ClosedMesh& mesh_;
     const Domain& domain_;
+    bool centroids_;
     double weight_ = 0;
     MeshSigns::Ties ties_ = MeshSigns::Ties::moved;
     cpu::Cell cell_;
@@ -128,11 +131,12 @@ private:
     std::vector<Vector3> base_, unit_;  // by face: a point on it, its outward unit normal
     std::vector<Vector3> at_;           // by slot, relative to the apex
     std::vector<int> winding_;          // by slot
-    std::vector<bool> known_;           // by slot
+    std::vector<std::uint8_t> known_;   // by slot
     std::vector<std::int32_t> slots_;   // of vertices
     std::vector<Half> halves_;
     std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
+    std::vector<std::int32_t> pending_;       // edges
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;

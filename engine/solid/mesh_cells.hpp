@@ -1,11 +1,13 @@
 // Cells around a mesh, before it cuts them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -48,10 +50,19 @@ struct MeshCells {
         const std::int32_t seed = seed_of(r);
         const exact::Point x = place(seed);
         cell.begin(x, seed, weight(seed), ties);
+        // Near ones first: fewer vertices are then made and lost.
+        struct Neighbor {
+            double square;
+            std::int32_t id;
+        };
+        std::vector<Neighbor> near;
+        near.reserve(row(r).size());
         for (const std::int32_t j : row(r)) {
             const Vector3 n = minus(place(j), x);
-            cell.add(j, place(j), weight(j), gap * length3(n[0], n[1], n[2]));
+            near.push_back({dot(n, n), j});
         }
+        std::ranges::sort(near, {}, [](const Neighbor& j) { return std::pair(j.square, j.id); });
+        for (const auto& [square, j] : near) cell.add(j, place(j), weight(j), gap * std::sqrt(square));
     }
 };
 

@@ -25,7 +25,8 @@ namespace {
 using detail::Result;
 
 constexpr double radius_slack = 1e-4;  // covers the error of a radius from a GPU
-constexpr std::size_t rows_per_task = 256;
+constexpr double min_share = 1e-3;     // of a flat mesh's bounds in a cube, along one axis
+constexpr std::size_t rows_per_task = 256, rows_per_group = 8;
 
 [[noreturn]] void unsupported(const std::string& what) {
     throw Error(ErrorCode::unsupported, "mesh: " + what);
@@ -121,6 +122,7 @@ public:
         keep_cells();
         const Stoppable stoppable(progress_);
         if (progress_) Stoppable::enter_stage({0.5, 0.95});
+        sort_rows();
         cut_cells();
         fill_plain();
         measure_rows();
@@ -172,26 +174,50 @@ private:
         return cell.measure();
     }
 
-    // Returns all rows, sorted by the blocks of a grid around the mesh, because near cells need the same memory.
-    [[nodiscard]] std::vector<std::uint32_t> rows_by_place() const {
+    // Sorts the rows by the blocks of a grid around the mesh, because near cells need the same memory.
+    void sort_rows() {
         constexpr double rows_per_block = 8;
-        const double blocks = std::ceil(std::cbrt(static_cast<double>(rows()) / rows_per_block));
-        const auto side = static_cast<std::size_t>(blocks);
-        const Box& box = mesh_.bounds();
-        std::vector<std::uint32_t> block(rows()), begin(side * side * side + 1), order(rows());
+        const Box& box = mesh_.bounds();  // as points_
+        const Vector3 size = minus(box.upper, box.lower);
+        const double longest = std::max({size[0], size[1], size[2]});
+        double share = 1;  // of a cube
+        for (const double x : size) share *= std::max(x / longest, min_share);
+        const double blocks = std::cbrt(static_cast<double>(rows()) / rows_per_block / share);  // along the longest
+        std::array<std::size_t, 3> side;
+        for (std::size_t k = 0; k < 3; ++k) side[k] = static_cast<std::size_t>(blocks * size[k] / longest) + 1;
+        std::vector<std::uint32_t> block(rows()), begin(side[0] * side[1] * side[2] + 1);
+        order_.resize(rows());
         for (std::size_t r = 0; r < rows(); ++r) {
             std::size_t at = 0;
             for (std::size_t k = 3; k-- > 0;) {
-                const double x = points_[3 * to_index(seed_of(r)) + k], lower = box.lower[k];
-                const double share = std::clamp((x - lower) / (box.upper[k] - lower), 0.0, 1.0);
-                at = at * side + std::min(static_cast<std::size_t>(share * blocks), side - 1);
+                const double along = (points_[3 * to_index(seed_of(r)) + k] - box.lower[k]) / longest * blocks;
+                at = at * side[k] + static_cast<std::size_t>(std::clamp(along, 0.0, static_cast<double>(side[k] - 1)));
             }
             block[r] = static_cast<std::uint32_t>(at);
             ++begin[at + 1];
         }
         std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        for (std::size_t r = 0; r < rows(); ++r) order[begin[block[r]]++] = static_cast<std::uint32_t>(r);
-        return order;
+        for (std::size_t r = 0; r < rows(); ++r) order_[begin[block[r]]++] = static_cast<std::uint32_t>(r);
+    }
+
+    // Returns a bound on the distance from a seed to its cell's vertices, scaled.
+    [[nodiscard]] double reach(std::size_t r) const {
+        return 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
+    }
+    // Returns whether a triangle may come near any cell of order_[begin] to order_[end - 1].
+    [[nodiscard]] bool any_near(std::size_t begin, std::size_t end) const {
+        exact::Point middle{};
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                middle[k] += place(seed_of(order_[i]))[k] / static_cast<double>(end - begin);
+        double distance = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t r = order_[i];
+            if (result_.status[r] != CellStatus::certified) continue;
+            const Vector3 from = minus(place(seed_of(r)), middle);
+            distance = std::max(distance, length3(from[0], from[1], from[2]) + reach(r));
+        }
+        return mesh_.any_near(middle, distance);
     }
 
     // Cuts the cells that triangles come near, on all threads. The others are plain.
@@ -205,15 +231,16 @@ private:
         const double unscale = 1 / job_.scale, square = unscale * unscale;
         ThreadPool pool(options_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
-        const std::vector<std::uint32_t> order = rows_by_place();
         const auto task = [&](std::size_t index, unsigned worker) {
-            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain);
-            for (std::size_t k = index * rows_per_task; k < std::min(count, (index + 1) * rows_per_task); ++k) {
+            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, wanted_.centroids);
+            const std::size_t end = std::min(count, (index + 1) * rows_per_task);
+            bool near = true;  // whether triangles may come near the current group
+            for (std::size_t k = index * rows_per_task; k < end; ++k) {
                 check_stop();
-                const std::size_t r = order[k];
+                if (k % rows_per_group == 0) near = any_near(k, std::min(end, k + rows_per_group));
+                const std::size_t r = order_[k];
                 if (result_.status[r] != CellStatus::certified) continue;
-                const double reach = 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
-                if (!mesh_.any_near(place(seed_of(r)), reach)) {
+                if (!near || !mesh_.any_near(place(seed_of(r)), reach(r))) {
                     plain_[r] = 1;
                     continue;
                 }
@@ -239,7 +266,7 @@ private:
 
     // Finds the winding numbers of plain cells. Neighbors that are plain have the same.
     void fill_plain() {
-        CutCell cell(mesh_, *job_.domain);
+        CutCell cell(mesh_, *job_.domain, false);
         std::vector<std::size_t> pending;
         std::vector<std::uint8_t> done(rows());
         const auto spread = [&](std::size_t start) {
@@ -277,23 +304,15 @@ private:
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
         auto& areas = result_.face_areas;
-        const auto& indptr = cells_->indptr;
-        std::vector<std::int64_t> next(indptr.begin(), indptr.end());  // entries of lower seeds
-        const auto find_back = [&](std::size_t other, std::int32_t seed) {
-            const std::int64_t at = next[other];
-            if (at == indptr[other + 1] || cells_->indices[to_index(at)] != seed) return entry(other, seed);
-            ++next[other];
-            return to_index(at);
-        };
-        for (std::size_t r = 0; r < rows(); ++r)
-            for (std::size_t e = to_index(indptr[r]); e < to_index(indptr[r + 1]); ++e) {
+        for (const std::uint32_t r : order_)  // the rows of neighbors are then near in memory
+            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
                 const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
                 const std::int64_t other = row_of(neighbor);
                 if (empty_[r] != 0) areas[e] = dropped;
                 if (other < 0) continue;
                 const std::size_t o = to_index(other);
-                if (neighbor < seed) continue;  // that row has set both
-                const std::size_t back = find_back(o, seed);
+                if (neighbor < seed) continue;  // that row sets both
+                const std::size_t back = entry(o, seed);
                 if (back == no_entry) continue;
                 if (empty_[r] != 0 || empty_[o] != 0)
                     areas[e] = dropped;
@@ -371,6 +390,7 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
+    std::vector<std::uint32_t> order_;         // of rows, by place
     std::vector<std::uint8_t> plain_, empty_;  // by row
     std::vector<int> winding_;                 // by row, of plain cells
 };
