@@ -10,6 +10,7 @@
 namespace votess::solid {
 namespace {
 
+constexpr double sum_rounding = 4 * 0x1p-53;
 constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
 constexpr std::size_t word_bits = 64;
 constexpr std::int32_t absent = -2;     // of a vertex without a side yet
@@ -38,18 +39,23 @@ std::size_t index(std::int32_t i) {
 
 }  // namespace
 
-void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight, MeshSigns::Ties ties) {
+void CutCell::begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight,
+                    MeshSigns::Ties ties) {
     weight_ = weight;
     ties_ = ties;
+    image_ = exact::Plane::bisector(seed, move, domain_.lattice);
+    const auto place = exact::differences({}, image_).x;
+    origin_ = {place[0].high, place[1].high, place[2].high};
     cell_.start(seed, domain_, id);
-    signs_.begin(seed, ties_);
+    signs_.begin(seed, image_, ties_);
 }
 
-void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight, double inward) {
-    exact::Plane bisector = exact::Plane::bisector(neighbor);
+void CutCell::add(std::int32_t id, const exact::Plane& neighbor, const exact::Shift& shift, double weight,
+                  double inward) {
+    exact::Plane bisector = neighbor;
     bisector.power = exact::two_sum(weight_, -weight);
     if (inward != 0) bisector.power = {bisector.power.high - inward, 0};
-    cell_.clip(id, bisector);
+    cell_.clip(id, bisector, shift);
 }
 
 const CutMeasures& CutCell::measure() {
@@ -127,7 +133,7 @@ void CutCell::read_faces() {
             signs_.add(plane.source);
             plane_[f] = bisectors++;
         }
-        out_.faces.push_back({plane.id});
+        out_.faces.push_back({plane.id, plane.shift});
         for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
         base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
@@ -159,8 +165,8 @@ void CutCell::find_candidates() {
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (const std::int32_t slot : slots_)
         for (std::size_t k = 0; k < 3; ++k) {
-            const double x = cell_.position(slot)[k] + cell_.seed()[k];
-            const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+            const double x = cell_.position(slot)[k] + origin_[k];
+            const double error = cell_.tolerance(slot) + sum_rounding * (std::abs(x) + std::abs(origin_[k]));
             bounds.lower[k] = std::min(bounds.lower[k], x - error);
             bounds.upper[k] = std::max(bounds.upper[k], x + error);
         }
@@ -217,7 +223,7 @@ void CutCell::decide(std::size_t seen) {
 // Returns whether the cell lies on one side of the triangle's plane, by more than rounding.
 bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     if (triangle.normal == Vector3{}) return false;
-    const Vector3 from = minus(mesh_.vertex(triangle.vertex[0]), cell_.seed());
+    const Vector3 from = signs_.place(mesh_.vertex(triangle.vertex[0])).relative;
     const double offset = dot(triangle.normal, from);
     double lower = infinity, upper = -infinity, size = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
     for (const std::int32_t slot : slots_) {
@@ -415,7 +421,7 @@ int CutCell::winding_at(std::int32_t slot) {
     const auto planes = cell_.corner_planes(slot);
     std::array<std::size_t, 3> k;
     MeshSigns at;
-    at.begin(cell_.seed(), ties_);
+    at.begin(cell_.seed(), image_, ties_);
     for (std::size_t i = 0; i < 3; ++i) {
         k[i] = i;
         at.add(planes[i]->source);
@@ -423,8 +429,8 @@ int CutCell::winding_at(std::int32_t slot) {
     const int turn = exact::orientation(cell_.seed(), planes[0]->source, planes[1]->source, planes[2]->source);
     Box column;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double x = cell_.position(slot)[i] + cell_.seed()[i];
-        const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+        const double x = cell_.position(slot)[i] + origin_[i];
+        const double error = cell_.tolerance(slot) + sum_rounding * (std::abs(x) + std::abs(origin_[i]));
         column.lower[i] = x - error;
         column.upper[i] = i == 2 ? infinity : x + error;
     }

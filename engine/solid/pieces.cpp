@@ -67,17 +67,20 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
         auto& [cell, maker] = *workers[worker];
         for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
             check_stop();
-            const bool is_cut = cells->winding[r] == solid::MeshCells::cut;
-            if (cells->winding[r] != 0) cells->make(r, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
-            if (cells->winding[r] == 0 || cell.empty()) {
-                parts[index].indptr.push_back(parts[index].indptr.back());
-            } else if (is_cut) {
-                const solid::CutMeasures& m = cell.measure();
-                maker.add(cell, m.meets_surface, m.winding, parts[index]);
-            } else {
-                cell.find_faces();
-                maker.add(cell, false, cells->winding[r], parts[index]);
+            const auto [first, last] = cells->images(r);
+            for (std::size_t i = first; i < last; ++i) {
+                if (cells->winding[i] == 0) continue;
+                cells->make(r, i, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
+                if (cell.empty()) continue;
+                if (cells->winding[i] == solid::MeshCells::cut) {
+                    const solid::CutMeasures& m = cell.measure();
+                    maker.add(cell, m.meets_surface, m.winding, parts[index]);
+                } else {
+                    cell.find_faces();
+                    maker.add(cell, false, cells->winding[i], parts[index]);
+                }
             }
+            parts[index].indptr.push_back(static_cast<std::int64_t>(parts[index].size()));
         }
     });
     Pieces all = no_pieces();
