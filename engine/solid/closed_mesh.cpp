@@ -239,19 +239,6 @@ void ClosedMesh::split(std::uint32_t at, std::uint32_t begin, std::uint32_t end,
     split(child + 1, half, end, order, boxes);
 }
 
-bool ClosedMesh::beside(std::uint32_t t, const Box& box) const {
-    const Triangle& triangle = triangles_[t];
-    const exact::Point& from = vertex(triangle.vertex[0]);
-    double height = 0, reach = 0, size = 0;  // of the middle; of the corners above it; of all terms
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double middle = 0.5 * box.lower[k] + 0.5 * box.upper[k], half = 0.5 * (box.upper[k] - box.lower[k]);
-        height += triangle.normal[k] * (middle - from[k]);
-        reach += std::abs(triangle.normal[k]) * half;
-        size += std::abs(middle - from[k]) + half;
-    }
-    return std::abs(height) > reach + plane_rounding * size;
-}
-
 bool ClosedMesh::any_near(const exact::Point& x, double distance) const {
     Box around;
     for (std::size_t k = 0; k < 3; ++k) around.lower[k] = x[k] - distance, around.upper[k] = x[k] + distance;

@@ -51,8 +51,6 @@ public:
                 if (overlap(boxes_[t], box) && !visit(t)) return;
         }
     }
-    // Returns whether a box lies on one side of a triangle's plane, by more than rounding.
-    [[nodiscard]] bool beside(std::uint32_t t, const Box& box) const;
     // Returns whether a triangle may come within `distance` of x. Never misses one.
     [[nodiscard]] bool any_near(const exact::Point& x, double distance) const;
 

@@ -172,7 +172,7 @@ void CutCell::find_candidates() {
         }
     candidates_.clear();
     mesh_.for_each_in(bounds, [&](std::uint32_t t) {
-        if (!mesh_.beside(t, bounds)) candidates_.push_back(t);
+        candidates_.push_back(t);
         return true;
     });
     std::ranges::sort(candidates_);

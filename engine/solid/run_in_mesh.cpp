@@ -380,6 +380,7 @@ private:
         };
         std::vector<Place> pending;
         std::vector<std::uint8_t> done(winding_.size());
+        const bool repeats = !cells_->image_offsets.empty();
         const auto image_of = [&](std::size_t r, const exact::Shift& shift) {
             const auto [first, last] = cells_->images(r);
             std::size_t i = first;
@@ -396,7 +397,8 @@ private:
                 for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
                     const std::int64_t other = row_of(cells_->indices[e]);
                     if (other < 0 || plain_[to_index(other)] == 0) continue;
-                    const std::size_t i = image_of(to_index(other), MeshCells::sum(shift, cells_->shift(e)));
+                    const std::size_t i =
+                        repeats ? image_of(to_index(other), MeshCells::sum(shift, cells_->shift(e))) : to_index(other);
                     if (i == no_entry || done[i] != 0) continue;
                     winding_[i] = winding_[image];
                     done[i] = 1;

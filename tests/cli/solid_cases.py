@@ -138,7 +138,11 @@ class Mesh(CliTest):
         volumes = [row for row in self.rows(*run, "--frames", "all") if row[0] != "#"]
         np.testing.assert_allclose(np.array(volumes, float), [0.5, 0.5, 0.75, 0.25], rtol=1e-14)
         self.assertIn("a.off, 12 triangles", self.run_cli(points, "--mesh", "a.off", "--frames", "all").stdout)
-        self.refuse(points, "--mesh", "a.off", "--periodic", says="not periodic")
+        self.refuse(points, "--mesh", "a.off", "--periodic", says="a periodic axis needs a box")
+        # The image of the second seed is nearer to the mesh's lower half.
+        repeated = self.arrays("a.xyz", "--frames", "1", "--mesh", "a.off", "--box", "0,0,0,1.5,1.5,1.5", "--periodic", "x")
+        np.testing.assert_allclose(repeated["volumes"], [0.625, 0.375], rtol=1e-14)
+        self.assertEqual(repeated["shifts"].tolist(), [[-1, 0, 0], [0, 0, 0], [0, 0, 0], [1, 0, 0]])
 
     def test_refusals(self):
         self.put("a.off", OFF)
