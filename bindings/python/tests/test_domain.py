@@ -277,7 +277,7 @@ class Domains(unittest.TestCase):
         for name in ("indptr", "indices", "shifts"):
             np.testing.assert_array_equal(getattr(whole, name), getattr(plain, name))
         for name in ("volumes", "centroids", "face_areas"):
-            np.testing.assert_allclose(getattr(whole, name), getattr(plain, name), rtol=1e-12)
+            np.testing.assert_allclose(getattr(whole, name), getattr(plain, name), rtol=1e-12, atol=1e-14)
         small = (0.1 + 0.8 * vertices, triangles)
         t = vt.tessellate(p + [3, -2, 1], mesh=small, **arguments)
         np.testing.assert_allclose(t.volumes, vt.tessellate(p, mesh=small, **arguments).volumes, rtol=1e-9)
