@@ -75,7 +75,6 @@ void CellPieces::add(CutCell& cut, bool meets_surface, int winding, Pieces& out)
         find_cavities();
         write(out);
     }
-    out.indptr.push_back(static_cast<std::int64_t>(out.size()));
 }
 
 int CellPieces::winding_at(Id slot) const {
@@ -513,7 +512,7 @@ void CellPieces::write(Pieces& out) {
     }
     std::ranges::stable_sort(order, std::ranges::greater(), [&](Id s) { return surfaces_[at(s)].sum.value(); });
     const double unscale = 1 / scale_;
-    const exact::Point& seed = cut_->signs_.seed();
+    const exact::Point& origin = cut_->origin_;
     const Vector3& apex = cut_->apex_;
     new_vertex_.assign(places_.size(), -1);
     for (const Id s : order) {
@@ -521,7 +520,7 @@ void CellPieces::write(Pieces& out) {
         const double volume = surface.sum.value();
         out.volumes.push_back(volume * unscale * unscale * unscale);
         for (std::size_t k = 0; k < 3; ++k)
-            out.centroids.push_back((surface.moment[k].value() / volume + apex[k] + seed[k]) * unscale);
+            out.centroids.push_back((surface.moment[k].value() / volume + apex[k] + origin[k]) * unscale);
         Id count = 0;
         for (const Id t : surface.triangles) {
             const Triangle& triangle = triangles_[at(t)];
@@ -531,7 +530,7 @@ void CellPieces::write(Pieces& out) {
                     const Id of_mesh = mesh_vertices_[at(v)];
                     for (std::size_t k = 0; k < 3; ++k) {
                         const double x =
-                            of_mesh >= 0 ? mesh_.vertex(of_mesh)[k] : places_[at(v)][k] + apex[k] + seed[k];
+                            of_mesh >= 0 ? mesh_.vertex(of_mesh)[k] : places_[at(v)][k] + apex[k] + origin[k];
                         out.vertices.push_back(x * unscale);
                     }
                 }

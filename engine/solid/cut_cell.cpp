@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "core/arithmetic.hpp"
 
 namespace votess::solid {
 namespace {
 
+constexpr double sum_rounding = 4 * 0x1p-53;
 constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
 constexpr std::size_t word_bits = 64;
 constexpr std::int32_t absent = -2;     // of a vertex without a side yet
@@ -37,18 +39,23 @@ std::size_t index(std::int32_t i) {
 
 }  // namespace
 
-void CutCell::begin(const exact::Point& seed, std::int32_t id, double weight, MeshSigns::Ties ties) {
+void CutCell::begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight,
+                    MeshSigns::Ties ties) {
     weight_ = weight;
     ties_ = ties;
+    image_ = exact::Plane::bisector(seed, move, domain_.lattice);
+    const auto place = exact::differences({}, image_).x;
+    origin_ = {place[0].high, place[1].high, place[2].high};
     cell_.start(seed, domain_, id);
-    signs_.begin(seed, ties_);
+    signs_.begin(seed, image_, ties_);
 }
 
-void CutCell::add(std::int32_t id, const exact::Point& neighbor, double weight, double inward) {
-    exact::Plane bisector = exact::Plane::bisector(neighbor);
+void CutCell::add(std::int32_t id, const exact::Plane& neighbor, const exact::Shift& shift, double weight,
+                  double inward) {
+    exact::Plane bisector = neighbor;
     bisector.power = exact::two_sum(weight_, -weight);
     if (inward != 0) bisector.power = {bisector.power.high - inward, 0};
-    cell_.clip(id, bisector);
+    cell_.clip(id, bisector, shift);
 }
 
 const CutMeasures& CutCell::measure() {
@@ -77,7 +84,8 @@ const CutMeasures& CutCell::measure() {
     const double thickness = signs_.met_tie() ? place_error_ : 0;
     out_.volume_error = sum_area_ * thickness;
     for (CutMeasures::Face& face : out_.faces) face.error *= thickness;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
     return out_;
 }
 
@@ -125,7 +133,7 @@ void CutCell::read_faces() {
             signs_.add(plane.source);
             plane_[f] = bisectors++;
         }
-        out_.faces.push_back({plane.id});
+        out_.faces.push_back({plane.id, plane.shift});
         for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
         base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
@@ -157,8 +165,8 @@ void CutCell::find_candidates() {
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (const std::int32_t slot : slots_)
         for (std::size_t k = 0; k < 3; ++k) {
-            const double x = cell_.position(slot)[k] + cell_.seed()[k];
-            const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+            const double x = cell_.position(slot)[k] + origin_[k];
+            const double error = cell_.tolerance(slot) + sum_rounding * (std::abs(x) + std::abs(origin_[k]));
             bounds.lower[k] = std::min(bounds.lower[k], x - error);
             bounds.upper[k] = std::max(bounds.upper[k], x + error);
         }
@@ -187,13 +195,14 @@ std::size_t CutCell::see(std::int32_t vertex) {
     seen_.push_back({vertex, 0, false, signs_.place(mesh_.vertex(vertex))});
     SeenVertex& u = seen_.back();
     outside_bits_.resize(outside_bits_.size() + words_);
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        MeshSigns::Value& value = vertex_values_.emplace_back();
-        value.sign = -1;  // inside of the walls
+    vertex_values_.resize(seen_.size() * faces_.size());
+    MeshSigns::Value* value = &vertex_values_[seen * faces_.size()];
+    for (std::size_t f = 0; f < faces_.size(); ++f, ++value) {
+        value->sign = -1;  // inside of the walls
         if (plane_[f] < 0) continue;
-        value = signs_.value(index(plane_[f]), u.place);
-        u.unsure += value.sign == 0 ? 1 : 0;
-        if (value.sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
+        *value = signs_.value(index(plane_[f]), u.place);
+        u.unsure += value->sign == 0 ? 1 : 0;
+        if (value->sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
     }
     return seen;
 }
@@ -214,7 +223,7 @@ void CutCell::decide(std::size_t seen) {
 // Returns whether the cell lies on one side of the triangle's plane, by more than rounding.
 bool CutCell::beside(const ClosedMesh::Triangle& triangle) const {
     if (triangle.normal == Vector3{}) return false;
-    const Vector3 from = minus(mesh_.vertex(triangle.vertex[0]), cell_.seed());
+    const Vector3 from = signs_.place(mesh_.vertex(triangle.vertex[0])).relative;
     const double offset = dot(triangle.normal, from);
     double lower = infinity, upper = -infinity, size = std::abs(from[0]) + std::abs(from[1]) + std::abs(from[2]);
     for (const std::int32_t slot : slots_) {
@@ -367,6 +376,7 @@ void CutCell::add_on_face(std::int32_t given) {
 void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
     const double volume = weight * dot(a, cross(minus(b, a), minus(c, b))) / 6;  // exact to the size of c - b
     sum_volume_ += volume;
+    if (!centroids_) return;
     for (std::size_t k = 0; k < 3; ++k) sum_moment_[k] += volume * (a[k] + b[k] + c[k]) / 4;
 }
 
@@ -382,22 +392,27 @@ void CutCell::find_windings() {
     out_.winding = on_wall ? 0 : winding_at(start);  // the mesh lies inside of the walls
     if (!out_.meets_surface) return;
     winding_.assign(index(cell_.slots()), 0);
-    known_.assign(index(cell_.slots()), false);
+    known_.assign(index(cell_.slots()), 0);
     winding_[index(start)] = out_.winding;
-    known_[index(start)] = true;
-    for (bool again = true; again;) {
-        again = false;
-        for (const Edge& edge : edges_) {
+    known_[index(start)] = 1;
+    // Each pass keeps the edges whose vertices are both unknown.
+    pending_.resize(edges_.size());
+    std::iota(pending_.begin(), pending_.end(), 0);
+    for (std::size_t before = pending_.size() + 1; pending_.size() < before;) {
+        before = pending_.size();
+        std::erase_if(pending_, [&](std::int32_t e) {
+            const Edge& edge = edges_[index(e)];
             const std::size_t from = index(edge.from), to = index(edge.to);
-            if (known_[from] == known_[to]) continue;
+            if (known_[from] == known_[to]) return known_[from] != 0;
             int jump = 0;
             for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next) jump += crossings_[index(c)].jump;
-            if (known_[from])
+            if (known_[from] != 0)
                 winding_[to] = winding_[from] + jump;
             else
                 winding_[from] = winding_[to] - jump;
-            known_[from] = known_[to] = again = true;
-        }
+            known_[from] = known_[to] = 1;
+            return true;
+        });
     }
 }
 
@@ -406,7 +421,7 @@ int CutCell::winding_at(std::int32_t slot) {
     const auto planes = cell_.corner_planes(slot);
     std::array<std::size_t, 3> k;
     MeshSigns at;
-    at.begin(cell_.seed(), ties_);
+    at.begin(cell_.seed(), image_, ties_);
     for (std::size_t i = 0; i < 3; ++i) {
         k[i] = i;
         at.add(planes[i]->source);
@@ -414,8 +429,8 @@ int CutCell::winding_at(std::int32_t slot) {
     const int turn = exact::orientation(cell_.seed(), planes[0]->source, planes[1]->source, planes[2]->source);
     Box column;
     for (std::size_t i = 0; i < 3; ++i) {
-        const double x = cell_.position(slot)[i] + cell_.seed()[i];
-        const double error = cell_.tolerance(slot) + 4 * 0x1p-53 * std::abs(x);
+        const double x = cell_.position(slot)[i] + origin_[i];
+        const double error = cell_.tolerance(slot) + sum_rounding * (std::abs(x) + std::abs(origin_[i]));
         column.lower[i] = x - error;
         column.upper[i] = i == 2 ? infinity : x + error;
     }

@@ -35,6 +35,7 @@ struct CutMeasures {
     double surface = 0;                   // area of the mesh in the cell, with the triangles on its faces that bound it
     struct Face {
         std::int32_t id;
+        exact::Shift shift;
         double area = 0;   // inside the mesh on both sides, not negative
         double error = 0;  // after ties a bound on its rounding, else 0
     };
@@ -44,13 +45,18 @@ struct CutMeasures {
 // One for each thread.
 class CutCell {
 public:
-    CutCell(const ClosedMesh& mesh, const Domain& domain) : mesh_(mesh), domain_(domain) {}
+    // centroids: whether measure() finds them.
+    CutCell(const ClosedMesh& mesh, const Domain& domain, bool centroids)
+        : mesh_(mesh), domain_(domain), centroids_(centroids) {}
 
-    // Begins the cell of a seed; add() all its neighbors, then call measure().
+    // Begins the cell of a seed, moved by a shift; add() all its neighbors, then call measure().
     // ties: the same for all cells whose measures must fit together.
-    void begin(const exact::Point& seed, std::int32_t id, double weight, MeshSigns::Ties ties = MeshSigns::Ties::moved);
+    void begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight,
+               MeshSigns::Ties ties = MeshSigns::Ties::moved);
+    // neighbor: its bisector, as seen from the seed where it was given. shift: of the neighbor in the row.
     // inward: twice the distance by which the plane moves inward, times the distance of the neighbor.
-    void add(std::int32_t id, const exact::Point& neighbor, double weight, double inward = 0);
+    void add(std::int32_t id, const exact::Plane& neighbor, const exact::Shift& shift, double weight,
+             double inward = 0);
     // Whether the planes leave nothing.
     [[nodiscard]] bool empty() const { return cell_.empty(); }
     const CutMeasures& measure();
@@ -117,9 +123,12 @@ private:
 
     const ClosedMesh& mesh_;
     const Domain& domain_;
+    bool centroids_;
     double weight_ = 0;
     MeshSigns::Ties ties_ = MeshSigns::Ties::moved;
     cpu::Cell cell_;
+    exact::Plane image_;     // of the seed, where the cell is, as if it were a bisector's
+    exact::Point origin_{};  // the same place, rounded
     cpu::CellFaces faces_;
     MeshSigns signs_;
     CutMeasures out_;
@@ -128,11 +137,12 @@ private:
     std::vector<Vector3> base_, unit_;  // by face: a point on it, its outward unit normal
     std::vector<Vector3> at_;           // by slot, relative to the apex
     std::vector<int> winding_;          // by slot
-    std::vector<bool> known_;           // by slot
+    std::vector<std::uint8_t> known_;   // by slot
     std::vector<std::int32_t> slots_;   // of vertices
     std::vector<Half> halves_;
     std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
+    std::vector<std::int32_t> pending_;       // edges
     std::vector<std::int32_t> edge_between_;  // by left and right face
     std::vector<Crossing> crossings_;
     std::vector<Segment> segments_;

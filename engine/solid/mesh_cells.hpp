@@ -1,11 +1,13 @@
 // Cells around a mesh, before it cuts them.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/buffer.hpp"
@@ -22,13 +24,19 @@ struct MeshCells {
     ClosedMesh mesh;  // times scale
     std::shared_ptr<const Domain> domain;
     double scale = 1;
-    std::vector<double> seeds;      // 3N, times scale
-    std::vector<std::int32_t> ids;  // of the rows, in a subset
-    Buffer<std::int64_t> indptr;    // by row
-    Buffer<std::int32_t> indices;   // all neighbors
-    std::vector<int> winding;       // by row: of plain cells; `cut` for others; 0 for none
+    std::vector<double> seeds;        // 3N, times scale
+    std::vector<exact::Shift> wraps;  // by seed: into a periodic domain; empty if all lie inside
+    std::vector<std::int32_t> ids;    // of the rows, in a subset
+    Buffer<std::int64_t> indptr;      // by row
+    Buffer<std::int32_t> indices;     // all neighbors
+    Buffer<std::int8_t> shifts;       // three for each neighbor; empty if nothing repeats
+    // The images of cells that may reach the mesh, in a periodic domain: those of row r are image_offsets[r] to
+    // image_offsets[r + 1] - 1. Otherwise empty, and the image of a row is its cell.
+    std::vector<std::size_t> image_offsets;
+    std::vector<exact::Shift> image_shifts;  // from places inside the domain
+    std::vector<int> winding;                // by image: of plain ones; `cut` for others
 
-    [[nodiscard]] std::size_t rows() const { return winding.size(); }
+    [[nodiscard]] std::size_t rows() const { return indptr.size() - 1; }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
         return ids.empty() ? static_cast<std::int32_t>(row) : ids[row];
     }
@@ -43,15 +51,52 @@ struct MeshCells {
         const auto begin = static_cast<std::size_t>(indptr[r]), end = static_cast<std::size_t>(indptr[r + 1]);
         return std::span<const std::int32_t>(indices).subspan(begin, end - begin);
     }
-    // Makes the cell of a row. gap: of pieces, scaled.
-    void make(std::size_t r, CutCell& cell, MeshSigns::Ties ties = MeshSigns::Ties::moved, double gap = 0) const {
+    // Returns the shift of a neighbor, from places inside the domain.
+    [[nodiscard]] exact::Shift shift(std::size_t entry) const {
+        if (shifts.empty()) return {};
+        return {shifts[3 * entry], shifts[3 * entry + 1], shifts[3 * entry + 2]};
+    }
+    // Returns the first image of a row and the one after the last.
+    [[nodiscard]] std::pair<std::size_t, std::size_t> images(std::size_t r) const {
+        if (image_offsets.empty()) return {r, r + 1};
+        return {image_offsets[r], image_offsets[r + 1]};
+    }
+    [[nodiscard]] exact::Shift image_shift(std::size_t image) const {
+        return image_shifts.empty() ? exact::Shift{} : image_shifts[image];
+    }
+    // Returns the shift of an image from where its seed was given.
+    [[nodiscard]] exact::Shift move(std::int32_t seed, const exact::Shift& shift) const {
+        return wraps.empty() ? shift : sum(shift, wraps[static_cast<std::size_t>(seed)]);
+    }
+    [[nodiscard]] static exact::Shift sum(const exact::Shift& a, const exact::Shift& b) {
+        return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+    }
+    // Makes an image of the cell of a row. gap: of pieces, scaled.
+    void make(std::size_t r, std::size_t image, CutCell& cell, MeshSigns::Ties ties = MeshSigns::Ties::moved,
+              double gap = 0) const {
         const std::int32_t seed = seed_of(r);
         const exact::Point x = place(seed);
-        cell.begin(x, seed, weight(seed), ties);
-        for (const std::int32_t j : row(r)) {
-            const Vector3 n = minus(place(j), x);
-            cell.add(j, place(j), weight(j), gap * length3(n[0], n[1], n[2]));
+        cell.begin(x, seed, move(seed, image_shift(image)), weight(seed), ties);
+        const exact::Shift home = move(seed, {}), back{-home[0], -home[1], -home[2]};
+        const auto first = static_cast<std::size_t>(indptr[r]);
+        const auto bisector = [&](std::size_t entry) {
+            const std::int32_t j = indices[entry];
+            return exact::Plane::bisector(place(j), sum(move(j, shift(entry)), back), domain->lattice);
+        };
+        // Near ones first: fewer vertices are then made and lost.
+        struct Neighbor {
+            double square;
+            std::size_t entry;
+        };
+        std::vector<Neighbor> near(row(r).size());
+        for (std::size_t k = 0; k < near.size(); ++k) {
+            const auto n = exact::differences(x, bisector(first + k)).x;
+            const double square = n[0].high * n[0].high + n[1].high * n[1].high + n[2].high * n[2].high;
+            near[k] = {square, first + k};
         }
+        std::ranges::sort(near, {}, [](const Neighbor& j) { return std::pair(j.square, j.entry); });
+        for (const auto& [square, entry] : near)
+            cell.add(indices[entry], bisector(entry), shift(entry), weight(indices[entry]), gap * std::sqrt(square));
     }
 };
 

@@ -47,11 +47,12 @@ int cross_sign_in(const exact::Point& u, const exact::Point& v, const exact::Poi
 }  // namespace
 
 void MeshSigns::add(const exact::Plane& bisector) {
-    Bisector b{bisector.seed, bisector.power, {}, 0, 0};
-    for (std::size_t k = 0; k < 3; ++k) b.n[k] = b.q[k] - seed_[k];
+    Bisector b{bisector, {}, 0, 0};
+    const auto difference = exact::differences(seed_, bisector).x;
+    for (std::size_t k = 0; k < 3; ++k) b.n[k] = difference[k].high;
     const double square = b.n[0] * b.n[0] + b.n[1] * b.n[1] + b.n[2] * b.n[2];
-    b.constant = square + b.power.high;
-    b.size = square + std::abs(b.power.high);
+    b.constant = square + bisector.power.high;
+    b.size = square + std::abs(bisector.power.high);
     bisectors_.push_back(b);
 }
 
@@ -64,10 +65,10 @@ void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
     value.s = value.error = 0;
     value.sign = ties_ == Ties::grown ? sign_of_constant(k) : 0;
     if (value.sign != 0) return;
-    const exact::Point& q = bisectors_[k].q;
+    const std::array<double, 3>& n = bisectors_[k].n;
     std::size_t axis = 0;
-    while (axis < 2 && q[axis] == seed_[axis]) ++axis;
-    value.sign = q[axis] > seed_[axis] ? 1 : -1;
+    while (axis < 2 && n[axis] == 0) ++axis;
+    value.sign = n[axis] > 0 ? 1 : -1;
 }
 
 int MeshSigns::edge_side(std::size_t f, std::size_t a, const Place& at_a, const Place& at_b, const Value& fa,
@@ -111,19 +112,16 @@ int MeshSigns::upright_determinant(const std::array<std::size_t, 3>& k, const Pl
 exact::BitRange MeshSigns::range_of(std::span<const std::size_t> rows) const {
     exact::BitRange range;
     range.add(seed_);
-    for (const std::size_t k : rows) {
-        exact::Plane plane = exact::Plane::bisector(bisectors_[k].q);
-        plane.power = bisectors_[k].power;
-        range.add(plane);
-    }
+    range.add(image_);
+    for (const std::size_t k : rows) range.add(bisectors_[k].source);
     return range;
 }
 
 int MeshSigns::sign_of_constant(std::size_t k) const {
-    if (bisectors_[k].power.high == 0) return 1;
+    const exact::Plane& bisector = bisectors_[k].source;
+    if (!bisector.has_power()) return 1;
     const std::array<std::size_t, 1> row{k};
-    std::array<WideInt<exact::widest>, 3> n;
-    return integer_row<exact::widest>(k, range_of(row).quantum(), n).sign();
+    return exact::wide_row<exact::widest>(seed_, bisector, range_of(row).quantum()).s.sign();
 }
 
 // Returns 2 for one value that is exactly 0.
@@ -139,32 +137,21 @@ int MeshSigns::exact_sign(int count, const std::array<std::size_t, 3>& rows,
 }
 
 template <int W>
-WideInt<2 * W> MeshSigns::integer_row(std::size_t k, int quantum, std::array<WideInt<W>, 3>& n) const {
-    const Bisector& b = bisectors_[k];
-    for (std::size_t i = 0; i < 3; ++i)
-        n[i] = exact::to_wide<W>(b.q[i], quantum) - exact::to_wide<W>(seed_[i], quantum);
-    auto constant = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (b.power.high != 0)
-        constant = constant + exact::to_wide<2 * W>(b.power.high, 2 * quantum) +
-                   exact::to_wide<2 * W>(b.power.low, 2 * quantum);
-    return constant;
-}
-
-template <int W>
 int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
                             const std::array<const exact::Point*, 3>& columns, bool upright, int quantum) const {
     std::array<std::array<WideInt<2 * W>, 3>, 3> value;
     std::array<std::array<WideInt<W>, 3>, 3> n;
-    std::array<WideInt<W>, 3> p;
-    for (int k = 0; k < 3; ++k) p[k] = exact::to_wide<W>(seed_[k], quantum);
+    std::array<std::array<WideInt<W>, 3>, 3> to_seed;  // from each column
     std::array<WideInt<2 * W>, 3> constants;
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
+    for (int c = 0; c < moving; ++c) to_seed[c] = exact::wide_difference<W>(*columns[c], image_, quantum);
     for (int r = 0; r < count; ++r) {
-        const auto& constant = constants[r] = integer_row<W>(rows[r], quantum, n[r]);
+        const auto row = exact::wide_row<W>(seed_, bisectors_[rows[r]].source, quantum);
+        n[r] = row.n;
+        constants[r] = row.s;
         for (int c = 0; c < moving; ++c) {
-            WideInt<2 * W> s{};
-            for (int k = 0; k < 3; ++k) s = s + n[r][k] * (exact::to_wide<W>((*columns[c])[k], quantum) - p[k]);
-            value[r][c] = s + s - constant;
+            const auto half = dot(n[r], to_seed[c]);
+            value[r][c] = -(half + half) - row.s;
         }
         if (upright) value[r][count - 1] = exact::resize<2 * W>(n[r][2]);
     }
@@ -209,7 +196,11 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
                              int quantum) const {
     std::array<std::array<WideInt<W>, 3>, 2> n;
     std::array<WideInt<2 * W>, 2> constant;
-    for (std::size_t r = 0; r < 2; ++r) constant[r] = integer_row<W>(rows[r], quantum, n[r]);
+    for (std::size_t r = 0; r < 2; ++r) {
+        const auto row = exact::wide_row<W>(seed_, bisectors_[rows[r]].source, quantum);
+        n[r] = row.n;
+        constant[r] = row.s;
+    }
     const auto across = cross(n[0], n[1]);
     std::size_t axis = 0;
     while (axis < 2 && across[axis].zero()) ++axis;
@@ -222,13 +213,11 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
         std::array<std::array<WideInt<2 * W>, 3>, 2> s;
         std::array<WideInt<W>, 3> x;
         for (std::size_t i = 0; i < 3; ++i) {
-            std::array<WideInt<W>, 3> from;
-            for (std::size_t k = 0; k < 3; ++k)
-                from[k] = exact::to_wide<W>((*u[t])[i].x[k], quantum) - exact::to_wide<W>(seed_[k], quantum);
-            x[i] = from[axis];
+            const auto to_seed = exact::wide_difference<W>((*u[t])[i].x, image_, quantum);
+            x[i] = -to_seed[axis];
             for (std::size_t r = 0; r < 2; ++r) {
-                const auto half = n[r][0] * from[0] + n[r][1] * from[1] + n[r][2] * from[2];
-                s[r][i] = half + half - constant[r];
+                const auto half = dot(n[r], to_seed);
+                s[r][i] = -(half + half) - constant[r];
             }
         }
         const auto at = [&](const std::array<WideInt<4 * W>, 3>& weights) {

@@ -1,5 +1,8 @@
 // The decisions on which a cell in a mesh rests: where vertices and edges of the mesh lie, seen from bisectors.
 //
+// In a periodic domain an image of the cell may reach the mesh. Bisectors then count from the seed, and vertices of the
+// mesh from its image. Both differences are exact sums.
+//
 // Let s_k(u) be the value of bisector k of a seed at a place u: the power of u from the seed, less that from the
 // neighbor. It is negative inside. Every question is the sign of a determinant of such values, with a row for each
 // bisector and a column for each vertex of the mesh:
@@ -56,8 +59,10 @@ public:
     using Values = std::array<Value, 3>;  // at the vertices of a triangle
     using Places = std::array<Place, 3>;
 
-    void begin(const exact::Point& seed, Ties ties) {
+    // image: the seed's place in the mesh, as if it were a bisector's.
+    void begin(const exact::Point& seed, const exact::Plane& image, Ties ties) {
         seed_ = seed;
+        image_ = image;
         ties_ = ties;
         bisectors_.clear();
         met_tie_ = false;
@@ -65,10 +70,11 @@ public:
     void add(const exact::Plane& bisector);
     // Returns whether a value or determinant was 0 since begin().
     [[nodiscard]] bool met_tie() const { return met_tie_; }
-    [[nodiscard]] const exact::Point& seed() const { return seed_; }
     [[nodiscard]] std::array<double, 3> normal(std::size_t k) const { return bisectors_[k].n; }
     [[nodiscard]] Place place(const exact::Point& x) const {
-        return {x, {x[0] - seed_[0], x[1] - seed_[1], x[2] - seed_[2]}};
+        if (image_.lattice == nullptr) return {x, {x[0] - seed_[0], x[1] - seed_[1], x[2] - seed_[2]}};
+        const auto d = exact::image_differences(x, image_).x;
+        return {x, {-d[0].high, -d[1].high, -d[2].high}};
     }
 
     // Returns the value at a vertex, without its sign.
@@ -97,8 +103,7 @@ public:
 private:
     static constexpr double value_rounding = 16 * 0x1p-53;
     struct Bisector {
-        exact::Point q;
-        exact::DoubleDouble power;
+        exact::Plane source;
         std::array<double, 3> n;
         double constant, size;  // |n|^2 + power; of its terms
     };
@@ -113,11 +118,9 @@ private:
                                     int quantum) const;
     [[nodiscard]] int sign_of_constant(std::size_t k) const;
     [[nodiscard]] exact::BitRange range_of(std::span<const std::size_t> rows) const;
-    // Writes the normal of a bisector in integers. Returns |n|^2 + power.
-    template <int W>
-    exact::WideInt<2 * W> integer_row(std::size_t k, int quantum, std::array<exact::WideInt<W>, 3>& n) const;
 
     exact::Point seed_{};
+    exact::Plane image_;
     Ties ties_ = Ties::moved;
     mutable bool met_tie_ = false;
     std::vector<Bisector> bisectors_;

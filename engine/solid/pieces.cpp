@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -37,6 +39,24 @@ void append(const Pieces& more, Pieces& to) {
     add(to.centroids, more.centroids);
 }
 
+// Appends one piece, without an end of its row.
+void append_piece(const Pieces& from, std::size_t p, Pieces& to) {
+    const auto add = [](auto& all, const auto& part, std::int64_t begin, std::int64_t end) {
+        all.insert(all.end(), part.begin() + begin, part.begin() + end);
+    };
+    const auto part = static_cast<std::int64_t>(p);
+    const std::int64_t v = from.vertex_offsets[p], w = from.vertex_offsets[p + 1];
+    const std::int64_t t = from.triangle_offsets[p], u = from.triangle_offsets[p + 1];
+    add(to.vertices, from.vertices, 3 * v, 3 * w);
+    add(to.triangles, from.triangles, 3 * t, 3 * u);
+    add(to.on_surface, from.on_surface, t, u);
+    add(to.sources, from.sources, t, u);
+    add(to.volumes, from.volumes, part, part + 1);
+    add(to.centroids, from.centroids, 3 * part, 3 * part + 3);
+    to.vertex_offsets.push_back(to.vertex_offsets.back() + w - v);
+    to.triangle_offsets.push_back(to.triangle_offsets.back() + u - t);
+}
+
 Pieces no_pieces() {
     Pieces none;
     none.indptr = none.vertex_offsets = none.triangle_offsets = {0};
@@ -63,21 +83,31 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     pool.run_stage(parts.size(), [&](std::size_t index, unsigned worker) {
         if (!workers[worker])
             workers[worker] =
-                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain}, {cells->mesh, cells->scale}});
+                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain, false}, {cells->mesh, cells->scale}});
         auto& [cell, maker] = *workers[worker];
         for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
             check_stop();
-            const bool is_cut = cells->winding[r] == solid::MeshCells::cut;
-            if (cells->winding[r] != 0) cells->make(r, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
-            if (cells->winding[r] == 0 || cell.empty()) {
-                parts[index].indptr.push_back(parts[index].indptr.back());
-            } else if (is_cut) {
-                const solid::CutMeasures& m = cell.measure();
-                maker.add(cell, m.meets_surface, m.winding, parts[index]);
-            } else {
-                cell.find_faces();
-                maker.add(cell, false, cells->winding[r], parts[index]);
+            const auto [first, last] = cells->images(r);
+            Pieces of_images = no_pieces();
+            Pieces& out = last - first > 1 ? of_images : parts[index];
+            for (std::size_t i = first; i < last; ++i) {
+                if (cells->winding[i] == 0) continue;
+                cells->make(r, i, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
+                if (cell.empty()) continue;
+                if (cells->winding[i] == solid::MeshCells::cut) {
+                    const solid::CutMeasures& m = cell.measure();
+                    maker.add(cell, m.meets_surface, m.winding, out);
+                } else {
+                    cell.find_faces();
+                    maker.add(cell, false, cells->winding[i], out);
+                }
             }
+            std::vector<std::size_t> order(of_images.size());  // large ones first, as of one image
+            std::iota(order.begin(), order.end(), std::size_t{0});
+            std::ranges::stable_sort(order, std::ranges::greater(),
+                                     [&](std::size_t p) { return of_images.volumes[p]; });
+            for (const std::size_t p : order) append_piece(of_images, p, parts[index]);
+            parts[index].indptr.push_back(static_cast<std::int64_t>(parts[index].size()));
         }
     });
     Pieces all = no_pieces();

@@ -24,8 +24,10 @@ namespace {
 
 using detail::Result;
 
-constexpr double radius_slack = 1e-4;  // covers the error of a radius from a GPU
-constexpr std::size_t rows_per_task = 256;
+constexpr double place_rounding = 0x1p-50;  // of a coordinate
+constexpr double radius_slack = 1e-4;       // covers the error of a radius from a GPU
+constexpr double min_share = 1e-3;          // of a flat mesh's bounds in a cube, along one axis
+constexpr std::size_t rows_per_task = 256, rows_per_group = 8;
 
 [[noreturn]] void unsupported(const std::string& what) {
     throw Error(ErrorCode::unsupported, "mesh: " + what);
@@ -33,8 +35,8 @@ constexpr std::size_t rows_per_task = 256;
 
 void check_others(const Options& options) {
     if (options.planar) unsupported("it works in three dimensions only: leave out planar");
-    if (options.cell || options.periodic != std::array<bool, 3>{})
-        unsupported("it works in a domain that is not periodic: leave out periodic and cell");
+    if (options.cell && options.cell->periodic != std::array{true, true, true})
+        unsupported("a triclinic box must repeat along all its edges: set cell.periodic so, or give a box");
     if (!options.walls.empty()) unsupported("it replaces walls: leave them out");
     if (options.outside != Outside::error)
         unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out `outside`");
@@ -49,14 +51,29 @@ void check_others(const Options& options) {
                 unsupported("the box needs ends: leave it out, the default holds the mesh");
 }
 
-void check_in_box(const ClosedMesh& mesh, const Box& box) {
+void check_in_box(const ClosedMesh& mesh, const Box& box, const std::array<bool, 3>& periodic) {
     for (std::size_t k = 0; k < 3; ++k)
-        for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]})
-            if (!(x > box.lower[k] && x < box.upper[k]))
-                throw Error(ErrorCode::invalid_argument, std::string("mesh: it reaches ") + axis_name[k] + " = " +
-                                                             number(x) + ", and the box spans " + number(box.lower[k]) +
-                                                             " to " + number(box.upper[k]) +
-                                                             ": give a box with the mesh strictly inside, or none");
+        for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
+            const bool inside = x > box.lower[k] && x < box.upper[k];
+            if (inside || (periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;
+            throw Error(ErrorCode::invalid_argument, std::string("mesh: it reaches ") + axis_name[k] + " = " +
+                                                         number(x) + ", and the box spans " + number(box.lower[k]) +
+                                                         " to " + number(box.upper[k]) + ": give a box with the mesh " +
+                                                         (periodic[k] ? "inside" : "strictly inside, or none"));
+        }
+}
+
+// To rounding. Longer meshes would need many images of each cell.
+void check_in_cell(const ClosedMesh& mesh, const Domain& domain, double scale) {
+    constexpr double slack = 1e-9;
+    for (std::size_t v = 0; v < mesh.vertices(); ++v) {
+        exact::Point x = mesh.vertex(static_cast<std::int32_t>(v));
+        for (double& coordinate : x) coordinate *= scale;
+        for (const double f : domain.fraction(x))
+            if (!(f >= -slack && f <= 1 + slack))
+                throw Error(ErrorCode::invalid_argument,
+                            "mesh: vertex " + std::to_string(v) + " lies outside of the cell: move the mesh into it");
+    }
 }
 
 Options without_mesh(const Options& options) {
@@ -82,7 +99,7 @@ Options options_in_box(const ClosedMesh& mesh, const Points& points, const Optio
     check_shape(points);
     if (in_box.box) {
         check_box(*in_box.box);
-    } else {
+    } else if (!in_box.cell) {
         std::vector<CellStatus> outside;
         Box bounds = check_points(points, in_box, outside);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -91,7 +108,7 @@ Options options_in_box(const ClosedMesh& mesh, const Points& points, const Optio
         }
         in_box.box = default_box(bounds, std::max<std::size_t>(points.count(), 1));
     }
-    check_in_box(mesh, *in_box.box);
+    if (in_box.box) check_in_box(mesh, *in_box.box, in_box.periodic);
     return in_box;
 }
 
@@ -112,15 +129,19 @@ public:
     Result make() {
         Options in_box = options_in_box(mesh_, points_, options_);
         wanted_ = with_implied(options_);
-        in_box.want.neighbors = in_box.want.areas = in_box.want.radii = in_box.want.volumes = true;
+        has_areas_ = in_box.want.areas = wanted_.areas || wanted_.surfaces;
+        in_box.want.neighbors = in_box.want.radii = in_box.want.volumes = true;
         in_box.list_walls = false;
         in_box.progress = progress_.within({0, 0.5});
         job_ = validate(points_, in_box);
+        if (job_.domain->triclinic) check_in_cell(mesh_, *job_.domain, job_.scale);
         mesh_.scale_by(job_.scale);
         result_ = run_(points_, in_box);
         keep_cells();
+        if (job_.domain->is_periodic()) find_images();
         const Stoppable stoppable(progress_);
         if (progress_) Stoppable::enter_stage({0.5, 0.95});
+        sort_rows();
         cut_cells();
         fill_plain();
         measure_rows();
@@ -131,7 +152,6 @@ public:
 
 private:
     static constexpr int unknown = MeshCells::cut;
-    static constexpr double dropped = -1;  // instead of the area of a face
 
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
         check_others(options);
@@ -148,13 +168,21 @@ private:
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const { return cells_->seed_of(row); }
     [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
     [[nodiscard]] exact::Point place(std::int32_t seed) const { return cells_->place(seed); }
-    [[nodiscard]] std::span<const std::int32_t> row(std::size_t r) const { return cells_->row(r); }
-    [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor) const {
-        const auto ids = row(r);
+    [[nodiscard]] exact::Point position(std::int32_t seed, const exact::Shift& shift) const {
+        const exact::Point x = place(seed), by = job_.domain->translation(cells_->move(seed, shift));
+        return {x[0] + by[0], x[1] + by[1], x[2] + by[2]};
+    }
+    // Returns the entry of a neighbor by its id and shift, or no_entry.
+    [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor, const exact::Shift& shift) const {
+        const auto ids = cells_->row(r);
         const auto at = std::ranges::lower_bound(ids, neighbor);
-        return at != ids.end() && *at == neighbor ? to_index(cells_->indptr[r]) + to_index(at - ids.begin()) : no_entry;
+        std::size_t e = to_index(cells_->indptr[r]) + to_index(at - ids.begin());
+        for (; e < to_index(cells_->indptr[r + 1]) && cells_->indices[e] == neighbor; ++e)
+            if (cells_->shift(e) == shift) return e;
+        return no_entry;
     }
     static constexpr std::size_t no_entry = std::numeric_limits<std::size_t>::max();
+    static exact::Shift opposite(const exact::Shift& shift) { return {-shift[0], -shift[1], -shift[2]}; }
 
     // Keeps all neighbors, for pieces() too.
     void keep_cells() {
@@ -165,141 +193,266 @@ private:
         cells_->ids = result_.ids;
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
+        cells_->shifts = std::move(result_.shifts);
+        dropped_.assign(cells_->indices.size(), 0);
     }
 
-    const CutMeasures& cut(std::size_t r, CutCell& cell) const {
-        cells_->make(r, cell);
+    // Finds the images of cells that may reach the mesh, and where seeds lie inside a periodic domain.
+    void find_images() {
+        const Domain& domain = *job_.domain;
+        const auto seeds = static_cast<std::int32_t>(cells_->seeds.size() / 3);
+        std::vector<exact::Shift> wraps(to_index(seeds));
+        for (std::int32_t i = 0; i < seeds; ++i) wraps[to_index(i)] = wrap(domain, place(i)).value_or(exact::Shift{});
+        if (std::ranges::any_of(wraps, [](const exact::Shift& shift) { return shift != exact::Shift{}; }))
+            cells_->wraps = std::move(wraps);
+        Box bounds = mesh_.bounds();
+        for (std::size_t k = 0; k < 3; ++k) bounds.lower[k] *= job_.scale, bounds.upper[k] *= job_.scale;
+        cells_->image_offsets.assign(1, 0);
+        for (std::size_t r = 0; r < rows(); ++r) {
+            check_stop();
+            // An image of the mesh comes near the cell, as an image of the cell near the mesh.
+            if (result_.status[r] == CellStatus::certified) {
+                const ShiftRange range = shifts_around(domain, bounds, position(seed_of(r), {}), reach(r));
+                const auto& [u, v, w] = domain.reduced.shift;
+                for (std::int32_t a = range.lower[0]; a <= range.upper[0]; ++a)
+                    for (std::int32_t b = range.lower[1]; b <= range.upper[1]; ++b)
+                        for (std::int32_t c = range.lower[2]; c <= range.upper[2]; ++c)
+                            cells_->image_shifts.push_back({-a * u[0] - b * v[0] - c * w[0],
+                                                            -a * u[1] - b * v[1] - c * w[1],
+                                                            -a * u[2] - b * v[2] - c * w[2]});
+            }
+            cells_->image_offsets.push_back(cells_->image_shifts.size());
+        }
+    }
+
+    const CutMeasures& cut(std::size_t r, std::size_t image, CutCell& cell) const {
+        cells_->make(r, image, cell);
         return cell.measure();
     }
 
-    // Returns all rows, sorted by the blocks of a grid around the mesh, because near cells need the same memory.
-    [[nodiscard]] std::vector<std::uint32_t> rows_by_place() const {
+    // Sorts the rows by the blocks of a grid around the mesh, because near cells need the same memory.
+    void sort_rows() {
         constexpr double rows_per_block = 8;
-        const double blocks = std::ceil(std::cbrt(static_cast<double>(rows()) / rows_per_block));
-        const auto side = static_cast<std::size_t>(blocks);
-        const Box& box = mesh_.bounds();
-        std::vector<std::uint32_t> block(rows()), begin(side * side * side + 1), order(rows());
+        const Box& box = mesh_.bounds();  // as points_
+        const Vector3 size = minus(box.upper, box.lower);
+        const double longest = std::max({size[0], size[1], size[2]});
+        double share = 1;  // of a cube
+        for (const double x : size) share *= std::max(x / longest, min_share);
+        const double blocks = std::cbrt(static_cast<double>(rows()) / rows_per_block / share);  // along the longest
+        std::array<std::size_t, 3> side;
+        for (std::size_t k = 0; k < 3; ++k) side[k] = static_cast<std::size_t>(blocks * size[k] / longest) + 1;
+        std::vector<std::uint32_t> block(rows()), begin(side[0] * side[1] * side[2] + 1);
+        order_.resize(rows());
         for (std::size_t r = 0; r < rows(); ++r) {
             std::size_t at = 0;
             for (std::size_t k = 3; k-- > 0;) {
-                const double x = points_[3 * to_index(seed_of(r)) + k], lower = box.lower[k];
-                const double share = std::clamp((x - lower) / (box.upper[k] - lower), 0.0, 1.0);
-                at = at * side + std::min(static_cast<std::size_t>(share * blocks), side - 1);
+                const double along = (points_[3 * to_index(seed_of(r)) + k] - box.lower[k]) / longest * blocks;
+                at = at * side[k] + static_cast<std::size_t>(std::clamp(along, 0.0, static_cast<double>(side[k] - 1)));
             }
             block[r] = static_cast<std::uint32_t>(at);
             ++begin[at + 1];
         }
         std::partial_sum(begin.begin(), begin.end(), begin.begin());
-        for (std::size_t r = 0; r < rows(); ++r) order[begin[block[r]]++] = static_cast<std::uint32_t>(r);
-        return order;
+        for (std::size_t r = 0; r < rows(); ++r) order_[begin[block[r]]++] = static_cast<std::uint32_t>(r);
+    }
+
+    // Returns a bound on the distance from a seed to its cell's vertices, scaled.
+    [[nodiscard]] double reach(std::size_t r) const {
+        return 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
+    }
+    // Returns whether a triangle may come near an image of the cell of a row.
+    [[nodiscard]] bool any_near(std::size_t r) const {
+        const auto [first, last] = cells_->images(r);
+        for (std::size_t i = first; i < last; ++i) {
+            const exact::Point x = position(seed_of(r), cells_->image_shift(i));
+            const double size = std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
+            if (mesh_.any_near(x, reach(r) + place_rounding * size)) return true;
+        }
+        return false;
+    }
+    // Returns whether a triangle may come near any cell of order_[begin] to order_[end - 1], as far as one query tells.
+    [[nodiscard]] bool any_near(std::size_t begin, std::size_t end) const {
+        if (!cells_->image_offsets.empty()) return true;
+        exact::Point middle{};
+        for (std::size_t i = begin; i < end; ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                middle[k] += place(seed_of(order_[i]))[k] / static_cast<double>(end - begin);
+        double distance = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t r = order_[i];
+            if (result_.status[r] != CellStatus::certified) continue;
+            const Vector3 from = minus(place(seed_of(r)), middle);
+            distance = std::max(distance, length3(from[0], from[1], from[2]) + reach(r));
+        }
+        return mesh_.any_near(middle, distance);
     }
 
     // Cuts the cells that triangles come near, on all threads. The others are plain.
     void cut_cells() {
         const std::size_t count = rows();
-        plain_.assign(count, 0);
-        winding_.assign(count, unknown);
+        plain_.assign(count, 1);
+        winding_.assign(cells_->image_offsets.empty() ? count : cells_->image_offsets.back(), unknown);
         empty_.assign(count, 0);
         result_.mesh_areas.resize_uninitialized(count);
         std::ranges::fill(result_.mesh_areas, 0.0);
-        const double unscale = 1 / job_.scale, square = unscale * unscale;
         ThreadPool pool(options_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
-        const std::vector<std::uint32_t> order = rows_by_place();
         const auto task = [&](std::size_t index, unsigned worker) {
-            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain);
-            for (std::size_t k = index * rows_per_task; k < std::min(count, (index + 1) * rows_per_task); ++k) {
+            if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, wanted_.centroids);
+            const std::size_t end = std::min(count, (index + 1) * rows_per_task);
+            bool near = true;  // whether triangles may come near the current group
+            for (std::size_t k = index * rows_per_task; k < end; ++k) {
                 check_stop();
-                const std::size_t r = order[k];
-                if (result_.status[r] != CellStatus::certified) continue;
-                const double reach = 0.5 * result_.security_radii[r] * job_.scale * (1 + radius_slack);
-                if (!mesh_.any_near(place(seed_of(r)), reach)) {
-                    plain_[r] = 1;
-                    continue;
-                }
-                const CutMeasures& m = cut(r, *cells[worker]);
-                winding_[r] = m.winding;
-                plain_[r] = m.meets_surface ? 0 : 1;
-                if (!m.meets_surface) continue;
-                empty_[r] = std::abs(m.volume) <= m.volume_error ? 1 : 0;  // it only touches the mesh
-                result_.volumes[r] = empty_[r] != 0 ? 0 : m.volume * square * unscale;
-                result_.mesh_areas[r] = m.surface * square;
-                if (wanted_.centroids)
-                    for (std::size_t k = 0; k < 3; ++k)
-                        result_.centroids[3 * r + k] = (m.centroid[k] + place(seed_of(r))[k]) * unscale;
-                for (const CutMeasures::Face& face : m.faces) {
-                    const std::size_t e = entry(r, face.id);
-                    if (e == no_entry) continue;
-                    result_.face_areas[e] = face.area > face.error ? face.area * square : dropped;
-                }
+                if (k % rows_per_group == 0) near = any_near(k, std::min(end, k + rows_per_group));
+                const std::size_t r = order_[k];
+                if (result_.status[r] != CellStatus::certified)
+                    plain_[r] = 0;
+                else if (near && any_near(r))
+                    cut_row(r, *cells[worker]);
             }
         };
         pool.run_stage(ceil_div(count, rows_per_task), std::cref(task));
     }
 
+    // Cuts the images of a cell, and adds their measures.
+    void cut_row(std::size_t r, CutCell& cell) {
+        const std::size_t begin = to_index(cells_->indptr[r]), end = to_index(cells_->indptr[r + 1]);
+        const double unscale = 1 / job_.scale, square = unscale * unscale;
+        const auto [first, last] = cells_->images(r);
+        std::vector<double> whole;  // areas
+        if (has_areas_) whole.assign(&result_.face_areas[begin], &result_.face_areas[begin] + (end - begin));
+        std::vector<std::size_t> plain;  // images
+        double volume = 0;
+        std::array<double, 3> moment{};
+        bool touches = true;
+        for (std::size_t i = first; i < last; ++i) {
+            const CutMeasures& m = cut(r, i, cell);
+            winding_[i] = m.winding;
+            if (!m.meets_surface) {
+                plain.push_back(i);
+                continue;
+            }
+            if (plain_[r] != 0) {
+                plain_[r] = 0;
+                std::fill(dropped_.begin() + static_cast<std::ptrdiff_t>(begin),
+                          dropped_.begin() + static_cast<std::ptrdiff_t>(end), 1);
+            }
+            winding_[i] = unknown;
+            result_.mesh_areas[r] += m.surface * square;
+            for (const CutMeasures::Face& face : m.faces) {
+                const std::size_t e = entry(r, face.id, face.shift);
+                if (e != no_entry && face.area > face.error) add_area(e, face.area * square);
+            }
+            if (std::abs(m.volume) <= m.volume_error) continue;
+            touches = false;
+            volume += m.volume * square * unscale;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += m.volume * square * unscale * m.centroid[k];
+        }
+        if (plain_[r] != 0) return;
+        const exact::Point x = position(seed_of(r), {});
+        for (const std::size_t i : plain) {
+            if (winding_[i] == 0) continue;
+            touches = false;
+            const double part = winding_[i] * result_.volumes[r];
+            volume += part;
+            if (wanted_.centroids)
+                for (std::size_t k = 0; k < 3; ++k)
+                    moment[k] += part * (result_.centroids[3 * r + k] * job_.scale - x[k]);
+            for (std::size_t e = begin; e < end; ++e)
+                add_area(e, has_areas_ ? std::abs(winding_[i]) * whole[e - begin] : 0);
+        }
+        empty_[r] = touches ? 1 : 0;
+        result_.volumes[r] = volume;
+        if (wanted_.centroids)
+            for (std::size_t k = 0; k < 3; ++k) result_.centroids[3 * r + k] = (moment[k] / volume + x[k]) * unscale;
+    }
+    // Adds to the area of a face that was dropped so far, or has a part already.
+    void add_area(std::size_t e, double area) {
+        if (has_areas_) result_.face_areas[e] = dropped_[e] != 0 ? area : result_.face_areas[e] + area;
+        dropped_[e] = 0;
+    }
+
     // Finds the winding numbers of plain cells. Neighbors that are plain have the same.
     void fill_plain() {
-        CutCell cell(mesh_, *job_.domain);
-        std::vector<std::size_t> pending;
-        std::vector<std::uint8_t> done(rows());
-        const auto spread = [&](std::size_t start) {
-            done[start] = 1;
+        CutCell cell(mesh_, *job_.domain, false);
+        struct Place {
+            std::size_t row, image;
+        };
+        std::vector<Place> pending;
+        std::vector<std::uint8_t> done(winding_.size());
+        const bool repeats = !cells_->image_offsets.empty();
+        const auto image_of = [&](std::size_t r, const exact::Shift& shift) {
+            const auto [first, last] = cells_->images(r);
+            std::size_t i = first;
+            while (i < last && cells_->image_shift(i) != shift) ++i;
+            return i < last ? i : no_entry;
+        };
+        const auto spread = [&](const Place& start) {
+            done[start.image] = 1;
             pending.assign(1, start);
             while (!pending.empty()) {
-                const std::size_t r = pending.back();
+                const auto [r, image] = pending.back();
                 pending.pop_back();
-                for (const std::int32_t j : row(r)) {
-                    const std::int64_t other = row_of(j);
-                    if (other < 0 || plain_[to_index(other)] == 0 || done[to_index(other)] != 0) continue;
-                    winding_[to_index(other)] = winding_[r];
-                    done[to_index(other)] = 1;
-                    pending.push_back(to_index(other));
+                const exact::Shift shift = cells_->image_shift(image);
+                for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
+                    const std::int64_t other = row_of(cells_->indices[e]);
+                    if (other < 0 || plain_[to_index(other)] == 0) continue;
+                    const std::size_t i =
+                        repeats ? image_of(to_index(other), MeshCells::sum(shift, cells_->shift(e))) : to_index(other);
+                    if (i == no_entry || done[i] != 0) continue;
+                    winding_[i] = winding_[image];
+                    done[i] = 1;
+                    pending.push_back({to_index(other), i});
                 }
             }
         };
         for (const bool known : {true, false})
             for (std::size_t r = 0; r < rows(); ++r) {
-                if (plain_[r] == 0 || done[r] != 0 || (known && winding_[r] == unknown)) continue;
+                if (plain_[r] == 0) continue;
                 check_stop();
-                if (winding_[r] == unknown) winding_[r] = cut(r, cell).winding;
-                spread(r);
+                const auto [first, last] = cells_->images(r);
+                for (std::size_t i = first; i < last; ++i) {
+                    if (done[i] != 0 || (known && winding_[i] == unknown)) continue;
+                    if (winding_[i] == unknown) winding_[i] = cut(r, i, cell).winding;
+                    spread({r, i});
+                }
             }
         for (std::size_t r = 0; r < rows(); ++r) {
             if (plain_[r] == 0) continue;
-            result_.volumes[r] *= winding_[r];
-            empty_[r] = winding_[r] == 0 ? 1 : 0;
-            if (winding_[r] == 1) continue;
+            int sum = 0, sheets = 0;
+            const auto [first, last] = cells_->images(r);
+            for (std::size_t i = first; i < last; ++i) sum += winding_[i], sheets += std::abs(winding_[i]);
+            result_.volumes[r] *= sum;
+            empty_[r] = sheets == 0 ? 1 : 0;
+            if (sheets == 1 || !has_areas_) continue;
             for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
-                result_.face_areas[e] *= std::abs(winding_[r]);
+                result_.face_areas[e] *= sheets;
         }
     }
 
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
     void measure_rows() {
         auto& areas = result_.face_areas;
-        const auto& indptr = cells_->indptr;
-        std::vector<std::int64_t> next(indptr.begin(), indptr.end());  // entries of lower seeds
-        const auto find_back = [&](std::size_t other, std::int32_t seed) {
-            const std::int64_t at = next[other];
-            if (at == indptr[other + 1] || cells_->indices[to_index(at)] != seed) return entry(other, seed);
-            ++next[other];
-            return to_index(at);
-        };
-        for (std::size_t r = 0; r < rows(); ++r)
-            for (std::size_t e = to_index(indptr[r]); e < to_index(indptr[r + 1]); ++e) {
+        for (const std::uint32_t r : order_)  // the rows of neighbors are then near in memory
+            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
+                if (empty_[r] != 0) dropped_[e] = 1;
                 const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
+                const exact::Shift shift = cells_->shift(e);
+                if (neighbor < seed || (neighbor == seed && shift < exact::Shift{})) continue;  // set from there
                 const std::int64_t other = row_of(neighbor);
-                if (empty_[r] != 0) areas[e] = dropped;
                 if (other < 0) continue;
                 const std::size_t o = to_index(other);
-                if (neighbor < seed) continue;  // that row has set both
-                const std::size_t back = find_back(o, seed);
+                if (!has_areas_ && plain_[r] != 0 && plain_[o] != 0) continue;  // both have all faces or none
+                const std::size_t back = entry(o, seed, opposite(shift));
                 if (back == no_entry) continue;
-                if (empty_[r] != 0 || empty_[o] != 0)
-                    areas[e] = dropped;
-                else if (plain_[r] != 0 && plain_[o] == 0)
-                    areas[e] = areas[back];
-                areas[back] = areas[e];
+                if (empty_[r] != 0 || empty_[o] != 0) {
+                    dropped_[e] = dropped_[back] = 1;
+                    continue;
+                }
+                const bool from_other = plain_[r] != 0 && plain_[o] == 0;
+                const std::size_t from = from_other ? back : e, to = from_other ? e : back;
+                dropped_[to] = dropped_[from];
+                if (has_areas_) areas[to] = areas[from];
             }
     }
 
@@ -308,6 +461,8 @@ private:
         result_.indptr.resize_uninitialized(rows() + 1);
         result_.indptr[0] = 0;
         result_.indices.resize_uninitialized(cells_->indices.size());
+        const bool periodic = !cells_->shifts.empty();
+        if (periodic) result_.shifts.resize_uninitialized(cells_->shifts.size());
         std::size_t out = 0;
         for (std::size_t r = 0; r < rows(); ++r) {
             const auto begin = to_index(cells_->indptr[r]), end = to_index(cells_->indptr[r + 1]);
@@ -321,11 +476,10 @@ private:
             if (empty) result_.mesh_areas[r] = 0;
             double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
-                const double area = result_.face_areas[e];
-                if (area == dropped) continue;
-                surface += area;
+                if (dropped_[e] != 0) continue;
                 result_.indices[out] = cells_->indices[e];
-                result_.face_areas[out] = area;
+                if (periodic) std::copy_n(&cells_->shifts[3 * e], 3, &result_.shifts[3 * out]);
+                if (has_areas_) surface += result_.face_areas[out] = result_.face_areas[e];
                 if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
@@ -333,15 +487,19 @@ private:
             result_.indptr[r + 1] = static_cast<std::int64_t>(out);
         }
         result_.indices.resize_uninitialized(out);
-        result_.face_areas.resize_uninitialized(out);
+        if (has_areas_) result_.face_areas.resize_uninitialized(out);
+        if (periodic) result_.shifts.resize_uninitialized(3 * out);
         if (wanted_.normals) result_.face_normals.resize_uninitialized(3 * out);
     }
 
     void finish() {
-        for (std::size_t r = 0; r < rows(); ++r)
-            cells_->winding.push_back(result_.status[r] != CellStatus::certified ? 0
-                                      : plain_[r] != 0                           ? winding_[r]
-                                                                                 : MeshCells::cut);
+        for (std::size_t r = 0; r < rows(); ++r) {
+            const auto [first, last] = cells_->images(r);
+            if (result_.status[r] != CellStatus::certified)
+                std::fill(winding_.begin() + static_cast<std::ptrdiff_t>(first),
+                          winding_.begin() + static_cast<std::ptrdiff_t>(last), 0);
+        }
+        cells_->winding = std::move(winding_);
         result_.mesh_cells = cells_;
         result_.lists_walls = false;
         result_.security_radii = {};
@@ -357,7 +515,7 @@ private:
         if (!wanted_.areas) result_.face_areas = {};
         if (!wanted_.volumes) result_.volumes = {};
         if (!wanted_.surfaces) result_.mesh_areas = {};
-        if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {};
+        if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {}, result_.shifts = {};
     }
 
     Options options_;
@@ -371,8 +529,11 @@ private:
     Want wanted_;
     Job job_;
     Result result_;
+    std::vector<std::uint32_t> order_;  // of rows, by place
+    bool has_areas_ = false;
     std::vector<std::uint8_t> plain_, empty_;  // by row
-    std::vector<int> winding_;                 // by row, of plain cells
+    std::vector<std::uint8_t> dropped_;        // by entry: faces without a part inside
+    std::vector<int> winding_;                 // by image, of plain ones
 };
 
 }  // namespace

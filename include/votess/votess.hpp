@@ -181,9 +181,10 @@ struct Options {
     // part are `empty`. Volumes, centroids and areas count each place as often as the surface winds around it: once
     // inside, except where a surface intersects itself or encloses another one. Rows list neighbors that share a
     // positive area inside. `surface_areas` are those of the parts, and mesh_areas() the surface's share of them. Seeds
-    // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Throws
+    // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Along
+    // periodic axes it may touch the box. A cell then has the parts of all its images in the mesh. Throws
     // invalid_argument for a mesh that is not closed or oriented alike, and names the first edge or triangle. Only
-    // tessellate() and fit_volumes() clip by a mesh, and not with periodic axes, walls, min_face, min_area or
+    // tessellate() and fit_volumes() clip by a mesh, and not with walls, min_face, min_area or
     // `outside`. The parts have no vertices, faces, counts and radii: pieces() makes closed meshes of them.
     //
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So

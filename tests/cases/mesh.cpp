@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <string>
+#include <tuple>
 #include <vector>
 #include <votess/pieces.hpp>
 
@@ -424,6 +425,114 @@ TEST_SUITE("cases") {
         CHECK(votess::tessellate(Coordinates{}, options_in(odd)).size() == 0);
     }
 
+    TEST_CASE("mesh: in a periodic domain a cell has the parts of all its images") {
+        test::Random random(45);
+        for (std::size_t run = 0; run < test::by_size(60, 16); ++run) {
+            CAPTURE(run);
+            const bool ties = run % 2 == 0, skewed = run % 3 == 2, whole = run % 8 == 0 && !skewed;
+            const std::array<bool, 3> periodic{true, skewed || run % 4 != 1, skewed || run % 4 < 2};
+            std::array<std::array<double, 3>, 3> edges{};
+            for (std::size_t k = 0; k < 3; ++k) edges[k][k] = ties || skewed ? 1 : 0.7;
+            if (skewed) edges[1][0] = 0.25, edges[2] = {0.125, -0.25, 1};
+            const double lower = ties || skewed ? 0 : 0.1;
+            const auto place = [&](std::array<double, 3> f) {
+                std::array<double, 3> x{lower, lower, lower};
+                for (std::size_t j = 0; j < 3; ++j)
+                    for (std::size_t k = 0; k < 3; ++k) x[k] += f[j] * edges[j][k];
+                return x;
+            };
+            // Seeds are given up to two boxes away.
+            Coordinates points, inside;
+            for (std::size_t i = 0; i < 1 + run % 9; ++i) {
+                std::array<double, 3> f;
+                for (double& x : f) x = ties ? std::floor(random.uniform(1, 8)) / 8 : random.uniform(0.01, 0.99);
+                const auto x = place(f);
+                inside.insert(inside.end(), x.begin(), x.end());
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (periodic[k] && ties) f[k] += std::floor(random.uniform(-2, 3));
+                const auto given = place(f);
+                points.insert(points.end(), given.begin(), given.end());
+            }
+            const std::size_t n = points.size() / 3;
+            std::vector<double> weights(n);
+            for (double& w : weights) w = run % 5 < 3 ? 0 : std::floor(random.uniform(0, 3)) / 32;
+            Solid solid = run % 4 == 3 ? test::torus(9, 5) : test::cuboid(-1.25, 1.25);
+            for (std::size_t c = 0; c < solid.vertices.size(); ++c)
+                solid.vertices[c] = lower + (ties || skewed ? 0.5 : 0.35) +
+                                    solid.vertices[c] * (whole    ? 0.4
+                                                         : skewed ? 0.125
+                                                                  : 0.2);
+            if (skewed)
+                for (std::size_t c = 0; c < solid.vertices.size(); c += 3) solid.vertices[c] += 0.1875;
+            Options options = options_in(solid);
+            options.weights = weights;
+            if (skewed) {
+                options.cell = votess::TriclinicBox{{}, edges[0], edges[1], edges[2], {true, true, true}};
+            } else {
+                options.box = test::cube(lower, place({1, 1, 1})[0]);
+                options.periodic = periodic;
+                if (whole) options.periodic = {true, true, true};
+            }
+            const std::array<bool, 3> repeats = skewed ? periodic : options.periodic;
+            const Tessellation t = votess::tessellate(points, options);
+            CHECK(std::abs(sum(t.volumes()) / solid.volume() - 1) < 1e-13);
+            CHECK(std::abs(sum(t.mesh_areas()) / solid.area() - 1) < 1e-13);
+            CHECK(check_pieces(t, votess::pieces(t)) == "");
+
+            // The same from seeds at the places of all images.
+            Coordinates images;
+            std::vector<double> heavy;
+            std::vector<std::array<int, 3>> shifts;
+            for (int a = repeats[0] ? -2 : 0; a <= (repeats[0] ? 2 : 0); ++a)
+                for (int b = repeats[1] ? -2 : 0; b <= (repeats[1] ? 2 : 0); ++b)
+                    for (int c = repeats[2] ? -2 : 0; c <= (repeats[2] ? 2 : 0); ++c) {
+                        shifts.push_back({a, b, c});
+                        const auto by = place({double(a), double(b), double(c)});
+                        for (std::size_t i = 0; i < 3 * n; ++i) images.push_back(inside[i] + by[i % 3] - lower);
+                        heavy.insert(heavy.end(), weights.begin(), weights.end());
+                    }
+            Options alone = options_in(solid);
+            alone.weights = heavy;
+            alone.box = test::cube(-4, 5);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (!repeats[k]) alone.box->lower[k] = lower, alone.box->upper[k] = options.box->upper[k];
+            const Tessellation all = votess::tessellate(images, alone);
+            using Face = std::tuple<std::int32_t, std::int32_t, std::array<int, 3>>;
+            std::map<Face, double> expected, found;
+            Coordinates volumes(n), moments(3 * n);
+            for (std::size_t i = 0; i < all.size(); ++i) {
+                const auto& from = shifts[i / n];
+                const auto by = place({double(from[0]), double(from[1]), double(from[2])});
+                volumes[i % n] += all.volumes()[i];
+                for (std::size_t k = 0; k < 3 && all.volumes()[i] > 0; ++k)
+                    moments[3 * (i % n) + k] += all.volumes()[i] * (all.centroids()[3 * i + k] - by[k] + lower);
+                for (auto e = all.indptr()[i]; e < all.indptr()[i + 1]; ++e) {
+                    const auto j = static_cast<std::size_t>(all.indices()[static_cast<std::size_t>(e)]);
+                    std::array<int, 3> shift = shifts[j / n];
+                    for (std::size_t k = 0; k < 3; ++k) shift[k] -= from[k];
+                    expected[{static_cast<std::int32_t>(i % n), static_cast<std::int32_t>(j % n), shift}] +=
+                        all.face_areas()[static_cast<std::size_t>(e)];
+                }
+            }
+            for (std::size_t i = 0; i < n; ++i) {
+                CHECK(std::abs(t.volumes()[i] - volumes[i]) < 1e-13);
+                for (std::size_t k = 0; k < 3 && t.volumes()[i] > 0; ++k)
+                    CHECK(std::abs(t.volumes()[i] * t.centroids()[3 * i + k] - moments[3 * i + k]) < 1e-13);
+                for (auto e = static_cast<std::size_t>(t.indptr()[i]); e < static_cast<std::size_t>(t.indptr()[i + 1]);
+                     ++e)
+                    found[{static_cast<std::int32_t>(i),
+                           t.indices()[e],
+                           {t.shifts()[3 * e], t.shifts()[3 * e + 1], t.shifts()[3 * e + 2]}}] = t.face_areas()[e];
+            }
+            CHECK(found.size() == expected.size());
+            for (const auto& [face, area] : expected) {
+                const auto& [i, j, shift] = face;
+                CHECK(std::abs(found[face] - area) < 1e-13);
+                CHECK(found[{j, i, {-shift[0], -shift[1], -shift[2]}}] == found[face]);
+            }
+        }
+    }
+
     TEST_CASE("mesh: vertices at equal places are one on demand") {
         const Solid unit = test::cuboid(0, 1);
         Solid corners;  // each triangle has vertices of its own
@@ -508,7 +617,18 @@ TEST_SUITE("cases") {
             change(changed);
             return test::refusal(points, changed, votess::ErrorCode::unsupported);
         };
-        CHECK(test::has(unsupported([](Options& o) { o.periodic = {true, false, false}; }), "not periodic"));
+        CHECK(test::has(unsupported([](Options& o) {
+                            o.box.reset();
+                            o.cell = votess::TriclinicBox{{}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {true, false, true}};
+                        }),
+                        "repeat along all its edges"));
+        Options moved = options_in(unit);
+        moved.cell = votess::TriclinicBox{{0.5, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {true, true, true}};
+        CHECK(test::has(test::refusal(points, moved), "outside of the cell"));
+        moved.cell.reset();
+        moved.box = test::cube(0.5, 2);
+        moved.periodic = {true, true, true};
+        CHECK(test::has(test::refusal(points, moved), "it reaches x = 0, and the box spans 0.5 to 2"));
         CHECK(test::has(unsupported([](Options& o) { o.walls = test::octahedron(1); }), "replaces walls"));
         CHECK(test::has(unsupported([](Options& o) { o.outside = votess::Outside::keep; }), "outside"));
         CHECK(test::has(unsupported([](Options& o) { o.min_face = 0.1; }), "min_face"));

@@ -138,7 +138,16 @@ class Mesh(CliTest):
         volumes = [row for row in self.rows(*run, "--frames", "all") if row[0] != "#"]
         np.testing.assert_allclose(np.array(volumes, float), [0.5, 0.5, 0.75, 0.25], rtol=1e-14)
         self.assertIn("a.off, 12 triangles", self.run_cli(points, "--mesh", "a.off", "--frames", "all").stdout)
-        self.refuse(points, "--mesh", "a.off", "--periodic", says="not periodic")
+        self.refuse(points, "--mesh", "a.off", "--periodic", says="a periodic axis needs a box")
+
+    def test_periodic(self):
+        """The second cell has its own part at x = 0.85 to 1, and that of an image at 0 to 0.1."""
+        self.put("a.off", OFF)
+        points = self.put("a.csv", "0.4,0.5,0.5\n1.3,0.5,0.5\n")
+        cells = self.arrays(points, "--mesh", "a.off", "--box=0,-1,-1,1.5,2,2", "--periodic", "x", "--want", "neighbors,volumes,areas")
+        np.testing.assert_allclose(cells["volumes"], [0.75, 0.25], rtol=1e-14)
+        np.testing.assert_allclose(cells["face_areas"], 1, rtol=1e-14)
+        self.assertEqual(cells["shifts"].tolist(), [[-1, 0, 0], [0, 0, 0], [0, 0, 0], [1, 0, 0]])
 
     def test_refusals(self):
         self.put("a.off", OFF)

@@ -102,8 +102,8 @@ def tessellate(
         order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
         refused. The CPU makes the cells, in the time that they and the sort of all points take.
     mesh : a closed triangle mesh as the domain: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell
-        is its part inside, see the page "Domains". Points may lie outside. Refused with periodic, cell, walls, outside,
-        min_face and min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
+        is its part inside, see the page "Domains". Points may lie outside. Refused with walls, outside, min_face and
+        min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
     mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions

@@ -265,8 +265,25 @@ class Domains(unittest.TestCase):
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(p, mesh=mesh, device="cpu")
-        with self.assertRaisesRegex((ValueError, vt.VotessError), "periodic"):
-            vt.tessellate(p, mesh=(vertices, triangles), box=(-1, -1, -1, 2, 2, 2), periodic=True)
+        with self.assertRaisesRegex((ValueError, vt.VotessError), "give a box with the mesh inside"):
+            vt.tessellate(p, mesh=(vertices + 0.1, triangles), box=UNIT, periodic=True)
+
+    def test_mesh_in_a_periodic_domain(self):
+        """A mesh that is the whole box cuts nothing off. In a smaller one seeds beyond the box have a part too."""
+        vertices, triangles = CUBE
+        p = points(50)
+        arguments = {"box": UNIT, "periodic": True, "want": "neighbors,volumes,centroids,areas", "device": "cpu"}
+        whole, plain = vt.tessellate(p, mesh=CUBE, **arguments), vt.tessellate(p, **arguments)
+        for name in ("indptr", "indices", "shifts"):
+            np.testing.assert_array_equal(getattr(whole, name), getattr(plain, name))
+        for name in ("volumes", "centroids", "face_areas"):
+            np.testing.assert_allclose(getattr(whole, name), getattr(plain, name), rtol=1e-12, atol=1e-14)
+        small = (0.1 + 0.8 * vertices, triangles)
+        t = vt.tessellate(p + [3, -2, 1], mesh=small, **arguments)
+        np.testing.assert_allclose(t.volumes, vt.tessellate(p, mesh=small, **arguments).volumes, rtol=1e-9)
+        self.assertAlmostEqual(t.volumes.sum(), 0.512, places=12)
+        self.assertTrue(t.shifts.any())
+        self.assertAlmostEqual(t.pieces().volumes.sum(), 0.512, places=12)
 
     def test_what_is_refused(self):
         for message, arguments in [

@@ -230,27 +230,34 @@ WideRow<W> oblique_row(const Point& p, const Plane& wall, int quantum) {
     return r;
 }
 
+// Returns q - p of a bisector. W limbs hold coordinates.
+template <int W>
+std::array<WideInt<W>, 3> wide_difference(const Point& p, const Plane& bisector, int quantum) {
+    std::array<WideInt<W>, 3> n;
+    for (int k = 0; k < 3; ++k) {
+        n[k] = to_wide<W>(bisector.seed[k], quantum) - to_wide<W>(p[k], quantum);
+        if (bisector.lattice == nullptr) continue;
+        for (int j = 0; j < 3; ++j) {
+            const DoubleDouble& x = bisector.lattice->vector[j][k];
+            const auto length = to_wide<W>(x.high, quantum) + to_wide<W>(x.low, quantum);
+            n[k] = n[k] + resize<W>(length * from_int128<1>(bisector.shift[j]));
+        }
+    }
+    return n;
+}
+
 // Returns the row of any plane. W limbs hold coordinates.
 template <int W>
 WideRow<W> wide_row(const Point& p, const Plane& plane, int quantum) {
     if (plane.is_oblique()) return oblique_row<W>(p, plane, quantum);
-    std::array<WideInt<W>, 3> n{};
     if (!plane.is_bisector()) {
+        std::array<WideInt<W>, 3> n{};
         const bool lower = plane.kind == Plane::Kind::lower_wall;
         const WideInt<W> distance = to_wide<W>(plane.wall, quantum) - to_wide<W>(p[plane.axis], quantum);
         n[plane.axis] = from_int128<W>(lower ? -1 : 1);
         return wide_row<W>(n, lower ? -distance : distance, false);
     }
-    for (int k = 0; k < 3; ++k) {
-        n[k] = to_wide<W>(plane.seed[k], quantum) - to_wide<W>(p[k], quantum);
-        if (plane.lattice == nullptr) continue;
-        for (int j = 0; j < 3; ++j) {
-            const DoubleDouble& x = plane.lattice->vector[j][k];
-            const auto length = to_wide<W>(x.high, quantum) + to_wide<W>(x.low, quantum);
-            n[k] = n[k] + resize<W>(length * from_int128<1>(plane.shift[j]));
-        }
-    }
-    WideRow<W> row = wide_row<W>(n, {}, true);
+    WideRow<W> row = wide_row<W>(wide_difference<W>(p, plane, quantum), {}, true);
     add_power(plane, quantum, row);
     if (plane.is_reversed()) reverse(row);
     return row;

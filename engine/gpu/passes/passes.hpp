@@ -21,7 +21,7 @@ struct TierLimits {
 struct PassSettings {
     std::uint32_t k = 112;  // neighbors listed
     TierLimits tiers[2];
-    bool on_cpu = false;  // the device is the CPU and the kernel is automatic
+    bool on_cpu = false;                   // the device is the CPU and the kernel is automatic
     std::uint32_t max_visits = 4000;       // boxes visited in a search for a list
     std::uint32_t max_walk_visits = 2000;  // boxes visited for a cell of the second tier, beyond its list
     std::uint32_t max_subgroup_visits[2] = {4000, 4000};  // boxes visited in a subgroup's searches for a cell, by tier
@@ -43,8 +43,8 @@ struct PassSettings {
     std::uint32_t first_count = 48;  // seeds that the first search of a subgroup aims at
 
     // Returns whether a second tier pays. It needs larger limits than the first. The CPU's own clipper is as fast as a
-    // device that is the CPU, and half of the time of a first run is that of compiling the second tier. But frames leave
-    // the cells to the host program.
+    // device that is the CPU, and half of the time of a first run is that of compiling the second tier. But frames
+    // leave the cells to the host program.
     [[nodiscard]] bool has_second_tier() const {
         return (frames || !on_cpu) && (subgroup_size == 0 || !tiers[0].float64);
     }

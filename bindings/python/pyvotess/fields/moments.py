@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
 
 import numpy as np
@@ -30,6 +31,23 @@ _FACES = 2048  # in a block, so that its arrays stay in the cache
 _TRIANGLES = 4 * _FACES  # in a block of pieces
 
 
+def _to_nearest(t: Tessellation, vectors: Float64Array) -> Float64Array:
+    """Returns the multiples of the periodic edges that are nearest to these vectors (M, 3)."""
+    edges = edges_of(t)
+    inverse = np.where(t.periodic, np.linalg.inv(edges), 0)
+    first = np.round(vectors @ inverse)
+    rest = vectors - first @ edges
+    best, distance = first, np.linalg.norm(rest, axis=1)
+    # A nearer multiple differs by at most twice the largest distance.
+    reach = np.floor(2 * distance.max(initial=0) * np.linalg.norm(inverse, axis=0)).astype(int)
+    for more in itertools.product(*(range(-n, n + 1) for n in reach)):
+        other = np.linalg.norm(rest - more @ edges, axis=1)
+        nearer = other < distance
+        best, distance = np.where(nearer[:, None], first + more, best), np.where(nearer, other, distance)
+    multiples: Float64Array = best @ edges
+    return multiples
+
+
 def _surfaces(
     t: Tessellation, caller: str, chosen: Optional[BoolArray] = None
 ) -> Tuple[Float64Array, Iterator[Tuple[Int64Array, Int64Array]]]:
@@ -40,10 +58,14 @@ def _surfaces(
     if t.in_mesh:
         p = t.pieces()
         sizes = np.diff(p.triangle_offsets)
+        vertices = p.vertices
+        if any(t.periodic):  # move each piece to its seed
+            move = _to_nearest(t, t.wrapped_points[p.cells] - p.centroids)
+            vertices = vertices + np.repeat(move, np.diff(p.vertex_offsets), axis=0)
         cells = np.repeat(p.cells, sizes)
         ids = p.triangles + np.repeat(p.vertex_offsets[:-1], sizes)[:, None]
         blocks = (slice(first, first + _TRIANGLES) for first in range(0, len(ids), _TRIANGLES))
-        return p.vertices, ((cells[block], ids[block]) for block in blocks)
+        return vertices, ((cells[block], ids[block]) for block in blocks)
     mesh = mesh_of(t, caller)
     faces = np.arange(len(mesh.offsets) - 1) if chosen is None else np.flatnonzero(chosen)
     cell_of_face = mesh.cell_of_face

@@ -181,6 +181,18 @@ class Meshes(unittest.TestCase):
         np.testing.assert_allclose(r.points, expected.points, atol=1e-9)
         self.assertAlmostEqual(vt.transport_cost(r.tessellation), r.energies[-1], places=14)
 
+    def test_whole_periodic_domain(self):
+        """A mesh that is the whole domain changes nothing. Pieces end where the density jumps."""
+        cell = np.asarray(CELL, float)
+        for edges, domain in ((np.eye(3), {"box": UNIT_BOX, "periodic": True}), (cell, {"cell": cell})):
+            points = uniform(SEEDS, seed=8) @ edges
+            for density in (None, lambda x: 1 + x[:, 0] * x[:, 1]):
+                r, expected = (
+                    vt.lloyd(points, 3, density, **domain, **more) for more in ({"mesh": (CUBE[0] @ edges, CUBE[1])}, {})
+                )
+                np.testing.assert_allclose(r.energies, expected.energies, rtol=5e-3 if density else 1e-12)
+                np.testing.assert_allclose(r.points, expected.points, atol=1e-2 if density else 1e-12)
+
     def test_two_boxes(self):
         """The mesh is their union. Seeds outside of it have cells too."""
         points = 2 * uniform(SEEDS, seed=7) * (1, 1, 0.5)
