@@ -1,0 +1,43 @@
+// Sketches of the ways from a cell's seed to its neighbors, 16 bits a coordinate: most neighbors of a cell that a ray
+// leaves are skipped by these.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+namespace votess::cpu {
+
+// Some neighbors; those behind the last are 0.
+struct RaySketch {
+    static constexpr std::size_t lanes = 8;
+    static constexpr double units = 0x1p15;  // of `way`, in a unit of the cell
+    std::array<std::array<std::int16_t, lanes>, 3> way;
+    std::array<std::int32_t, lanes> seed;
+};
+using SketchConstants = std::array<float, RaySketch::lanes>;
+
+// A ray and bounds, by which a neighbor of way n is crossed at a / b, with a = constant + n.twice_place and b =
+// n.direction. For a b above min_slope its value errs by (rise + slope |a / b|) / b + constant + relative |a / b| at
+// most; below -min_slope the ray surely recedes.
+struct SketchRay {
+    std::array<float, 3> direction, twice_place;  // over RaySketch::units
+    float rise, slope, min_slope, constant, relative;
+};
+
+struct SketchedCell {
+    std::span<const RaySketch> sketches;
+    const SketchConstants* constants;  // null: the squared lengths of the ways
+    std::size_t count;                 // of the neighbors
+};
+
+// Writes the numbers of all neighbors that may be crossed first, or that the ray may run along. Returns how many.
+// earliest: as long as the sketches together. NaN in the arguments skips no neighbor.
+using SelectCrossings = std::size_t (*)(const SketchedCell& cell, const SketchRay& ray, float* earliest,
+                                        std::uint32_t* selected);
+// instructions: of Kernels.
+SelectCrossings select_crossings(std::string_view instructions);
+
+}  // namespace votess::cpu
