@@ -9,78 +9,89 @@ namespace {
 
 #define VOTESS_INLINE inline __attribute__((always_inline))
 
-using Float8 = float __attribute__((vector_size(4 * RaySketch::lanes)));
-using Int8 = std::int32_t __attribute__((vector_size(4 * RaySketch::lanes)));
-using Short8 = std::int16_t __attribute__((vector_size(2 * RaySketch::lanes)));
+// Vectors of a register's length: GCC 12 splits comparisons of longer ones into lanes.
+struct Four {
+    static constexpr std::size_t lanes = 4;
+    using Float = float __attribute__((vector_size(4 * lanes)));
+    using Int = std::int32_t __attribute__((vector_size(4 * lanes)));
+    using Short = std::int16_t __attribute__((vector_size(2 * lanes)));
+};
+struct Eight {
+    static constexpr std::size_t lanes = 8;
+    using Float = float __attribute__((vector_size(4 * lanes)));
+    using Int = std::int32_t __attribute__((vector_size(4 * lanes)));
+    using Short = std::int16_t __attribute__((vector_size(2 * lanes)));
+};
 
-// Replaces the lanes that are not chosen. GCC 12 splits `?:` of vectors that are longer than a register into lanes.
-VOTESS_INLINE void replace_unless(Float8& x, const Int8& chosen, const Float8& by) {
-    x = reinterpret_cast<Float8>((reinterpret_cast<Int8>(x) & chosen) | (reinterpret_cast<Int8>(by) & ~chosen));
-}
-VOTESS_INLINE std::size_t sum_of(const Int8& x) {
-    return static_cast<std::size_t>(((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7])));
-}
-VOTESS_INLINE float minimum_of(const Float8& x) {
-    return std::min({x[0], x[1], x[2], x[3], x[4], x[5], x[6], x[7]});
-}
-
+template <class Vectors>
 VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay& ray, float* earliest,
                                       std::uint32_t* selected) {
-    const Float8 zero{}, never = zero + std::numeric_limits<float>::infinity();
-    Float8 best = zero + std::numeric_limits<float>::max();
+    using Float = typename Vectors::Float;
+    using Int = typename Vectors::Int;
+    using Short = typename Vectors::Short;
+    const Float zero{}, never = zero + std::numeric_limits<float>::infinity();
+    const Float min_slope = zero + ray.min_slope;
+    const Float rise_error = zero + ray.rise, slope_error = zero + ray.slope;
+    const Float constant = zero + ray.constant, relative = zero + ray.relative;
+    constexpr float unit = 1 / RaySketch::units;
+    const Float square = zero + (cell.constants != nullptr ? 0 : unit * unit);
+    Float direction[3], twice_place[3];
+    for (std::size_t k = 0; k < 3; ++k) direction[k] = zero + ray.direction[k];
+    for (std::size_t k = 0; k < 3; ++k) twice_place[k] = zero + ray.twice_place[k];
+    Float best = zero + std::numeric_limits<float>::max();
     float* write = earliest;
-    for (std::size_t s = 0; s < cell.sketches.size(); ++s, write += RaySketch::lanes) {
-        Float8 slope{}, rise{};
-        if (cell.constants != nullptr) std::memcpy(&rise, cell.constants[s].data(), sizeof rise);
-        const float square = cell.constants != nullptr ? 0 : 1 / (RaySketch::units * RaySketch::units);
-        for (std::size_t k = 0; k < 3; ++k) {
-            Short8 way;
-            std::memcpy(&way, cell.sketches[s].way[k].data(), sizeof way);
-            const Float8 n = __builtin_convertvector(way, Float8);
-            slope += n * ray.direction[k];
-            rise += n * (ray.twice_place[k] + n * square);
+    for (std::size_t s = 0; s < cell.sketches.size(); ++s)
+        for (std::size_t lane = 0; lane < RaySketch::lanes; lane += Vectors::lanes, write += Vectors::lanes) {
+            Float slope{}, rise{};
+            if (cell.constants != nullptr) std::memcpy(&rise, &cell.constants[s][lane], sizeof rise);
+            for (std::size_t k = 0; k < 3; ++k) {
+                Short way;
+                std::memcpy(&way, &cell.sketches[s].way[k][lane], sizeof way);
+                const Float n = __builtin_convertvector(way, Float);
+                slope += n * direction[k];
+                rise += n * (twice_place[k] + n * square);
+            }
+            const Float inverse = 1 / slope, time = rise * inverse, size = time < 0 ? -time : time;
+            const Float error = (rise_error + slope_error * size) * inverse + (constant + relative * size);
+            const Int approaches = slope > min_slope;
+            const Float early = time - error, late = approaches ? time + error : never;
+            const Float bound = approaches ? early : slope < -min_slope ? never : -never;
+            std::memcpy(write, &bound, sizeof bound);
+            best = late < best ? late : best;
         }
-        const Float8 inverse = 1 / slope, time = rise * inverse;
-        const Float8 size = reinterpret_cast<Float8>(reinterpret_cast<Int8>(time) & 0x7fffffff);
-        const Float8 error = (ray.rise + ray.slope * size) * inverse + (ray.constant + ray.relative * size);
-        const Int8 approaches = slope > ray.min_slope;
-        Float8 early = never, late = time + error;
-        replace_unless(early, slope < -ray.min_slope, -never);
-        replace_unless(late, approaches, never);
-        Float8 sure = time - error;
-        replace_unless(sure, approaches, early);
-        std::memcpy(write, &sure, sizeof sure);
-        replace_unless(best, ~(late < best), late);
-    }
-    const float bound = minimum_of(best);
-    Int8 number{0, 1, 2, 3, 4, 5, 6, 7}, kept{}, numbers{};
-    const auto count = static_cast<std::int32_t>(cell.count);
-    for (const float* read = earliest; read < write; read += RaySketch::lanes) {
-        Float8 early;
+    float bound = best[0];
+    for (std::size_t lane = 1; lane < Vectors::lanes; ++lane) bound = std::min(bound, best[lane]);
+    const Int none{};
+    Int number{}, kept{}, numbers{};
+    for (std::size_t lane = 0; lane < Vectors::lanes; ++lane) number[lane] = static_cast<std::int32_t>(lane);
+    const Int count = none + static_cast<std::int32_t>(cell.count);
+    for (const float* read = earliest; read < write; read += Vectors::lanes) {
+        Float early;
         std::memcpy(&early, read, sizeof early);
-        const Int8 keep = ~(early > bound) & (number < count);
+        const Int keep = ~(early > bound) & (number < count);
         kept -= keep;
         numbers += keep & number;
-        number += RaySketch::lanes;
+        number += static_cast<std::int32_t>(Vectors::lanes);
     }
-    std::size_t found = sum_of(kept);
-    selected[0] = static_cast<std::uint32_t>(sum_of(numbers));
-    if (found <= 1) return found;
+    std::int32_t found = 0, sum = 0;
+    for (std::size_t lane = 0; lane < Vectors::lanes; ++lane) found += kept[lane], sum += numbers[lane];
+    selected[0] = static_cast<std::uint32_t>(sum);
+    if (found <= 1) return static_cast<std::size_t>(found);
     found = 0;
     for (std::size_t i = 0; i < cell.count; ++i)
         if (!(earliest[i] > bound)) selected[found++] = static_cast<std::uint32_t>(i);
-    return found;
+    return static_cast<std::size_t>(found);
 }
 
 // One function for each instruction set. The body above is inlined into each.
-#define VOTESS_SELECT(NAME, TARGET)                                                                        \
-    TARGET std::size_t select_##NAME(const SketchedCell& cell, const SketchRay& ray, float* earliest,      \
-                                     std::uint32_t* selected) {                                            \
-        return select_body(cell, ray, earliest, selected);                                                 \
+#define VOTESS_SELECT(NAME, VECTORS, TARGET)                                                          \
+    TARGET std::size_t select_##NAME(const SketchedCell& cell, const SketchRay& ray, float* earliest, \
+                                     std::uint32_t* selected) {                                       \
+        return select_body<VECTORS>(cell, ray, earliest, selected);                                   \
     }
-VOTESS_SELECT(baseline, )
+VOTESS_SELECT(baseline, Four, )
 #if defined(__x86_64__)
-VOTESS_SELECT(avx2, __attribute__((target("avx2,fma"))))
+VOTESS_SELECT(avx2, Eight, __attribute__((target("avx2,fma"))))
 #endif
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace votess::cpu {
 // Some neighbors; those behind the last are 0.
 struct RaySketch {
     static constexpr std::size_t lanes = 8;
-    static constexpr double units = 0x1p15;  // of `way`, in a unit of the cell
+    static constexpr float units = 0x1p15F;  // of `way`, in a unit of the cell
     std::array<std::array<std::int16_t, lanes>, 3> way;
     std::array<std::int32_t, lanes> seed;
 };

@@ -33,15 +33,20 @@ void add_shift(const Domain& domain, const Shift& shift, std::array<double, 3>& 
         for (std::size_t k = 0; k < 3; ++k) x[k] += shift[j] * domain.vector[j][k];
 }
 
+bool is_zero(const exact::Shift& shift) {
+    return (shift[0] | shift[1] | shift[2]) == 0;
+}
+
 double size_of(const std::array<double, 3>& x) {
     return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
 }
 
-// Returns NaN, which skips nothing, beyond the range.
-float float_of(double x) {
-    return std::abs(x) <= std::numeric_limits<float>::max() ? static_cast<float>(x)
-                                                            : std::numeric_limits<float>::quiet_NaN();
+std::int16_t rounded(double x) {
+    return static_cast<std::int16_t>(x + (x < 0 ? -0.5 : 0.5));
 }
+
+// Far within the range of a float.
+constexpr double max_sketched = 1e30;
 
 }  // namespace
 
@@ -106,16 +111,18 @@ void CellGraph::draw(Place& place, std::span<const Vector3> ways) {
         const std::size_t lane = i % RaySketch::lanes;
         RaySketch& sketch = sketches_[place.sketch + i / RaySketch::lanes];
         const Vector3 way = i < ways.size() ? ways[i] : Vector3{};
-        for (std::size_t k = 0; k < 3; ++k)
-            sketch.way[k][lane] = static_cast<std::int16_t>(std::lround(way[k] * inverse_unit * RaySketch::units));
+        for (std::size_t k = 0; k < 3; ++k) sketch.way[k][lane] = rounded(way[k] * inverse_unit * RaySketch::units);
         if (i >= ways.size()) sketch.seed[lane] = 0;
         if (constants_.empty()) continue;
         float& constant = constants_[place.sketch + i / RaySketch::lanes][lane];
         constant = 0;
         if (i >= ways.size()) continue;
         const double weight = places_[static_cast<std::size_t>(sketch.seed[lane])].weight - place.weight;
-        constant = float_of((dot(way, way) - weight) * inverse_unit * inverse_unit);
-        place.max_constant = std::max(place.max_constant, std::abs(constant));
+        const double exact = (dot(way, way) - weight) * inverse_unit * inverse_unit;
+        const bool fits = std::abs(exact) < max_sketched;
+        constant = fits ? static_cast<float>(exact) : 0;
+        place.max_constant =
+            std::max(place.max_constant, fits ? std::abs(constant) : std::numeric_limits<float>::infinity());
     }
 }
 
@@ -157,7 +164,7 @@ exact::Plane RayTracer::plane_of(const Image& image) const {
 std::array<double, 3> RayTracer::position(const Image& image) const {
     const CellGraph::Place& place = graph_.place(image.seed);
     std::array<double, 3> x{place.x, place.y, place.z};
-    if (image.shift != exact::Shift{}) add_shift(domain_, image.shift, x);
+    if (!is_zero(image.shift)) add_shift(domain_, image.shift, x);
     return minus(x, ray_.origin);
 }
 
@@ -260,29 +267,41 @@ RayTracer::Errors RayTracer::errors_of(const CellGraph::Place& here, const std::
 SketchRay RayTracer::sketch_ray(const CellGraph::Place& here) const {
     constexpr double rounding = 8 * 0x1p-24;
     const double scale = here.inverse_unit, time = 0.5 * from_.time;
-    SketchRay ray;
-    double sum = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const double p = (position_[k] - time * ray_.direction[k]) * scale;
-        sum += std::abs(p);
-        ray.twice_place[k] = float_of(2 / RaySketch::units * p);
-        ray.direction[k] = static_cast<float>(ray_.direction[k] / RaySketch::units);
-    }
+    Vector3 p;
+    for (std::size_t k = 0; k < 3; ++k) p[k] = (position_[k] - time * ray_.direction[k]) * scale;
+    const double sum = std::abs(p[0]) + std::abs(p[1]) + std::abs(p[2]);
     const double delta = (place_error_ + (here.has_shifts != 0 ? shift_error_ : 0)) * scale;
     const double way = 1.01 * 0x1p-16 + delta, place = (1.1 * error_ + 4 * unit_roundoff * std::abs(time)) * scale;
     const double slope = 3 * way + rounding;
     const double rise = 2 * way * (sum + 3 * place) + 3 * place + rounding * (1 + here.max_constant + 2 * sum) +
                         2 * way + 3 * way * way + 8 * unit_roundoff * graph_.max_weight() * scale * scale + 0x1p-40;
-    ray.min_slope = float_of(std::max(4 * slope, errors_.min_slope * scale + 2 * slope));
-    ray.rise = float_of(1.5 * rise);
-    ray.slope = float_of(1.5 * slope);
-    ray.constant = float_of(4 * (errors_.constant + errors_.relative * 2 * std::abs(time)) * scale);
-    ray.relative = float_of(4 * errors_.relative);
+    const double constant = (errors_.constant + errors_.relative * 2 * std::abs(time)) * scale;
+    SketchRay ray{};
+    // Skips no neighbor.
+    ray.min_slope = std::numeric_limits<float>::infinity();
+    if (!(sum + rise + constant < max_sketched)) return ray;
+    for (std::size_t k = 0; k < 3; ++k) {
+        ray.direction[k] = sketch_direction_[k];
+        ray.twice_place[k] = static_cast<float>(2 / RaySketch::units * p[k]);
+    }
+    ray.min_slope = static_cast<float>(std::max(4 * slope, errors_.min_slope * scale + 2 * slope));
+    ray.rise = static_cast<float>(1.5 * rise);
+    ray.slope = static_cast<float>(1.5 * slope);
+    ray.constant = static_cast<float>(4 * constant);
+    ray.relative = static_cast<float>(4 * errors_.relative);
     return ray;
 }
 
 void RayTracer::look() {
     const CellGraph::Place& here = graph_.place(at_.seed);
+    position_ = position(at_);
+    errors_ = errors_of(here, position_);
+    selected_count_ = select_crossings_(graph_.sketched(here), sketch_ray(here), earliest_.data(), selected_.data());
+    for (std::size_t i = 0; i < selected_count_; ++i)
+        __builtin_prefetch(&graph_.place(graph_.link(here, selected_[i]).seed));
+}
+
+void RayTracer::set_error() {
     double shifts = 0;
     for (const std::int32_t s : at_.shift) {
         if (std::abs(s) > farthest_shift)
@@ -291,11 +310,6 @@ void RayTracer::look() {
     }
     error_ = 16 * unit_roundoff *
              (graph_.size() + size_of(ray_.origin) + (shifts + 3 * graph_.max_shift()) * graph_.period());
-    position_ = position(at_);
-    errors_ = errors_of(here, position_);
-    selected_count_ = select_crossings_(graph_.sketched(here), sketch_ray(here), earliest_.data(), selected_.data());
-    for (std::size_t i = 0; i < selected_count_; ++i)
-        __builtin_prefetch(&graph_.place(graph_.link(here, selected_[i]).seed));
 }
 
 // Finds where the ray leaves a cell, after look(). Returns false when it never does. Fills ties_ with neighbors of the
@@ -397,24 +411,27 @@ bool RayTracer::start(const exact::Ray& ray, double end, const Image& start) {
         at_ = walk_to_origin({graph_.first_cell(), {}});
     }
     is_under_way_ = later(stop_, from_);
+    set_error();
+    for (std::size_t k = 0; k < 3; ++k) sketch_direction_[k] = static_cast<float>(ray_.direction[k] / RaySketch::units);
     return true;
 }
 
 void RayTracer::step() {
     if (++steps_ % steps_per_look == 0) check_stop();
     Event next;
-    const bool stops = !find_next(next) || !later(stop_, next);
-    const Image to = next.to;
-    if (stops) next = stop_;
-    if (later(next, from_)) {
-        next.time = std::clamp(next.time, from_.time, std::max(from_.time, stop_.time));
-        pieces_.push_back({ties_.empty() ? at_ : lowest_of_ties(at_), 0.5 * from_.time, 0.5 * next.time});
-        from_ = next;
+    is_under_way_ = find_next(next) && later(stop_, next);
+    const Event& end = is_under_way_ ? next : stop_;
+    if (later(end, from_)) {
+        const double time = std::clamp(end.time, from_.time, std::max(from_.time, stop_.time));
+        pieces_.push_back({ties_.empty() ? at_ : lowest_of_ties(at_), 0.5 * from_.time, 0.5 * time});
+        from_ = end;
+        from_.time = time;
     }
-    is_under_way_ = !stops && later(stop_, from_);
     if (!is_under_way_) return;
-    at_ = to;
-    const std::span<const RaySketch> sketches = graph_.sketched(graph_.place(to.seed)).sketches;
+    const bool same_shift = at_.shift == next.to.shift;
+    at_ = next.to;
+    if (!same_shift) set_error();
+    const std::span<const RaySketch> sketches = graph_.sketched(graph_.place(at_.seed)).sketches;
     const auto* bytes = reinterpret_cast<const std::byte*>(sketches.data());
     for (std::size_t b = 0; b < sketches.size_bytes(); b += cache_line) __builtin_prefetch(bytes + b);
 }

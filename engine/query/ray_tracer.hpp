@@ -140,6 +140,7 @@ private:
     struct Errors {
         double rise, slope, min_slope, constant, relative;
     };
+    void set_error();
     [[nodiscard]] SketchRay sketch_ray(const CellGraph::Place& here) const;
     [[nodiscard]] Errors errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const;
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
@@ -169,6 +170,7 @@ private:
     std::size_t steps_ = 0;
     bool is_under_way_ = false;
     std::vector<Piece> pieces_;
+    std::array<float, 3> sketch_direction_{};
     // From look():
     double error_ = 0;  // of a position
     std::array<double, 3> position_{};
