@@ -182,14 +182,18 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             return flight.tracer.is_under_way();
         };
         const auto store = [&](const Flight& flight) {
-            batch.first[flight.ray - begin] = batch.seeds.size();
-            for (const cpu::RayTracer::Piece& piece : flight.tracer.pieces()) {
-                batch.seeds.push_back(seeds.input[piece.image.seed]);
-                batch.lengths.push_back((piece.end - piece.begin) * flight.speed);
+            const std::size_t first = batch.seeds.size(), count = flight.tracer.pieces().size();
+            batch.first[flight.ray - begin] = first;
+            batch.seeds.resize(first + count);
+            batch.lengths.resize(first + count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const cpu::RayTracer::Piece& piece = flight.tracer.pieces()[i];
+                batch.seeds[first + i] = seeds.input[piece.image.seed];
+                batch.lengths[first + i] = (piece.end - piece.begin) * flight.speed;
                 if (!middles) continue;
                 for (const double x : flight.tracer.middle_of(piece)) batch.middles.push_back(x / state.job.scale);
             }
-            out.offsets[flight.ray + 1] = static_cast<std::int64_t>(flight.tracer.pieces().size());
+            out.offsets[flight.ray + 1] = static_cast<std::int64_t>(count);
         };
         std::vector<Flight> flights(std::min(max_flights, end - begin),
                                     {{*state.job.domain, seeds, *state.cells, !state.endless, instructions}});

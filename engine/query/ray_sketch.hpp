@@ -20,11 +20,13 @@ struct RaySketch {
 using SketchConstants = std::array<float, RaySketch::lanes>;
 
 // A ray and bounds, by which a neighbor of way n is crossed at a / b, with a = constant + n.twice_place and b =
-// n.direction. For a b above min_slope its value errs by (rise + slope |a / b|) / b + constant + relative |a / b| at
-// most; below -min_slope the ray surely recedes.
+// n.direction.
 struct SketchRay {
     std::array<float, 3> direction, twice_place;  // over RaySketch::units
+    // Below -min_slope the ray surely recedes. Above, the error of a / b is at most (rise + slope |a / b|) / b +
+    // constant + relative |a / b|.
     float rise, slope, min_slope, constant, relative;
+    float max_relative;  // relative |a|, at most
 };
 
 struct SketchedCell {
@@ -34,8 +36,8 @@ struct SketchedCell {
 };
 
 // Writes the numbers of all neighbors that may be crossed first, or that the ray may run along. Returns how many.
-// earliest: as long as the sketches together. NaN in the arguments skips no neighbor.
-using SelectCrossings = std::size_t (*)(const SketchedCell& cell, const SketchRay& ray, float* earliest,
+// scratch: 2 floats for each lane of the sketches.
+using SelectCrossings = std::size_t (*)(const SketchedCell& cell, const SketchRay& ray, float* scratch,
                                         std::uint32_t* selected);
 // instructions: of Kernels.
 SelectCrossings select_crossings(std::string_view instructions);

@@ -33,8 +33,9 @@ void add_shift(const Domain& domain, const Shift& shift, std::array<double, 3>& 
         for (std::size_t k = 0; k < 3; ++k) x[k] += shift[j] * domain.vector[j][k];
 }
 
-bool is_zero(const exact::Shift& shift) {
-    return (shift[0] | shift[1] | shift[2]) == 0;
+// Compares without a call of memcmp().
+bool is_same(const exact::Shift& a, const exact::Shift& b) {
+    return ((a[0] ^ b[0]) | (a[1] ^ b[1]) | (a[2] ^ b[2])) == 0;
 }
 
 double size_of(const std::array<double, 3>& x) {
@@ -133,7 +134,7 @@ RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellG
       graph_(graph),
       select_crossings_(select_crossings(instructions)),
       walls_(domain.walls),
-      earliest_(round_up(graph.max_links(), RaySketch::lanes)),
+      scratch_(2 * round_up(graph.max_links(), RaySketch::lanes)),
       selected_(graph.max_links() + 1),
       slopes_(graph.max_links()),
       times_(graph.max_links()) {
@@ -164,7 +165,7 @@ exact::Plane RayTracer::plane_of(const Image& image) const {
 std::array<double, 3> RayTracer::position(const Image& image) const {
     const CellGraph::Place& place = graph_.place(image.seed);
     std::array<double, 3> x{place.x, place.y, place.z};
-    if (!is_zero(image.shift)) add_shift(domain_, image.shift, x);
+    if (!is_same(image.shift, {})) add_shift(domain_, image.shift, x);
     return minus(x, ray_.origin);
 }
 
@@ -289,6 +290,7 @@ SketchRay RayTracer::sketch_ray(const CellGraph::Place& here) const {
     ray.slope = static_cast<float>(1.5 * slope);
     ray.constant = static_cast<float>(4 * constant);
     ray.relative = static_cast<float>(4 * errors_.relative);
+    ray.max_relative = static_cast<float>(4 * errors_.relative * (1 + here.max_constant + 2 * sum + rise));
     return ray;
 }
 
@@ -296,7 +298,7 @@ void RayTracer::look() {
     const CellGraph::Place& here = graph_.place(at_.seed);
     position_ = position(at_);
     errors_ = errors_of(here, position_);
-    selected_count_ = select_crossings_(graph_.sketched(here), sketch_ray(here), earliest_.data(), selected_.data());
+    selected_count_ = select_crossings_(graph_.sketched(here), sketch_ray(here), scratch_.data(), selected_.data());
     for (std::size_t i = 0; i < selected_count_; ++i)
         __builtin_prefetch(&graph_.place(graph_.link(here, selected_[i]).seed));
 }
@@ -337,30 +339,37 @@ bool RayTracer::find_next(Event& event) {
         times[i] = slope > errors.min_slope ? rise / slope : no_time;
         best = std::min(best, times[i]);
     }
-    candidates_.clear();
-    ties_.clear();
-    for (std::size_t i = 0; i < selected.size() && any_grazes; ++i) {
-        if (std::abs(slopes[i]) > errors.min_slope) continue;
-        const Image image = follow(from, graph_.link(here, selected[i]));
-        const int approach = exact::approach(ray_, between(from, image));
-        if (approach > 0) candidates_.push_back(image);
-        if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0) ties_.push_back(image);
-    }
-    std::size_t last = 0;
-    // A time t comes first only if t - a - b |t| <= best + a + b |best|.
-    const double bound = best + 2.2 * (errors.constant + errors.relative * std::abs(best));
-    for (std::size_t i = 0; i < selected.size() && best != no_time; ++i) {
-        if (times[i] > bound) continue;
-        candidates_.push_back(follow(from, graph_.link(here, selected[i])));
-        last = i;
-    }
-    if (candidates_.empty()) return false;
     event.kind = exact::Crossing::Kind::bisector;
     event.from = from;
-    event.to = candidates_.front();
-    for (std::size_t c = 1; c < candidates_.size(); ++c) {
-        const Image& to = candidates_[c];
-        if (exact::later(ray_, between(from, to), exact_of(event)) < 0) event.to = to;
+    ties_.clear();
+    std::size_t last = 0;
+    bool is_sure = selected.size() == 1 && best != no_time;
+    if (is_sure) {
+        event.to = follow(from, graph_.link(here, selected[0]));
+    } else {
+        candidates_.clear();
+        for (std::size_t i = 0; i < selected.size() && any_grazes; ++i) {
+            if (std::abs(slopes[i]) > errors.min_slope) continue;
+            const Image image = follow(from, graph_.link(here, selected[i]));
+            const int approach = exact::approach(ray_, between(from, image));
+            if (approach > 0) candidates_.push_back(image);
+            if (approach == 0 && exact::farther(ray_.origin, plane_of(from), plane_of(image)) == 0)
+                ties_.push_back(image);
+        }
+        // A time t comes first only if t - a - b |t| <= best + a + b |best|.
+        const double bound = best + 2.2 * (errors.constant + errors.relative * std::abs(best));
+        for (std::size_t i = 0; i < selected.size() && best != no_time; ++i) {
+            if (times[i] > bound) continue;
+            candidates_.push_back(follow(from, graph_.link(here, selected[i])));
+            last = i;
+        }
+        if (candidates_.empty()) return false;
+        is_sure = candidates_.size() == 1;
+        event.to = candidates_.front();
+        for (std::size_t c = 1; c < candidates_.size(); ++c) {
+            const Image& to = candidates_[c];
+            if (exact::later(ray_, between(from, to), exact_of(event)) < 0) event.to = to;
+        }
     }
     // A time among several candidates, or of a grazing crossing, is computed again.
     event.time = times[last];
@@ -369,8 +378,7 @@ bool RayTracer::find_next(Event& event) {
                                                4 * unit_roundoff * std::abs(event.time);
     event.least = event.time - error;
     event.most = event.time + error;
-    if (candidates_.size() > 1 || !(error <= 512 * error_ + 32 * unit_roundoff * std::abs(event.time)))
-        find_time(event);
+    if (!is_sure || !(error <= 512 * error_ + 32 * unit_roundoff * std::abs(event.time))) find_time(event);
     return true;
 }
 
@@ -428,9 +436,9 @@ void RayTracer::step() {
         from_.time = time;
     }
     if (!is_under_way_) return;
-    const bool same_shift = at_.shift == next.to.shift;
+    const bool is_shifted = !is_same(at_.shift, next.to.shift);
     at_ = next.to;
-    if (!same_shift) set_error();
+    if (is_shifted) set_error();
     const std::span<const RaySketch> sketches = graph_.sketched(graph_.place(at_.seed)).sketches;
     const auto* bytes = reinterpret_cast<const std::byte*>(sketches.data());
     for (std::size_t b = 0; b < sketches.size_bytes(); b += cache_line) __builtin_prefetch(bytes + b);

@@ -175,7 +175,7 @@ private:
     double error_ = 0;  // of a position
     std::array<double, 3> position_{};
     Errors errors_{};
-    std::vector<float> earliest_;
+    std::vector<float> scratch_;
     std::vector<std::uint32_t> selected_;
     std::size_t selected_count_ = 0;
     std::vector<double> slopes_, times_;  // of the selected: B, and A / B where B is surely positive
