@@ -168,7 +168,7 @@ private:
     std::int32_t copies_;
     double scale_ = 1;
     std::shared_ptr<const Domain> domain_;  // null unless periodic
-    struct alignas(32) Seed {  // on one line of the cache
+    struct alignas(32) Seed {               // on one line of the cache
         exact::Point point;
         double weight;
     };

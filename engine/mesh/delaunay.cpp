@@ -159,7 +159,8 @@ private:
                 const std::int32_t v = r_.cell_vertex_indices[k];
                 const std::size_t center = joined_.original(v);
                 if (centers_[center].cells > 4)
-                    members[at(centers_[center].place)].push_back({static_cast<std::int32_t>(i), negative(joined_.shift(v))});
+                    members[at(centers_[center].place)].push_back(
+                        {static_cast<std::int32_t>(i), negative(joined_.shift(v))});
             }
         }
         std::size_t to = 0;
