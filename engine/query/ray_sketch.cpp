@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 
 namespace votess::cpu {
 namespace {
@@ -15,20 +16,54 @@ struct Four {
     using Float = float __attribute__((vector_size(4 * lanes)));
     using Int = std::int32_t __attribute__((vector_size(4 * lanes)));
     using Short = std::int16_t __attribute__((vector_size(2 * lanes)));
+    VOTESS_INLINE static void fill(auto& v, auto x) { v = std::remove_reference_t<decltype(v)>{x, x, x, x}; }
+    VOTESS_INLINE static void count(Int& v) { v = Int{0, 1, 2, 3}; }
+    VOTESS_INLINE static void swap_halves(auto& to, const auto& v) { to = __builtin_shufflevector(v, v, 2, 3, 0, 1); }
+    VOTESS_INLINE static void swap_quarters(auto& to, const auto& v) { to = __builtin_shufflevector(v, v, 1, 0, 3, 2); }
+    VOTESS_INLINE static void swap_eighths(auto& to, const auto& v) { to = v; }
 };
 struct Eight {
     static constexpr std::size_t lanes = 8;
     using Float = float __attribute__((vector_size(4 * lanes)));
     using Int = std::int32_t __attribute__((vector_size(4 * lanes)));
     using Short = std::int16_t __attribute__((vector_size(2 * lanes)));
+    VOTESS_INLINE static void fill(auto& v, auto x) {
+        v = std::remove_reference_t<decltype(v)>{x, x, x, x, x, x, x, x};
+    }
+    VOTESS_INLINE static void count(Int& v) { v = Int{0, 1, 2, 3, 4, 5, 6, 7}; }
+    VOTESS_INLINE static void swap_halves(auto& to, const auto& v) {
+        to = __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3);
+    }
+    VOTESS_INLINE static void swap_quarters(auto& to, const auto& v) {
+        to = __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5);
+    }
+    VOTESS_INLINE static void swap_eighths(auto& to, const auto& v) {
+        to = __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6);
+    }
 };
 
-constexpr std::size_t max_summed = 128;  // neighbors
-
-template <class Vector, class Value>
-VOTESS_INLINE void fill(Vector& v, Value value) {
-    for (std::size_t lane = 0; lane < sizeof v / sizeof value; ++lane) v[lane] = value;
+// All lanes become the smallest one. In pairs: a chain of lanes would take twice as long.
+template <class Vectors>
+VOTESS_INLINE void minimize(typename Vectors::Float& v) {
+    typename Vectors::Float other;
+    Vectors::swap_halves(other, v);
+    v = other < v ? other : v;
+    Vectors::swap_quarters(other, v);
+    v = other < v ? other : v;
+    Vectors::swap_eighths(other, v);
+    v = other < v ? other : v;
 }
+template <class Vectors>
+VOTESS_INLINE std::int32_t sum_of(typename Vectors::Int v) {
+    typename Vectors::Int other;
+    Vectors::swap_halves(other, v);
+    v += other;
+    Vectors::swap_quarters(other, v);
+    v += other;
+    return Vectors::lanes == 4 ? v[0] : v[0] + v[1];
+}
+
+constexpr std::size_t max_summed = 128;  // neighbors
 
 // First finds the earliest crossing, and by when it surely comes. Then keeps each neighbor whose a / b may be that
 // early: a <= b bound, but for errors.
@@ -39,13 +74,18 @@ VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay&
     using Int = typename Vectors::Int;
     using Short = typename Vectors::Short;
     constexpr float never = std::numeric_limits<float>::infinity(), unit = 1 / RaySketch::units;
-    Float square, min_slope, endless, direction[3], twice_place[3];
-    fill(square, cell.constants != nullptr ? 0 : unit * unit);
-    fill(min_slope, ray.min_slope);
-    fill(endless, never);
-    for (std::size_t k = 0; k < 3; ++k) fill(direction[k], ray.direction[k]);
-    for (std::size_t k = 0; k < 3; ++k) fill(twice_place[k], ray.twice_place[k]);
-    Float best = endless, slope_of_best = endless;
+    Float square, min_slope, endless, largest, direction[3], twice_place[3];
+    Vectors::fill(square, cell.constants != nullptr ? 0 : unit * unit);
+    Vectors::fill(min_slope, ray.min_slope);
+    Vectors::fill(endless, never);
+    Vectors::fill(largest, std::numeric_limits<float>::max());
+    Vectors::fill(direction[0], ray.direction[0]);
+    Vectors::fill(direction[1], ray.direction[1]);
+    Vectors::fill(direction[2], ray.direction[2]);
+    Vectors::fill(twice_place[0], ray.twice_place[0]);
+    Vectors::fill(twice_place[1], ray.twice_place[1]);
+    Vectors::fill(twice_place[2], ray.twice_place[2]);
+    Float best = endless, inverse_of_best{};
     float* write = scratch;
     for (std::size_t s = 0; s < cell.sketches.size(); ++s)
         for (std::size_t lane = 0; lane < RaySketch::lanes; lane += Vectors::lanes) {
@@ -61,37 +101,32 @@ VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay&
             std::memcpy(write, &rise, sizeof rise);
             std::memcpy(write + Vectors::lanes, &slope, sizeof slope);
             write += 2 * Vectors::lanes;
-            const Float time = slope > min_slope ? rise / slope : endless;
-            slope_of_best = time < best ? slope : slope_of_best;
+            const Float inverse = 1 / slope, time = slope > min_slope ? rise * inverse : endless;
+            inverse_of_best = time < best ? inverse : inverse_of_best;
             best = time < best ? time : best;
         }
     const Float size = best < 0 ? -best : best;
-    const Float lates = best + ((ray.rise + ray.slope * size) / slope_of_best + ray.constant + ray.relative * size);
-    std::array<float, Vectors::lanes> late;
-    std::memcpy(late.data(), &lates, sizeof lates);
-    float bound = std::numeric_limits<float>::max();
-    for (const float time : late) bound = time < bound ? time : bound;
+    Float lates = best + ((ray.rise + ray.slope * size) * inverse_of_best + ray.constant + ray.relative * size);
+    lates = lates < largest ? lates : largest;
+    minimize<Vectors>(lates);
+    const float bound = lates[0];
     const float error = ray.rise + ray.slope * std::abs(bound) + ray.constant + ray.max_relative;
-    Float times, errors;
-    fill(times, bound);
-    fill(errors, error);
+    Float errors;
+    Vectors::fill(errors, error);
     // Sums the kept numbers, and above them how many they are.
     constexpr std::int32_t one = 1 << 24;
     Int count, number, sums{};
-    fill(count, static_cast<std::int32_t>(cell.count));
-    for (std::size_t lane = 0; lane < Vectors::lanes; ++lane) number[lane] = static_cast<std::int32_t>(lane);
+    Vectors::fill(count, static_cast<std::int32_t>(cell.count));
+    Vectors::count(number);
     for (const float* read = scratch; read < write; read += 2 * Vectors::lanes) {
         Float rise, slope;
         std::memcpy(&rise, read, sizeof rise);
         std::memcpy(&slope, read + Vectors::lanes, sizeof slope);
-        const Int skip = (slope < -min_slope) | ((slope > min_slope) & (rise - times * slope > errors));
+        const Int skip = (slope < -min_slope) | ((slope > min_slope) & (rise - lates * slope > errors));
         sums += ~skip & (number < count) & (number | one);
         number += static_cast<std::int32_t>(Vectors::lanes);
     }
-    std::array<std::int32_t, Vectors::lanes> parts;
-    std::memcpy(parts.data(), &sums, sizeof sums);
-    std::int32_t sum = 0;
-    for (const std::int32_t part : parts) sum += part;
+    const std::int32_t sum = sum_of<Vectors>(sums);
     selected[0] = static_cast<std::uint32_t>(sum) % one;
     std::size_t found = static_cast<std::uint32_t>(sum) / one;
     if (cell.count < max_summed && found <= 1) return found;
