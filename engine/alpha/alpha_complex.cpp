@@ -52,21 +52,25 @@ class Places {
 public:
     Places(const Tessellation& t, std::span<const double> points, const Replicate& replicate)
         : count_(t.size()), replicate_(replicate), copies_(replicate[0] * replicate[1] * replicate[2]) {
+        std::vector<double> weights;
         if (t.periodic()[0]) {
             Options options = domain_options(t);
             options.weights = t.weights();
             const Job job = validate({points, {}}, options);
             domain_ = job.domain;
             scale_ = job.scale;
-            weights_ = domain_->weights;
+            weights = domain_->weights;
         } else {
             double largest = 0;
             for (const double x : points) largest = std::max(largest, std::abs(x));
             scale_ = scale_for(largest);
-            for (const double weight : t.weights()) weights_.push_back(weight * scale_ * scale_);
+            for (const double weight : t.weights()) weights.push_back(weight * scale_ * scale_);
         }
-        points_.reserve(points.size());
-        for (const double x : points) points_.push_back(x * scale_);
+        is_weighted_ = !weights.empty();
+        reserve_huge(seeds_, count_);
+        for (std::size_t i = 0; i < count_; ++i)
+            seeds_.push_back({{points[3 * i] * scale_, points[3 * i + 1] * scale_, points[3 * i + 2] * scale_},
+                              is_weighted_ ? weights[i] : 0});
         if (domain_ == nullptr) return;
         wraps_.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) wraps_[i] = wrap(*domain_, point(i)).value_or(exact::Shift{});
@@ -75,12 +79,12 @@ public:
     [[nodiscard]] bool periodic() const { return domain_ != nullptr; }
     [[nodiscard]] std::size_t seeds() const { return count_; }
     [[nodiscard]] std::size_t copies() const { return at(copies_); }
-    [[nodiscard]] double weight(std::int32_t id) const { return weights_.empty() ? 0 : weights_[original(id)]; }
+    [[nodiscard]] double weight(std::int32_t id) const { return seeds_[original(id)].weight; }
     // Returns a squared length in the unit of the caller.
     [[nodiscard]] double unscaled(double square) const { return square / scale_ / scale_; }
 
-    // Loads the point of a seed into the cache: seeds in random order are far apart in memory.
-    void prefetch(std::int32_t id) const { __builtin_prefetch(&points_[3 * original(id)]); }
+    // Loads a seed into the cache: seeds in random order are far apart in memory.
+    void prefetch(std::int32_t id) const { __builtin_prefetch(&seeds_[original(id)]); }
     // Returns the member of the large box that a member of a copy is.
     [[nodiscard]] Member in_copy(const Member& m, std::size_t copy) const {
         if (copies_ == 1) return m;
@@ -102,7 +106,7 @@ public:
     [[nodiscard]] exact::Orthosphere<K> sphere(const std::array<Member, K + 1>& members) const {
         const std::size_t first = original(members[0].seed);
         const exact::Point from = point(first);
-        const double own = weights_.empty() ? 0 : weights_[first];
+        const double own = seeds_[first].weight;
         std::array<Vector3, K> seen;
         std::array<double, K> powers{};
         std::array<exact::Shift, K> shifts{};
@@ -114,14 +118,14 @@ public:
                 const exact::Differences d = image_differences(from, bisector(seed, shifts[i]));
                 for (std::size_t k = 0; k < 3; ++k) seen[i][k] = d.x[k].high;
             }
-            if (!weights_.empty()) powers[i] = own - weights_[seed];
+            powers[i] = own - seeds_[seed].weight;
         }
         if (const auto sure = exact::sure_orthosphere<K>(seen, powers, own)) return *sure;
         std::array<exact::Plane, K> bisectors;
         for (std::size_t i = 0; i < K; ++i) {
             const std::size_t seed = original(members[i + 1].seed);
             bisectors[i] = bisector(seed, shifts[i]);
-            if (!weights_.empty()) bisectors[i].power = exact::two_sum(own, -weights_[seed]);
+            if (is_weighted_) bisectors[i].power = exact::two_sum(own, -seeds_[seed].weight);
         }
         return exact::orthosphere<K>(from, own, bisectors);
     }
@@ -138,9 +142,7 @@ private:
         const auto number = static_cast<std::int32_t>(copy);
         return {number / replicate_[2] / replicate_[1], number / replicate_[2] % replicate_[1], number % replicate_[2]};
     }
-    [[nodiscard]] exact::Point point(std::size_t i) const {
-        return {points_[3 * i], points_[3 * i + 1], points_[3 * i + 2]};
-    }
+    [[nodiscard]] const exact::Point& point(std::size_t i) const { return seeds_[i].point; }
     [[nodiscard]] exact::Plane bisector(std::size_t seed, const exact::Shift& shift) const {
         return periodic() ? exact::Plane::bisector(point(seed), shift, domain_->lattice)
                           : exact::Plane::bisector(point(seed));
@@ -166,7 +168,12 @@ private:
     std::int32_t copies_;
     double scale_ = 1;
     std::shared_ptr<const Domain> domain_;  // null unless periodic
-    std::vector<double> points_, weights_;
+    struct alignas(32) Seed {               // on one line of the cache
+        exact::Point point;
+        double weight;
+    };
+    std::vector<Seed> seeds_;
+    bool is_weighted_ = false;
     std::vector<exact::Shift> wraps_;  // that bring the seeds into the domain
 };
 
@@ -429,7 +436,10 @@ Level<K - 1> faces_of(Level<K>&& level, std::size_t expected, const Places& plac
         sides.assign(opposite + level.opposite[v], opposite + level.opposite[v + 1]);
         for (std::size_t t = level.first[v]; t < level.first[v + 1]; ++t)
             for (std::size_t i = 1; i <= K; ++i) sides.push_back(level.side_of(t, i));
-        for (const FaceSide& side : sides) places.prefetch(static_cast<std::int32_t>(side.key));
+        for (const FaceSide& side : sides) {
+            places.prefetch(static_cast<std::int32_t>(side.key));
+            if constexpr (K == 3) places.prefetch(static_cast<std::int32_t>(side.key >> 32));
+        }
         std::ranges::sort(sides, {}, &FaceSide::key);
         for (auto begin = sides.begin(); begin != sides.end();) {
             const Simplex<K - 1> face = face_of(*begin, v);

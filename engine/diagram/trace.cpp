@@ -40,6 +40,7 @@ namespace {
 
 constexpr double share_of_neighbors = 0.5;  // of a call that computes them
 constexpr std::size_t rays_per_look = 64;   // after which the user may stop
+constexpr std::size_t max_flights = 8;      // of a thread: while one waits for memory, the others compute
 
 std::string name_of(std::size_t ray) {
     return "ray " + std::to_string(ray);
@@ -121,8 +122,16 @@ Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x
 // The cells of consecutive rays.
 struct RayBatch {
     std::size_t begin = 0;
+    std::vector<std::size_t> first;  // by ray: of its pieces
     std::vector<std::int32_t> seeds;
     std::vector<double> lengths, middles;
+};
+
+// A ray under way.
+struct Flight {
+    cpu::RayTracer tracer;
+    std::size_t ray = 0;
+    double speed = 0;  // length of input over time
 };
 
 }  // namespace
@@ -142,6 +151,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
     std::vector<std::size_t> sorted(beyond.empty() ? 0 : state.points.size() / 3);
     for (std::size_t i = 0; i < seeds.size() && !sorted.empty(); ++i)
         sorted[static_cast<std::size_t>(seeds.input[i])] = i;
+    const std::string_view instructions = cpu::find_kernels(state.job.options.instructions)->name;
     std::mutex adding;
     std::vector<RayBatch> batches;
     for_queries(state, rays.origins, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
@@ -152,27 +162,53 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             const exact::Point x = scaled(state.job, rays.origins, begin + i);
             if (beyond.empty()) starts[i] = image_at(state, searcher.locator, x, searcher.places[i]);
         }
-        cpu::RayTracer tracer(*state.job.domain, seeds, *state.cells, !state.endless);
-        RayBatch batch{begin, {}, {}, {}};
-        std::vector<cpu::RayTracer::Piece> pieces;
-        for (std::size_t r = begin; r < end; ++r) {
-            if (r % rays_per_look == 0) check_stop();
-            Image start = starts[r - begin];
-            if (!beyond.empty()) start.seed = sorted[static_cast<std::size_t>(beyond[r])];
-            const exact::Ray ray{scaled(state.job, rays.origins, r), direction_of(rays, r)};
-            const double speed = length3(ray.direction[0], ray.direction[1], ray.direction[2]) / state.job.scale;
-            pieces.clear();
-            if (start.seed != cpu::CellGraph::none && !tracer.trace(ray, rays.lengths[r] / speed, start, pieces))
-                throw Error(ErrorCode::invalid_argument, name_of(r) +
-                                                             ": its length is infinite, and no wall ends it: "
-                                                             "give a finite length");
-            for (const cpu::RayTracer::Piece& piece : pieces) {
-                batch.seeds.push_back(seeds.input[piece.image.seed]);
-                batch.lengths.push_back((piece.end - piece.begin) * speed);
-                if (!middles) continue;
-                for (const double x : tracer.middle_of(piece)) batch.middles.push_back(x / state.job.scale);
+        RayBatch batch{begin, std::vector<std::size_t>(end - begin), {}, {}, {}};
+        std::size_t next = begin;
+        // Starts rays until one is under way.
+        const auto start_next = [&](Flight& flight) {
+            while (next < end && !flight.tracer.is_under_way()) {
+                const std::size_t r = flight.ray = next++;
+                if (r % rays_per_look == 0) check_stop();
+                Image start = starts[r - begin];
+                if (!beyond.empty()) start.seed = sorted[static_cast<std::size_t>(beyond[r])];
+                if (start.seed == cpu::CellGraph::none) continue;
+                const exact::Ray ray{scaled(state.job, rays.origins, r), direction_of(rays, r)};
+                flight.speed = length3(ray.direction[0], ray.direction[1], ray.direction[2]) / state.job.scale;
+                if (!flight.tracer.start(ray, rays.lengths[r] / flight.speed, start))
+                    throw Error(ErrorCode::invalid_argument, name_of(r) +
+                                                                 ": its length is infinite, and no wall ends it: "
+                                                                 "give a finite length");
             }
-            out.offsets[r + 1] = static_cast<std::int64_t>(pieces.size());
+            return flight.tracer.is_under_way();
+        };
+        const auto store = [&](const Flight& flight) {
+            const std::size_t first = batch.seeds.size(), count = flight.tracer.pieces().size();
+            batch.first[flight.ray - begin] = first;
+            batch.seeds.resize(first + count);
+            batch.lengths.resize(first + count);
+            for (std::size_t i = 0; i < count; ++i) {
+                const cpu::RayTracer::Piece& piece = flight.tracer.pieces()[i];
+                batch.seeds[first + i] = seeds.input[piece.image.seed];
+                batch.lengths[first + i] = (piece.end - piece.begin) * flight.speed;
+                if (!middles) continue;
+                for (const double x : flight.tracer.middle_of(piece)) batch.middles.push_back(x / state.job.scale);
+            }
+            out.offsets[flight.ray + 1] = static_cast<std::int64_t>(count);
+        };
+        std::vector<Flight> flights(std::min(max_flights, end - begin),
+                                    {{*state.job.domain, seeds, *state.cells, !state.endless, instructions}});
+        std::size_t under_way = 0;
+        for (Flight& flight : flights) under_way += static_cast<std::size_t>(start_next(flight));
+        while (under_way > 0) {
+            for (Flight& flight : flights)
+                if (flight.tracer.is_under_way()) flight.tracer.look();
+            for (Flight& flight : flights) {
+                if (!flight.tracer.is_under_way()) continue;
+                flight.tracer.step();
+                if (flight.tracer.is_under_way()) continue;
+                store(flight);
+                if (!start_next(flight)) --under_way;
+            }
         }
         const std::scoped_lock lock(adding);
         batches.push_back(std::move(batch));
@@ -182,10 +218,17 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
     out.seeds.reserve(static_cast<std::size_t>(out.offsets[count]));
     out.lengths.reserve(static_cast<std::size_t>(out.offsets[count]));
     if (middles) out.middles.reserve(3 * static_cast<std::size_t>(out.offsets[count]));
+    const auto append = [](auto& to, const auto& from, std::size_t begin, std::size_t end) {
+        to.insert(to.end(), from.data() + begin, from.data() + end);
+    };
     for (RayBatch& batch : batches) {
-        out.seeds.insert(out.seeds.end(), batch.seeds.begin(), batch.seeds.end());
-        out.lengths.insert(out.lengths.end(), batch.lengths.begin(), batch.lengths.end());
-        out.middles.insert(out.middles.end(), batch.middles.begin(), batch.middles.end());
+        for (std::size_t i = 0; i < batch.first.size(); ++i) {
+            const std::size_t r = batch.begin + i, first = batch.first[i];
+            const std::size_t last = first + static_cast<std::size_t>(out.offsets[r + 1] - out.offsets[r]);
+            append(out.seeds, batch.seeds, first, last);
+            append(out.lengths, batch.lengths, first, last);
+            if (middles) append(out.middles, batch.middles, 3 * first, 3 * last);
+        }
         batch = {};
     }
     return out;

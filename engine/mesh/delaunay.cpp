@@ -55,21 +55,23 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
 
 class Dual {
 public:
-    explicit Dual(const Result& result) : r_(result), joined_(result), cells_(count_cells(result, joined_)) {
-        lengthen(place_, cells_.size(), none);
+    explicit Dual(const Result& result) : r_(result), joined_(result) {
+        const std::vector<std::int32_t> cells = count_cells(result, joined_);
+        lengthen(centers_, cells.size());
         out_.polytope_indptr.assign(1, 0);
-        for (std::size_t v = 0; v < cells_.size(); ++v) {
+        for (std::size_t v = 0; v < cells.size(); ++v) {
             if (v % entries_per_check == 0) check_stop();
-            if (cells_[v] == 4) {
-                place_[v] = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
+            centers_[v].cells = cells[v];
+            if (cells[v] == 4) {
+                centers_[v].place = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
                 out_.tetrahedra_centers.push_back(static_cast<std::int32_t>(v));
-            } else if (cells_[v] > 4) {
-                place_[v] = static_cast<std::int32_t>(out_.polytope_centers.size());
+            } else if (cells[v] > 4) {
+                centers_[v].place = static_cast<std::int32_t>(out_.polytope_centers.size());
                 out_.polytope_centers.push_back(static_cast<std::int32_t>(v));
-                out_.polytope_indptr.push_back(out_.polytope_indptr.back() + cells_[v]);
+                out_.polytope_indptr.push_back(out_.polytope_indptr.back() + cells[v]);
             }
         }
-        lengthen(out_.tetrahedra, 4 * out_.tetrahedra_centers.size(), none);
+        lengthen(out_.tetrahedra, 4 * out_.tetrahedra_centers.size());
         lengthen(out_.polytope_indices, at(out_.polytope_indptr.back()));
         if (!r_.shifts.empty()) {
             lengthen(out_.tetrahedra_shifts, 3 * out_.tetrahedra.size());
@@ -90,24 +92,19 @@ public:
     }
 
 private:
-    static constexpr std::int32_t none = -1;
+    // A vertex, as the center of a tetrahedron or polytope.
+    struct Center {
+        std::int32_t cells;  // that meet; 0 for a tetrahedron that is made
+        std::int32_t place;  // number of the tetrahedron or polytope
+    };
 
-    // Loads into the cache what the cells after cell i read of their vertices: for seeds in random order these lie far
+    // Loads into the cache what the cell after cell i reads of its vertices: for seeds in random order these lie far
     // apart in memory.
     void prefetch(std::size_t i) const {
-        constexpr std::size_t near = 2, far = 4;
-        const auto for_vertices_of = [&](std::size_t cell, const auto& visit) {
-            if (cell >= r_.status.size()) return;
-            for (auto k = at(r_.cell_vertex_indptr[cell]); k < at(r_.cell_vertex_indptr[cell + 1]); ++k)
-                visit(joined_.original(r_.cell_vertex_indices[k]));
-        };
-        for_vertices_of(i + far, [&](std::size_t v) {
-            __builtin_prefetch(&cells_[v]);
-            __builtin_prefetch(&place_[v]);
-        });
-        for_vertices_of(i + near, [&](std::size_t v) {
-            if (cells_[v] == 4) __builtin_prefetch(&out_.tetrahedra[4 * at(place_[v])]);
-        });
+        constexpr std::size_t ahead = 2;
+        if (i + ahead >= r_.status.size()) return;
+        for (auto k = at(r_.cell_vertex_indptr[i + ahead]); k < at(r_.cell_vertex_indptr[i + ahead + 1]); ++k)
+            __builtin_prefetch(&centers_[joined_.original(r_.cell_vertex_indices[k])]);
     }
 
     // Those that cell i is the first to have. Seen from outside of it, its three faces lie counterclockwise around the
@@ -119,9 +116,7 @@ private:
             for (auto k = begin; k < end; ++k) {
                 const std::int32_t v = r_.face_vertices[at(k)];
                 if (v < 0) continue;  // infinity
-                const bool first = joined_.original(v) == at(v) && cells_[at(v)] == 4 &&
-                                   out_.tetrahedra[4 * at(place_[at(v)])] == none;
-                if (!first) continue;
+                if (joined_.original(v) != at(v) || centers_[at(v)].cells != 4) continue;
                 passages_.push_back({v, entry, r_.face_vertices[at(k == begin ? end - 1 : k - 1)],
                                      r_.face_vertices[at(k + 1 == end ? begin : k + 1)]});
             }
@@ -150,7 +145,9 @@ private:
             std::swap(corners[static_cast<std::size_t>(lowest % 3 + 1)],
                       corners[static_cast<std::size_t>((lowest + 1) % 3 + 1)]);
         }
-        const std::size_t simplex = 4 * at(place_[at(a.vertex)]);
+        Center& center = centers_[at(a.vertex)];
+        const std::size_t simplex = 4 * at(center.place);
+        center.cells = 0;
         for (std::size_t k = 0; k < 4; ++k) put_corner(simplex + k, corners[k]);
     }
 
@@ -161,8 +158,9 @@ private:
             for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
                 const std::int32_t v = r_.cell_vertex_indices[k];
                 const std::size_t center = joined_.original(v);
-                if (cells_[center] > 4)
-                    members[at(place_[center])].push_back({static_cast<std::int32_t>(i), negative(joined_.shift(v))});
+                if (centers_[center].cells > 4)
+                    members[at(centers_[center].place)].push_back(
+                        {static_cast<std::int32_t>(i), negative(joined_.shift(v))});
             }
         }
         std::size_t to = 0;
@@ -185,8 +183,7 @@ private:
 
     const Result& r_;
     const JoinedCorners joined_;
-    std::vector<std::int32_t> cells_;  // by vertex
-    std::vector<std::int32_t> place_;  // by vertex: of its tetrahedron or polytope
+    std::vector<Center> centers_;  // by vertex
     std::vector<Passage> passages_;
     Delaunay out_;
 };

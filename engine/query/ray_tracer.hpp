@@ -15,6 +15,10 @@
 // One bound on |N|_1 serves a whole cell. Where B is below 64 times its bound, or 2^-16 of that length, integers decide
 // its sign. Elsewhere A / B errs by a + b |A / B| at most, see Errors. Candidates that these bounds do not separate are
 // compared in integers.
+//
+// Memory. The places of the neighbors lie scattered. So each cell has a sketch of N, 16 bits a coordinate, and most
+// neighbors are skipped by it, see sketch_ray(). Several tracers take turns in a thread, and each requests the
+// memory of its next turn: look(), step(), look(), ...
 #pragma once
 
 #include <array>
@@ -22,10 +26,12 @@
 #include <limits>
 #include <vector>
 
+#include "core/arithmetic.hpp"
 #include "core/buffer.hpp"
 #include "exact/ray.hpp"
 #include "index/sorted_seeds.hpp"
 #include "input/job.hpp"
+#include "query/ray_sketch.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::cpu {
@@ -36,23 +42,36 @@ public:
     // t: cells of the seeds in input order, with neighbors.
     CellGraph(const Domain& domain, const SortedSeeds& seeds, const Tessellation& t);
 
-    struct Place {
-        double x, y, z, weight;  // in the domain, rounded
-        std::size_t begin;       // of its links
-        float reach;             // at least the sum |dx| + |dy| + |dz| of the way to any neighbor
-        std::uint32_t count : 31, has_shifts : 1;
+    struct alignas(64) Place {
+        double x = 0, y = 0, z = 0, weight = 0;  // in the domain, rounded
+        std::size_t sketch = 0;                  // number of its first
+        float reach = 0;                         // at least the sum |dx| + |dy| + |dz| of the way to any neighbor
+        float inverse_unit = 0;                  // of its sketches: a power of two below 1 / reach
+        float max_constant = 0;                  // in units squared, see SketchedCell
+        std::uint32_t count : 31 = 0, has_shifts : 1 = 0;
     };
+    using Shift = std::array<std::int8_t, 3>;
     struct Link {
-        std::int32_t seed;
-        std::array<std::int8_t, 3> shift;
+        std::size_t seed;
+        Shift shift;
         bool is_shifted;
     };
     static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
 
-    [[nodiscard]] std::span<const Link> links(std::size_t seed) const {
-        return {links_.data() + places_[seed].begin, places_[seed].count};
-    }
     [[nodiscard]] const Place& place(std::size_t seed) const { return places_[seed]; }
+    [[nodiscard]] SketchedCell sketched(const Place& place) const {
+        return {{sketches_.data() + place.sketch, ceil_div(std::size_t{place.count}, RaySketch::lanes)},
+                constants_.empty() ? nullptr : constants_.data() + place.sketch,
+                place.count};
+    }
+    // Returns the i-th neighbor of the seed at this place.
+    [[nodiscard]] Link link(const Place& place, std::size_t i) const {
+        const std::size_t sketch = place.sketch + i / RaySketch::lanes, lane = i % RaySketch::lanes;
+        const auto seed = static_cast<std::size_t>(sketches_[sketch].seed[lane]);
+        if (place.has_shifts == 0) return {seed, {}, false};
+        const Shift& shift = shifts_[sketch * RaySketch::lanes + lane];
+        return {seed, shift, (shift[0] | shift[1] | shift[2]) != 0};
+    }
     [[nodiscard]] bool has_cell(std::size_t seed) const { return has_cell_[seed]; }
     [[nodiscard]] std::size_t first_cell() const { return first_cell_; }  // none: no seed has one
     [[nodiscard]] double size() const { return size_; }                   // largest coordinate of a place
@@ -62,9 +81,13 @@ public:
     [[nodiscard]] std::size_t max_links() const { return max_links_; }    // of a seed
 
 private:
+    void draw(Place& place, std::span<const std::array<double, 3>> ways);
+
     // Accessed at random, hence huge pages.
-    Buffer<Link> links_{Buffer<Link>::Pages::huge};
     Buffer<Place> places_{Buffer<Place>::Pages::huge};
+    Buffer<RaySketch> sketches_{Buffer<RaySketch>::Pages::huge};
+    Buffer<SketchConstants> constants_{Buffer<SketchConstants>::Pages::huge};  // of a power diagram
+    Buffer<Shift> shifts_{Buffer<Shift>::Pages::huge};                         // of a periodic domain; by lane
     std::vector<bool> has_cell_;
     std::size_t first_cell_ = none;
     double size_ = 0, period_ = 0, max_weight_ = 0;
@@ -72,7 +95,7 @@ private:
     std::size_t max_links_ = 0;
 };
 
-// One per thread. All arguments stay with the caller.
+// Some per thread. All arguments stay with the caller.
 class RayTracer {
 public:
     // A seed or its image, by a shift from the seed's place in the domain.
@@ -87,12 +110,21 @@ public:
     };
 
     // has_box: whether the box bounds the domain.
-    RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box);
+    RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box,
+              std::string_view instructions);
 
-    // Appends the pieces of a ray from time 0 to `end`, or to a wall. No component of the direction exceeds 1 in size.
+    // Starts a ray from time 0 to `end`, or to a wall. No component of the direction exceeds 1 in size.
     // start: an image whose cell holds the origin. Returns false when the ray never ends.
-    [[nodiscard]] bool trace(const exact::Ray& ray, double end, const Image& start, std::vector<Piece>& out);
-    // Returns the middle of a piece of the last ray, relative to its image.
+    [[nodiscard]] bool start(const exact::Ray& ray, double end, const Image& start);
+    // Whether look() and step() are due, in turns.
+    [[nodiscard]] bool is_under_way() const { return is_under_way_; }
+    // Selects the neighbors that may be next.
+    void look();
+    // Finds the next, and the piece before it.
+    void step();
+    // Returns the pieces of the ray so far.
+    [[nodiscard]] std::span<const Piece> pieces() const { return pieces_; }
+    // Returns the middle of a piece of the ray, relative to its image.
     [[nodiscard]] std::array<double, 3> middle_of(const Piece& piece) const;
 
 private:
@@ -108,6 +140,8 @@ private:
     struct Errors {
         double rise, slope, min_slope, constant, relative;
     };
+    void set_error();
+    [[nodiscard]] SketchRay sketch_ray(const CellGraph::Place& here) const;
     [[nodiscard]] Errors errors_of(const CellGraph::Place& here, const std::array<double, 3>& p) const;
     [[nodiscard]] exact::Plane plane_of(const Image& image) const;
     [[nodiscard]] std::array<double, 3> position(const Image& image) const;
@@ -120,19 +154,31 @@ private:
     static void set_time(Event& event, double time);
     [[nodiscard]] bool find_stop(double end);
     [[nodiscard]] Image walk_to_origin(Image from) const;
-    [[nodiscard]] bool find_next(const Image& from, Event& event);
+    [[nodiscard]] bool find_next(Event& event);
     [[nodiscard]] bool is_same_line(const Image& a, const Image& b) const;
     [[nodiscard]] Image lowest_of_ties(const Image& of);
 
     const Domain& domain_;
     const SortedSeeds& seeds_;
     const CellGraph& graph_;
+    SelectCrossings select_crossings_;
     std::vector<exact::Plane> walls_;
-    exact::Ray ray_;
-    Event stop_;
-    double error_ = 0;                          // of a position
     double place_error_ = 0, shift_error_ = 0;  // of the way to a neighbor, and more of one that is shifted
-    std::vector<double> slopes_, times_;        // by neighbor: B, and A / B where B is surely positive
+    exact::Ray ray_;
+    Event stop_, from_;  // the end of the ray, and of the last piece
+    Image at_{};         // the next piece's
+    std::size_t steps_ = 0;
+    bool is_under_way_ = false;
+    std::vector<Piece> pieces_;
+    std::array<float, 3> sketch_direction_{};
+    // From look():
+    double error_ = 0;  // of a position
+    std::array<double, 3> position_{};
+    Errors errors_{};
+    std::vector<float> scratch_;
+    std::vector<std::uint32_t> selected_;
+    std::size_t selected_count_ = 0;
+    std::vector<double> slopes_, times_;  // of the selected: B, and A / B where B is surely positive
     std::vector<Image> candidates_;
     std::vector<Image> ties_;
 };

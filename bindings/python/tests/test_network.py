@@ -25,6 +25,30 @@ EDI = np.array([
 ])  # fmt: skip
 
 
+# Edges, sites and symmetries of two more. A symmetry multiplies the fractions of a site and adds to them.
+JBW = (
+    (5.256, 7.45, 8.159),
+    [(0, 0.2612, 0), (0, 0.5, 0.5), (0.25, 0, 0.1455), (0.25, 0.3235, 0.2728), (0.25, 0.2111, 0.1042),
+     (0.25, 0.5, 0.3865)],
+    [((1, -1, 1), (0, 0, 0)), ((-1, 1, -1), (0, 0, 0)), ((-1, 1, 1), (0.5, 0, 0))],
+)  # fmt: skip
+BIK = (
+    (7.54, 16.222, 5.256),
+    [(0, 0.1714, 0.25), (0, 0.5, 0), (0.1744, 0.3857, 0.75), (0.25, 0.25, 0), (0, 0.4429, 0.75),
+     (0.2065, 0.1966, 0.25)],
+    [((1, 1, 1), (0.5, 0.5, 0)), ((-1, -1, -1), (0, 0, 0)), ((-1, 1, 1), (0, 0, 0)), ((1, 1, -1), (0, 0, 0.5))],
+)  # fmt: skip
+
+
+def framework(sites, symmetries):
+    """Returns the images of sites under all symmetries."""
+    points = {tuple(site) for site in sites}
+    for factors, add in 4 * symmetries:
+        moved = np.array(sorted(points)) * factors + add
+        points |= {tuple(point) for point in (moved % 1).round(6) % 1}
+    return np.array(sorted(points))
+
+
 def crystal(basis, cells, edge=1.0, **options):
     """Returns cells of a cubic crystal."""
     corners = np.array(list(itertools.product(range(cells), repeat=3)))
@@ -178,6 +202,21 @@ class Network(unittest.TestCase):
         self.assertAlmostEqual(2 * free.radius, 3.03748, delta=0.002)
         self.assertAlmostEqual(free.radius, np.sqrt(2) * 0.3103 * 6.926 - 1.52, 12)  # a ring of eight oxygen atoms
         self.assertEqual(n.largest_free(2), free)
+
+    def test_equal_radii_as_zeo(self):
+        """`network -r radii -res` of Zeo++ 0.3 with 1.35 for all atoms prints these diameters."""
+        frameworks = {
+            (5.65992, 3.37868): (EDI_EDGES, EDI),
+            (4.22882, 3.66384): (JBW[0], framework(*JBW[1:])),
+            (4.10701, 3.49002): (BIK[0], framework(*BIK[1:])),
+        }
+        self.assertEqual([len(f[1]) for f in frameworks.values()], [15, 18, 36])
+        for (included, free), (edges, fractions) in frameworks.items():
+            t = vt.tessellate(
+                fractions * edges, box=(0, 0, 0, *edges), periodic=True, radii=np.full(len(fractions), 1.35), want="faces"
+            )
+            self.assertAlmostEqual(2 * t.network().largest_included().radius, included, delta=6e-6)
+            self.assertAlmostEqual(2 * t.network().largest_free().radius, free, delta=6e-6)
 
     def test_walls(self):
         t = vt.tessellate(lattice(3), box=(0, 0, 0, 3, 3, 3), want="faces")
