@@ -383,9 +383,7 @@ void check_endless(const Arguments& arguments) {
 // Parts of cells in a mesh have no polygons, and only a run makes them.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
-    if (arguments.verify || arguments.has_volumes)
-        throw bad_input("--verify and --volumes do not work in a mesh: leave out " +
-                        std::string(arguments.verify ? "--verify" : "--volumes"));
+    if (arguments.verify) throw bad_input("--verify does not work in a mesh: leave it out");
     if (arguments.picture && arguments.picture->options.slice)
         throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
