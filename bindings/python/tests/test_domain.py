@@ -246,7 +246,8 @@ class Domains(unittest.TestCase):
             t.save(folder + "/cells.npz")
             with np.load(folder + "/cells.npz") as file:
                 np.testing.assert_array_equal(file["mesh_areas"], t.mesh_areas)
-        for call in (t.verify, t.delaunay, again.verify):
+        self.assertTrue(t.verify().passed)
+        for call in (t.delaunay, again.verify):
             with self.assertRaisesRegex((ValueError, vt.VotessError), "mesh"):
                 call()
         for mesh, message in (
