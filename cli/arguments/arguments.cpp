@@ -383,9 +383,6 @@ void check_endless(const Arguments& arguments) {
 // Parts of cells in a mesh have no polygons, and only a run makes them.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
-    if (arguments.verify || arguments.has_volumes)
-        throw bad_input("--verify and --volumes do not work in a mesh: leave out " +
-                        std::string(arguments.verify ? "--verify" : "--volumes"));
     if (arguments.picture && arguments.picture->options.slice)
         throw bad_input("--slice does not work in a mesh: leave it out for a picture of the pieces");
     for (const std::string& path : arguments.outputs)
@@ -491,7 +488,10 @@ Arguments read_arguments(int count, const char* const* values) {
     arguments.wanted = votess::implied_want(to_write);
     options.want.volumes |= arguments.has_density;
     options.want.neighbors |= arguments.has_zones;
-    if (arguments.verify) options.want.neighbors = options.want.volumes = options.want.counts = true;
+    if (arguments.verify) {
+        options.want.neighbors = options.want.volumes = true;
+        options.want.counts |= arguments.mesh_file.empty();
+    }
     if (arguments.memory > 0) {
         check_streamed(arguments);
         arguments.read.first_words = SIZE_MAX;  // temporary files hold numbers

@@ -21,6 +21,7 @@ public:
 
     [[nodiscard]] double volume() const { return volume_; }  // as given
     [[nodiscard]] const Box& bounds() const { return bounds_; }
+    [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& given() const { return given_; }  // triangles
     [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
     [[nodiscard]] const exact::Point& vertex(std::int32_t v) const { return vertices_[static_cast<std::size_t>(v)]; }
 

@@ -177,7 +177,6 @@ void CutCell::find_candidates() {
     });
     std::ranges::sort(candidates_);
     seen_.clear();
-    vertex_values_.clear();
     outside_bits_.clear();
     words_ = ceil_div(faces_.size(), word_bits);
     values_.resize(faces_.size());
@@ -195,11 +194,14 @@ std::size_t CutCell::see(std::int32_t vertex) {
     seen_.push_back({vertex, 0, false, signs_.place(mesh_.vertex(vertex))});
     SeenVertex& u = seen_.back();
     outside_bits_.resize(outside_bits_.size() + words_);
-    vertex_values_.resize(seen_.size() * faces_.size());
+    if (const std::size_t count = seen_.size() * faces_.size(); vertex_values_.size() < count)
+        vertex_values_.resize(2 * count);
     MeshSigns::Value* value = &vertex_values_[seen * faces_.size()];
     for (std::size_t f = 0; f < faces_.size(); ++f, ++value) {
-        value->sign = -1;  // inside of the walls
-        if (plane_[f] < 0) continue;
+        if (plane_[f] < 0) {
+            *value = {0, 0, -1, false};  // inside of the walls
+            continue;
+        }
         *value = signs_.value(index(plane_[f]), u.place);
         u.unsure += value->sign == 0 ? 1 : 0;
         if (value->sign > 0) outside_bits_[seen * words_ + f / word_bits] |= std::uint64_t{1} << f % word_bits;
@@ -420,7 +422,7 @@ void CutCell::find_windings() {
 int CutCell::winding_at(std::int32_t slot) {
     const auto planes = cell_.corner_planes(slot);
     std::array<std::size_t, 3> k;
-    MeshSigns at;
+    MeshSigns& at = corner_signs_;
     at.begin(cell_.seed(), image_, ties_);
     for (std::size_t i = 0; i < 3; ++i) {
         k[i] = i;

@@ -130,7 +130,7 @@ private:
     exact::Plane image_;     // of the seed, where the cell is, as if it were a bisector's
     exact::Point origin_{};  // the same place, rounded
     cpu::CellFaces faces_;
-    MeshSigns signs_;
+    MeshSigns signs_, corner_signs_;  // of all bisectors; of those of one vertex
     CutMeasures out_;
     Vector3 apex_{};                    // of cones, relative to the seed
     std::vector<std::int32_t> plane_;   // by face: of signs_, -1 for walls
@@ -174,8 +174,8 @@ private:
         MeshSigns::Place place;
     };
     std::vector<SeenVertex> seen_;
-    std::vector<std::int32_t> seen_table_;  // a hash table of them, -1 where it is free
-    std::vector<MeshSigns::Value> vertex_values_;
+    std::vector<std::int32_t> seen_table_;         // a hash table of them, -1 where it is free
+    std::vector<MeshSigns::Value> vertex_values_;  // may be longer
     std::vector<std::uint64_t> outside_bits_;
     std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;

@@ -36,7 +36,7 @@ struct MeshCells {
     std::vector<exact::Shift> image_shifts;  // from places inside the domain
     std::vector<int> winding;                // by image: of plain ones; `cut` for others
 
-    [[nodiscard]] std::size_t rows() const { return indptr.size() - 1; }
+    [[nodiscard]] std::size_t rows() const { return indptr.empty() ? 0 : indptr.size() - 1; }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
         return ids.empty() ? static_cast<std::int32_t>(row) : ids[row];
     }

@@ -47,13 +47,14 @@ int cross_sign_in(const exact::Point& u, const exact::Point& v, const exact::Poi
 }  // namespace
 
 void MeshSigns::add(const exact::Plane& bisector) {
-    Bisector b{bisector, {}, 0, 0};
+    Bisector b{};
     const auto difference = exact::differences(seed_, bisector).x;
     for (std::size_t k = 0; k < 3; ++k) b.n[k] = difference[k].high;
     const double square = b.n[0] * b.n[0] + b.n[1] * b.n[1] + b.n[2] * b.n[2];
     b.constant = square + bisector.power.high;
     b.size = square + std::abs(bisector.power.high);
     bisectors_.push_back(b);
+    sources_.push_back(bisector);
 }
 
 void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
@@ -113,12 +114,12 @@ exact::BitRange MeshSigns::range_of(std::span<const std::size_t> rows) const {
     exact::BitRange range;
     range.add(seed_);
     range.add(image_);
-    for (const std::size_t k : rows) range.add(bisectors_[k].source);
+    for (const std::size_t k : rows) range.add(sources_[k]);
     return range;
 }
 
 int MeshSigns::sign_of_constant(std::size_t k) const {
-    const exact::Plane& bisector = bisectors_[k].source;
+    const exact::Plane& bisector = sources_[k];
     if (!bisector.has_power()) return 1;
     const std::array<std::size_t, 1> row{k};
     return exact::wide_row<exact::widest>(seed_, bisector, range_of(row).quantum()).s.sign();
@@ -146,7 +147,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
     for (int c = 0; c < moving; ++c) to_seed[c] = exact::wide_difference<W>(*columns[c], image_, quantum);
     for (int r = 0; r < count; ++r) {
-        const auto row = exact::wide_row<W>(seed_, bisectors_[rows[r]].source, quantum);
+        const auto row = exact::wide_row<W>(seed_, sources_[rows[r]], quantum);
         n[r] = row.n;
         constants[r] = row.s;
         for (int c = 0; c < moving; ++c) {
@@ -197,7 +198,7 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
     std::array<std::array<WideInt<W>, 3>, 2> n;
     std::array<WideInt<2 * W>, 2> constant;
     for (std::size_t r = 0; r < 2; ++r) {
-        const auto row = exact::wide_row<W>(seed_, bisectors_[rows[r]].source, quantum);
+        const auto row = exact::wide_row<W>(seed_, sources_[rows[r]], quantum);
         n[r] = row.n;
         constant[r] = row.s;
     }

@@ -65,6 +65,7 @@ public:
         image_ = image;
         ties_ = ties;
         bisectors_.clear();
+        sources_.clear();
         met_tie_ = false;
     }
     void add(const exact::Plane& bisector);
@@ -103,7 +104,6 @@ public:
 private:
     static constexpr double value_rounding = 16 * 0x1p-53;
     struct Bisector {
-        exact::Plane source;
         std::array<double, 3> n;
         double constant, size;  // |n|^2 + power; of its terms
     };
@@ -124,6 +124,7 @@ private:
     Ties ties_ = Ties::moved;
     mutable bool met_tie_ = false;
     std::vector<Bisector> bisectors_;
+    std::vector<exact::Plane> sources_;  // of bisectors_
 };
 
 // Returns the sign of component `axis` of (v - u) x (w - u). Exact.

@@ -138,9 +138,9 @@ public:
         mesh_.scale_by(job_.scale);
         result_ = run_(points_, in_box);
         keep_cells();
-        if (job_.domain->is_periodic()) find_images();
         const Stoppable stoppable(progress_);
         if (progress_) Stoppable::enter_stage({0.5, 0.95});
+        if (job_.domain->is_periodic()) find_images();
         sort_rows();
         cut_cells();
         fill_plain();
@@ -168,9 +168,12 @@ private:
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const { return cells_->seed_of(row); }
     [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
     [[nodiscard]] exact::Point place(std::int32_t seed) const { return cells_->place(seed); }
+    // Returns the place of an image, rounded once.
     [[nodiscard]] exact::Point position(std::int32_t seed, const exact::Shift& shift) const {
-        const exact::Point x = place(seed), by = job_.domain->translation(cells_->move(seed, shift));
-        return {x[0] + by[0], x[1] + by[1], x[2] + by[2]};
+        const exact::Shift move = cells_->move(seed, shift);
+        if (move == exact::Shift{}) return place(seed);
+        const auto x = exact::differences({}, exact::Plane::bisector(place(seed), move, job_.domain->lattice)).x;
+        return {x[0].high, x[1].high, x[2].high};
     }
     // Returns the entry of a neighbor by its id and shift, or no_entry.
     [[nodiscard]] std::size_t entry(std::size_t r, std::int32_t neighbor, const exact::Shift& shift) const {
@@ -270,8 +273,8 @@ private:
         }
         return false;
     }
-    // Returns whether a triangle may come near any cell of order_[begin] to order_[end - 1], as far as one query tells.
-    [[nodiscard]] bool any_near(std::size_t begin, std::size_t end) const {
+    // Returns false only if no triangle comes near any cell of order_[begin] to order_[end - 1]. One query for all.
+    [[nodiscard]] bool any_near_group(std::size_t begin, std::size_t end) const {
         if (!cells_->image_offsets.empty()) return true;
         exact::Point middle{};
         for (std::size_t i = begin; i < end; ++i)
@@ -303,7 +306,7 @@ private:
             bool near = true;  // whether triangles may come near the current group
             for (std::size_t k = index * rows_per_task; k < end; ++k) {
                 check_stop();
-                if (k % rows_per_group == 0) near = any_near(k, std::min(end, k + rows_per_group));
+                if (k % rows_per_group == 0) near = any_near_group(k, std::min(end, k + rows_per_group));
                 const std::size_t r = order_[k];
                 if (result_.status[r] != CellStatus::certified)
                     plain_[r] = 0;

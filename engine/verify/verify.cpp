@@ -3,12 +3,15 @@
 #include <cmath>
 
 #include "core/arithmetic.hpp"
+#include "core/text.hpp"
 #include "input/domain_of_result.hpp"
 #include "plane/sheet.hpp"
 #include "result/result.hpp"
 #include "result/rows.hpp"
+#include "solid/mesh_cells.hpp"
 #include "unbounded/endless_box.hpp"
 #include "verify/row_checker.hpp"
+#include "votess/pieces.hpp"
 
 namespace votess {
 namespace {
@@ -211,13 +214,63 @@ VerifyReport verify_endless(const Tessellation& t, std::span<const double> point
     return report;
 }
 
+// Checks the parts of cells in a mesh. The whole cells are verified and cut again, and the pieces have the volumes.
+VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> points, const VerifyOptions& how,
+                            const solid::MeshCells& cells) {
+    if (t.is_subset()) require_whole_diagram(t, "verify");
+    require_points(t, points, "verify");
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    Options options = domain_options(t);
+    options.weights = t.weights();
+    options.device = "cpu";
+    options.want = {.neighbors = true, .volumes = true, .counts = true};
+    VerifyReport report = verify(tessellate(std::span<const double>(copy), options), copy, how);
+    report.tiny_faces.reset();
+    std::vector<double> vertices;
+    std::vector<std::int32_t> triangles;
+    for (std::size_t v = 0; v < cells.mesh.vertices(); ++v)
+        for (const double x : cells.mesh.vertex(static_cast<std::int32_t>(v))) vertices.push_back(x / cells.scale);
+    for (const auto& triangle : cells.mesh.given()) triangles.insert(triangles.end(), triangle.begin(), triangle.end());
+    options.mesh = TriangleMesh{vertices, triangles};
+    options.outside = Outside::error;
+    options.want = {.neighbors = true, .volumes = true};
+    const Tessellation again = tessellate(std::span<const double>(copy), options);
+    const Pieces parts = pieces(t);
+    const double tolerance = t.stats().precision == Precision::single ? single_tolerance.sum : double_tolerance.sum;
+    const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
+    double sum = 0;
+    for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
+        const auto fail = [&](const std::string& what) {
+            report.passed = false;
+            report.failure = "cell " + std::to_string(i) + " in the mesh has " + what;
+        };
+        const auto entries = [&](const Tessellation& of) {
+            const std::size_t first = at(of.indptr()[i]), count = at(of.indptr()[i + 1]) - first;
+            return of.shifts().empty() ? of.shifts() : of.shifts().subspan(3 * first, 3 * count);
+        };
+        if (t.status()[i] != again.status()[i]) fail("another status than in a second run");
+        if (!t.indptr().empty() && (!std::ranges::equal(t.neighbors(i), again.neighbors(i)) ||
+                                    !std::ranges::equal(entries(t), entries(again))))
+            fail("other neighbors than in a second run");
+        if (t.volumes().empty()) continue;
+        double of_pieces = 0;
+        for (auto p = at(parts.indptr[i]); p < at(parts.indptr[i + 1]); ++p) of_pieces += parts.volumes[p];
+        sum += t.volumes()[i];
+        if (!nearly_equal(t.volumes()[i], again.volumes()[i], tolerance, mean))
+            fail("another volume than in a second run");
+        if (!nearly_equal(t.volumes()[i], of_pieces, tolerance, mean)) fail("another volume than its pieces");
+    }
+    if (report.passed && !t.volumes().empty() && !nearly_equal(sum, t.stats().box_volume, tolerance, infinity)) {
+        report.passed = false;
+        report.failure = "volumes sum to " + number(sum) + ", the mesh has " + number(t.stats().box_volume);
+    }
+    return report;
+}
+
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
-    if (t.in_mesh())
-        throw Error(ErrorCode::invalid_argument,
-                    "verify: cells in a mesh are not whole cells: compare the sum of the volumes with the mesh's, or "
-                    "verify a result without `mesh`");
+    if (t.in_mesh()) return verify_in_mesh(t, points, options, *t.result_->mesh_cells);
     if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
     require_whole_diagram(t, "verify");
     require_points(t, points, "verify");

@@ -27,7 +27,8 @@ struct PieceOptions {
 // edge or corner share no vertices.
 //
 // Where a surface intersects itself, pieces overlap. Where its winding number is negative, they are inside out.
-// Surfaces without a volume, except for rounding, are dropped.
+// Surfaces without a volume, except for rounding, are dropped. In a periodic domain a row has the pieces of all images
+// of its cell. They lie in the mesh, and may be far from the seed.
 struct Pieces {
     std::vector<std::int64_t> indptr;            // N+1: pieces of row i are indptr[i] to indptr[i + 1] - 1
     std::vector<std::int64_t> vertex_offsets;    // P+1: the first vertex of each piece

@@ -461,9 +461,11 @@ struct VerifyReport {
 //   - with polygons each cell is watertight: every edge occurs twice, in opposite directions, and both cells of a face
 //     have the same polygon
 //   - with areas and normals of all faces each cell is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single)
-// Skips checks whose arrays the result lacks, and names them in `skipped`. After min_face or min_area it checks neither
-// Euler's formula nor that cells are watertight or closed. points: the array given to tessellate(). Throws
-// invalid_argument when its length differs from the result's, and for cells of probes.
+// In a mesh this holds for the whole cells. Their parts equal those of a second run on the CPU, have the volumes of
+// their pieces, and sum to the volume of the mesh. Skips checks whose arrays the result lacks, and names them in
+// `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
+// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's, and for
+// cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

@@ -637,10 +637,28 @@ TEST_SUITE("cases") {
         CHECK(test::has(unsupported([](Options& o) { o.planar = true; }), "three dimensions"));
         CHECK(test::has(unsupported([](Options& o) { o.box->upper[0] = std::numeric_limits<double>::infinity(); }),
                         "the box needs ends"));
-        const Tessellation t = votess::tessellate(points, options_in(unit));
-        std::string said;
-        CHECK(test::error_of([&] { (void)votess::verify(t, points); }, &said) == votess::ErrorCode::invalid_argument);
-        CHECK(test::has(said, "mesh"));
+    }
+
+    TEST_CASE("mesh: verify() checks the parts of cells") {
+        const Solid ring = test::torus(12, 6);
+        Coordinates points = random_seeds(60, -1.4, 1.4, 9);
+        Options options = options_in(ring);
+        CHECK(votess::verify(votess::tessellate(points, options), points).failure == "");
+        options.box = test::cube(-1.5, 1.5);
+        options.periodic = {true, true, true};
+        const std::vector<double> weights = random_seeds(20, 0, 0.2, 3);
+        options.weights = weights;
+        const Tessellation t = votess::tessellate(points, options);
+        const votess::VerifyReport report = votess::verify(t, points);
+        CHECK(report.passed);
+        CHECK(report.sampled > 0);
+        CHECK(report.skipped.empty());
+        points[0] += 0.3;
+        CHECK(test::has(votess::verify(t, points).failure, "than in a second run"));
+        const std::vector<std::int64_t> ids{3};
+        options.only = ids;
+        const Tessellation some = votess::tessellate(points, options);
+        CHECK(test::error_of([&] { (void)votess::verify(some, points); }) == votess::ErrorCode::invalid_argument);
     }
 
     TEST_CASE("mesh: pieces of a torus, a comb, a spring and a shell") {

@@ -52,6 +52,18 @@ class Volumes(CliTest):
         self.assertLessEqual(rest["fit"]["steps"], 3)
         self.assertLess(rest["fit"]["residual"], 1e-9)
 
+    def test_in_a_mesh(self):
+        """Cells in a tetrahedron, also where the box repeats."""
+        self.put("a.off", "OFF\n4 4 6\n0 0 0\n2 0 0\n0 2 0\n0 0 2\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 2 0 3\n")
+        points = 0.6 * random_points(40)
+        shares = np.linspace(1, 2, 40)
+        rows = [",".join(map(repr, map(float, row))) for row in np.column_stack((points, shares))]
+        self.put("in.csv", "x,y,z,share\n" + "\n".join(rows) + "\n")
+        for more in ((), ("--box", "0,0,0,3,3,3", "--periodic")):
+            self.run_cli("in.csv", "--mesh", "a.off", "--volumes", "share", "--normalize", *more, "-o", "out.npz", "-q")
+            written = np.load(self.folder / "out.npz")
+            self.assertLess(np.abs(written["volumes"] / (shares / shares.sum() * 8 / 6) - 1).max(), 1.001e-9)
+
     def test_refused(self):
         self.put_grains()
         volumes = ("grains.csv", "--volumes", "volume", *BOX)

@@ -98,6 +98,7 @@ class Mesh(CliTest):
         np.testing.assert_allclose(np.array(row.split(","), float), [0, 0.25, 0.5, 0.5, 4, 3], rtol=1e-14)
         areas = self.arrays(*mesh, "--only", "1", "--want", "surfaces")["mesh_areas"]
         np.testing.assert_allclose(areas, [3], rtol=1e-14)
+        self.assertRegex(self.run_cli(*mesh, "--verify").stdout, r"(?m)^verified ")
         summary = self.run_cli(*mesh).stdout
         self.assertRegex(summary, r"(?m)^mesh          a.off, 12 triangles$")
         self.assertRegex(summary, r"(?m)^volume sum    1 of the mesh's 1, relative")
@@ -152,7 +153,7 @@ class Mesh(CliTest):
     def test_refusals(self):
         self.put("a.off", OFF)
         run = ["--random", 9, "--mesh"]
-        for more, says in [(["-o", "a.vtu"], "whole cells"), (["--verify"], "--verify"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
+        for more, says in [(["-o", "a.vtu"], "whole cells"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
                            (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
                            (["--mesh-repair", "holes"], "'holes': give merge"),

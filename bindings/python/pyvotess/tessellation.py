@@ -275,8 +275,10 @@ class Tessellation(SeedCells):
         Volumes must sum to the box (relative 1e-9; 1e-4 if ``stats.precision`` is "single"), neighbor lists must be
         symmetric, Euler's formula must hold, and ``sample`` cells drawn with ``rng_seed`` must equal cells that are clipped
         again by every seed. None: as many cells as take about a second, at least 64 or all; the number depends on the
-        input alone. Checks without their arrays are skipped. ``tiny_faces`` of the report counts faces far smaller than
-        the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated again.
+        input alone. Checks without their arrays are skipped. In a mesh that holds for the whole cells; the parts must equal
+        those of a second run on the CPU, and have the volumes of their pieces. ``tiny_faces`` of the report counts faces
+        far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated
+        again.
         """
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         try:
@@ -287,7 +289,7 @@ class Tessellation(SeedCells):
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
         report = verify(lib.votess_verify, seeds, sample, rng_seed)
-        if self.planar:
+        if self.planar or self.in_mesh:
             return report
         tiny = ctypes.c_uint64()
         raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
