@@ -66,7 +66,7 @@ VOTESS_INLINE std::int32_t sum_of(const typename Vectors::Int& lanes) {
 constexpr std::size_t max_summed = 128;  // neighbors, whose sums cannot overflow
 
 // First finds the earliest crossing, and by when it surely comes. Then keeps each neighbor whose a / b may be that
-// early: a <= b bound, but for errors.
+// early: a is at most b times that bound, up to errors.
 template <class Vectors>
 VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay& ray, float* scratch,
                                       std::uint32_t* selected) {

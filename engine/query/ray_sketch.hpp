@@ -1,5 +1,5 @@
-// Sketches of the ways from a cell's seed to its neighbors, 16 bits a coordinate: most neighbors of a cell that a ray
-// leaves are skipped by these.
+// Sketches of the ways from a cell's seed to its neighbors, 16 bits a coordinate. They suffice to skip most neighbors
+// when a ray leaves the cell.
 #pragma once
 
 #include <array>
