@@ -175,6 +175,7 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         arguments.mesh_file = *file;
     }
     if (const std::string* gap = typed.value("--gap")) arguments.gap = read_numbers<1>("--gap", *gap)[0];
+    if (const std::string* level = typed.value("--merge")) arguments.merge = read_numbers<1>("--merge", *level)[0];
     if (arguments.gap < 0) throw bad_input("--gap is negative: give a length from 0 on");
     if (const std::string* repair = typed.value("--mesh-repair")) {
         if (*repair != "merge") throw bad_input("--mesh-repair is " + in_quotes(*repair) + ": give merge");

@@ -35,6 +35,7 @@ struct Arguments {
     // carried columns or field values.
     bool has_weights = false, has_radii = false, has_volumes = false, has_density = false, has_zones = false;
     bool zones_of_density = false;  // --watershed density: no column
+    std::optional<double> merge;    // --merge
     std::int32_t alpha = 0;         // copies by --alpha; 0: no alpha complex
     votess::FitOptions fit;         // with --volumes
     std::optional<std::uint64_t> random_count;

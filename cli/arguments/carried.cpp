@@ -86,8 +86,9 @@ void fill_zones(const Arguments& arguments, const Input& input, const votess::Te
                                                ? std::span<const double>(carried.back().values)
                                                : one_each(input.columns.at(first_value(arguments)));
     const auto column = carried.end() - 1 - (arguments.has_volumes ? 1 : 0) - (arguments.has_density ? 1 : 0);
-    const std::vector<std::int32_t> labels = votess::watershed(tessellation, values).labels;
-    column->values.assign(labels.begin(), labels.end());
+    votess::Zones zones = votess::watershed(tessellation, values);
+    if (arguments.merge) zones = zones.merge(*arguments.merge);
+    column->values.assign(zones.labels.begin(), zones.labels.end());
 }
 
 }  // namespace clvotess

@@ -54,8 +54,8 @@ VOTESS_INLINE void minimize(typename Vectors::Float& v) {
     v = other < v ? other : v;
 }
 template <class Vectors>
-VOTESS_INLINE std::int32_t sum_of(typename Vectors::Int v) {
-    typename Vectors::Int other;
+VOTESS_INLINE std::int32_t sum_of(const typename Vectors::Int& lanes) {
+    typename Vectors::Int v = lanes, other;
     Vectors::swap_halves(other, v);
     v += other;
     Vectors::swap_quarters(other, v);
@@ -63,10 +63,10 @@ VOTESS_INLINE std::int32_t sum_of(typename Vectors::Int v) {
     return Vectors::lanes == 4 ? v[0] : v[0] + v[1];
 }
 
-constexpr std::size_t max_summed = 128;  // neighbors
+constexpr std::size_t max_summed = 128;  // neighbors, whose sums cannot overflow
 
 // First finds the earliest crossing, and by when it surely comes. Then keeps each neighbor whose a / b may be that
-// early: a <= b bound, but for errors.
+// early: a is at most b times that bound, up to errors.
 template <class Vectors>
 VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay& ray, float* scratch,
                                       std::uint32_t* selected) {
@@ -111,26 +111,27 @@ VOTESS_INLINE std::size_t select_body(const SketchedCell& cell, const SketchRay&
     minimize<Vectors>(lates);
     const float bound = lates[0];
     const float error = ray.rise + ray.slope * std::abs(bound) + ray.constant + ray.max_relative;
-    Float errors;
-    Vectors::fill(errors, error);
-    // Sums the kept numbers, and above them how many they are.
-    constexpr std::int32_t one = 1 << 24;
-    Int count, number, sums{};
-    Vectors::fill(count, static_cast<std::int32_t>(cell.count));
-    Vectors::count(number);
-    for (const float* read = scratch; read < write; read += 2 * Vectors::lanes) {
-        Float rise, slope;
-        std::memcpy(&rise, read, sizeof rise);
-        std::memcpy(&slope, read + Vectors::lanes, sizeof slope);
-        const Int skip = (slope < -min_slope) | ((slope > min_slope) & (rise - lates * slope > errors));
-        sums += ~skip & (number < count) & (number | one);
-        number += static_cast<std::int32_t>(Vectors::lanes);
+    if (cell.count < max_summed) {
+        // Sums the kept numbers, and above them how many they are.
+        constexpr std::int32_t one = 1 << 24;
+        Float errors;
+        Int count, number, sums{};
+        Vectors::fill(errors, error);
+        Vectors::fill(count, static_cast<std::int32_t>(cell.count));
+        Vectors::count(number);
+        for (const float* read = scratch; read < write; read += 2 * Vectors::lanes) {
+            Float rise, slope;
+            std::memcpy(&rise, read, sizeof rise);
+            std::memcpy(&slope, read + Vectors::lanes, sizeof slope);
+            const Int skip = (slope < -min_slope) | ((slope > min_slope) & (rise - lates * slope > errors));
+            sums += ~skip & (number < count) & (number | one);
+            number += static_cast<std::int32_t>(Vectors::lanes);
+        }
+        const std::int32_t sum = sum_of<Vectors>(sums);
+        selected[0] = static_cast<std::uint32_t>(sum % one);
+        if (sum < 2 * one) return static_cast<std::size_t>(sum / one);
     }
-    const std::int32_t sum = sum_of<Vectors>(sums);
-    selected[0] = static_cast<std::uint32_t>(sum) % one;
-    std::size_t found = static_cast<std::uint32_t>(sum) / one;
-    if (cell.count < max_summed && found <= 1) return found;
-    found = 0;
+    std::size_t found = 0;
     for (std::size_t i = 0; i < cell.count; ++i) {
         const float* read = scratch + i / Vectors::lanes * 2 * Vectors::lanes + i % Vectors::lanes;
         const float rise = read[0], slope = read[Vectors::lanes];

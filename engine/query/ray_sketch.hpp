@@ -1,5 +1,5 @@
-// Sketches of the ways from a cell's seed to its neighbors, 16 bits a coordinate: most neighbors of a cell that a ray
-// leaves are skipped by these.
+// Sketches of the ways from a cell's seed to its neighbors, 16 bits a coordinate. They suffice to skip most neighbors
+// when a ray leaves the cell.
 #pragma once
 
 #include <array>
@@ -17,6 +17,7 @@ struct RaySketch {
     std::array<std::array<std::int16_t, lanes>, 3> way;
     std::array<std::int32_t, lanes> seed;
 };
+// The squared length of each way less its seed's weight, plus that of the cell's own.
 using SketchConstants = std::array<float, RaySketch::lanes>;
 
 // A ray and bounds, by which a neighbor of way n is crossed at a / b, with a = constant + n.twice_place and b =

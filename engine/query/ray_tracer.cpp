@@ -258,10 +258,10 @@ RayTracer::Errors RayTracer::errors_of(const CellGraph::Place& here, const std::
     return errors;
 }
 
-// Returns what select_crossings_ needs. Let u be a unit, p the seed relative to the ray's place where the piece begins,
-// n = N / u, and f = 2^-24. Then A / B is that place's plus u a / b, with b = n.d and a = n.n - (w_q - w_p) / u^2 + 2
-// n.p / u. A coordinate of n errs by 2^-16 and delta / u. Each sum rounds by less than 8 f of the sum of its terms'
-// sizes.
+// Returns the arguments of select_crossings_. Let u be a unit, p the seed relative to the ray's place where the piece
+// begins, n = N / u, and f = 2^-24. Then A / B is that place's plus u a / b, with b = n.d and a = n.n - (w_q - w_p) /
+// u^2 + 2 n.p / u. A coordinate of n errs by 2^-16 and delta / u. Each sum rounds by less than 8 f of the sum of its
+// terms' sizes.
 //
 // A slope b above 4 times its error errs by a third at most. So a / b errs by less than 1.34 (e_a + |a / b| e_b) / b.
 // `constant` and `relative` are 4 times the error of A / B as double precision finds it.

@@ -419,6 +419,25 @@ class Columns(ReaderTest):
         got, _ = self.carried("a.csv", "--density", "mass", "--watershed", "density")
         with np.load(self.folder / "out.npz") as arrays:
             np.testing.assert_array_equal(got["zone"], zones(got["density"], arrays))
+        with np.load(self.folder / "out.npz") as arrays:
+            near = [set(arrays["indices"][arrays["indptr"][i]:arrays["indptr"][i + 1]]) - {-1} for i in range(60)]
+
+        def lasts(minimum, level):
+            """Whether a flood from the minimum up to the level finds no lower cell."""
+            wet = {minimum}
+            while more := {j for i in wet for j in near[i] if value[j] <= level} - wet:
+                wet |= more
+            return min(wet, key=lambda i: (value[i], i)) == minimum
+
+        minima = [i for i in range(60) if all((value[i], i) < (value[j], j) for j in near[i])]
+        own, (joined, _) = self.carried("a.csv", "--watershed", "value")[0], self.carried("a.csv", "--watershed", "value", "--merge", "4")
+        left = [i for i in minima if lasts(i, value[i] + 4)]
+        self.assertTrue(1 <= len(left) < len(minima))
+        self.assertEqual([joined["zone"][i] for i in left], list(range(len(left))))
+        self.assertEqual(joined["zone"].max(), len(left) - 1)
+        self.assertEqual(len(set(zip(own["zone"], joined["zone"]))), len(minima) + 1)  # zones stay whole, -1 beside them
+        self.refuse("a.csv", "--merge", "1", says="--watershed")
+        self.refuse("a.csv", "--watershed", "value", "--merge", "x", "-o", "out.npz", says="--merge")
         self.refuse("a.csv", "--watershed", "density", "-o", "out.npz", says="'density'")
         self.refuse("a.csv", "--watershed", "value", says="-o FILE")
         self.refuse("a.csv", "--watershed", "value", "--only", "3", "-o", "out.npz", says="--only")

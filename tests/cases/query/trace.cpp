@@ -347,19 +347,36 @@ TEST_SUITE("query") {
             const votess::Diagram diagram(set.points, options);
             const votess::RayCells cells = rays.trace(diagram);
             check_march(diagram, rays, cells);
-            if (domain == 0) {
-                options.threads = 3;
-                const votess::RayCells again = rays.trace(votess::Diagram(set.points, options));
-                CHECK(again.offsets == cells.offsets);
-                CHECK(again.seeds == cells.seeds);
-                CHECK(again.lengths == cells.lengths);
-                CHECK(again.middles == cells.middles);
-            }
+            options.threads = 3;
+            options.instructions = "baseline";
+            const votess::RayCells again = rays.trace(votess::Diagram(set.points, options));
+            CHECK(again.offsets == cells.offsets);
+            CHECK(again.seeds == cells.seeds);
+            CHECK(again.lengths == cells.lengths);
+            CHECK(again.middles == cells.middles);
         }
         votess::Options options;  // all of space
         const votess::Diagram diagram(set.points, options);
         for (std::size_t i = 0; i < count; ++i) rays.origins[3 * i] += 2 * (static_cast<double>(i % 3) - 1);
         check_march(diagram, rays, rays.trace(diagram));
+    }
+
+    TEST_CASE("trace: a cell with hundreds of neighbors") {
+        const test::PointSet set = test::on_sphere_and_center(400, 12);
+        const auto center = std::span(set.points).last(3);
+        test::Random random(13);
+        RaySet rays;
+        for (int r = 0; r < 50; ++r) {
+            for (std::size_t k = 0; k < 3; ++k) rays.origins.push_back(center[k]);
+            for (int k = 0; k < 3; ++k) rays.directions.push_back(random.uniform(-1, 1));
+            rays.lengths.push_back(1.0);
+        }
+        for (const char* instructions : {"", "baseline"}) {
+            votess::Options options;
+            options.instructions = instructions;
+            const votess::Diagram diagram(set.points, options);
+            check_march(diagram, rays, rays.trace(diagram));
+        }
     }
 
     TEST_CASE("trace: lengths sum to the ray's length in the domain") {
