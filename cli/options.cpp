@@ -172,8 +172,8 @@ lowest neighbor reach from each cell; -1 without a cell. Minima are in the
 order of the points. COL may be `density`, if --density is given)",
          {.needs = Needs::all_cells}},
         {"--merge LEVEL",
-         R"(join each zone that ends at a saddle at most LEVEL above its minimum with the
-one across; `zone` numbers the rest. 0 joins zones that only ties divide)",
+         R"(join zones that end at most LEVEL above their minimum with the zone across
+that saddle; `zone` numbers the rest. 0 joins zones that only ties divide)",
          {.needs = Needs::all_cells, .with = "--watershed"}},
         {"--alpha N",
          R"(write the alpha complex of N copies of a periodic box along each vector; N
