@@ -63,7 +63,7 @@ TEST_SUITE("cases") {
         options.want.neighbors = false;
         options.want.surfaces = true;
         const auto t = tessellator.tessellate(set.points, options);
-        CHECK(t.stats().fallback_cells < set.size() / 100);
+        CHECK(t.stats().fallback_cells < set.size() / 20);
         CHECK(t.indices().empty());
         options.device = "cpu";
         const auto cpu = votess::tessellate(set.points, options);

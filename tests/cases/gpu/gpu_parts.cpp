@@ -179,7 +179,7 @@ TEST_SUITE("cases") {
             }
         Options options = test::all_options();
         const PointSet set = test::uniform(test::by_size(3000, 500), 107);
-        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 50);
+        CHECK(runner.run(set, options).stats().fallback_cells < set.size() / 20);
         options.precision = votess::Precision::double_;
         std::string message;
         CHECK(test::error_of([&] { (void)runner.run(set, options); }, &message) == votess::ErrorCode::unsupported);
