@@ -146,5 +146,19 @@ Vector cross(Vector a, Vector b) {
     return Vector(minus(times(a.y, b.z), times(a.z, b.y)), minus(times(a.z, b.x), times(a.x, b.z)),
                   minus(times(a.x, b.y), times(a.y, b.x)));
 }
+vec3 rounded(Vector a) {
+    return vec3(rounded(a.x), rounded(a.y), rounded(a.z));
+}
+#ifndef GEOMETRY_FLOAT64
+// Returns h - n.x, right to 2^-40 (|h| + |n||x|) and one rounding where the device rounds to nearest. Products and
+// differences of high parts are exact; the rest is small.
+float residual(Vector n, Number h, vec3 x) {
+    const Number px = exact_product(n.x.high, x.x), py = exact_product(n.y.high, x.y), pz = exact_product(n.z.high, x.z);
+    const Number a = exact_sum(h.high, -px.high), b = exact_sum(a.high, -py.high), c = exact_sum(b.high, -pz.high);
+    precise const float of_products = (px.low + n.x.low * x.x) + (py.low + n.y.low * x.y) + (pz.low + n.z.low * x.z);
+    precise const float rest = ((a.low + b.low) + (c.low + h.low)) - of_products;
+    return c.high + rest;
+}
+#endif
 
 #endif
