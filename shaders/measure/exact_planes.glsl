@@ -12,11 +12,13 @@
 #include "search/seeds.glsl"
 
 // Returns q - p times a power of two, or in units of the cell, in the numbers of measures.
-Number exact_difference(uvec2 q, uvec2 p, float power_of_two) {
-    const uvec2 d = subtract64(q, p);
+Number exact_number(uvec2 d, float power_of_two) {
     const bool negative = (d.y & 0x80000000u) != 0u;
     const uvec2 m = negative ? negate64(d) : d;
     return times_power(number64(m), negative ? -power_of_two : power_of_two);
+}
+Number exact_difference(uvec2 q, uvec2 p, float power_of_two) {
+    return exact_number(subtract64(q, p), power_of_two);
 }
 Number exact_difference(uvec2 q, uvec2 p) {
     return exact_difference(q, p, scale);
@@ -66,17 +68,25 @@ ExactPlane exact_wall(uint i) {
     const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
     const uint axis = i / 2u;
     const uvec2 c = axis == 0u ? cx : (axis == 1u ? cy : cz);
-    const Number h = (i & 1u) != 0u ? exact_difference(push.extent[axis], c) : exact_difference(c, uvec2(0));
+    const bool is_upper = (i & 1u) != 0u;
+    const Number h = exact_difference(is_upper ? push.extent[axis] : c, is_upper ? c : uvec2(0));
     return exact_plane_of(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero), h, h);
 }
 
 ExactPlane exact_bisector(uint q) {
-    const Vector n = Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
-                            exact_difference(seeds_z[q], pz));
-    const Number square = dot(n, n);
-    if (weighted == 0u) return exact_plane_of(n, times_power(square, 0.5), number(0.5));
-    const Number twice = plus(square, exact_lighter_by(q));
-    return exact_plane_of(n, times_power(twice, 0.5), times_power(times(twice, reciprocal(square)), 0.5));
+    uvec2 x = subtract64(seeds_x[q], px), y = subtract64(seeds_y[q], py), z = subtract64(seeds_z[q], pz);
+    Vector n = Vector(number(0.0), number(0.0), number(0.0));
+    Number of_n = number(0.0);
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+        const Number next = exact_number(x, scale);
+        of_n = plus(of_n, times(next, next));
+        n = Vector(n.y, n.z, next);
+        x = y;
+        y = z;
+    }
+    if (weighted == 0u) return exact_plane_of(n, times_power(of_n, 0.5), number(0.5));
+    const Number twice = plus(of_n, exact_lighter_by(q));
+    return exact_plane_of(n, times_power(twice, 0.5), times_power(times(twice, reciprocal(of_n)), 0.5));
 }
 
 // Return a plane of the measured cell, and the three packed planes of a vertex; defined where they are stored.

@@ -17,7 +17,10 @@ uint planes_of_vertex(uint vertex) {
 #ifndef GEOMETRY_FLOAT64
 vec4 refined[max_vertices];
 
-vec4 near_plane_at(uint plane) {
+vec4 plane_in_float32(uint plane) {
+    return vec4(rounded(exact_plane[plane].n), rounded(exact_plane[plane].h));
+}
+vec4 foot_plane_at(uint plane) {
     return vec4(rounded(exact_plane[plane].n), exact_plane[plane].foot);
 }
 vec3 place_of_vertex(uint vertex) {

@@ -28,14 +28,14 @@ Moments no_moments() {
     return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0, 0.0);
 }
 
+// Sets the volume and the centroid of the sums; defined where corners are measured.
+void divide(Moments all);
 // Return bounds of the roundings' share of the volume and of all areas; defined where corners are measured.
 float rounding_error(Moments all, float radius);
 float rounding_error_of_areas(Moments all, float min_surface);
 
 void conclude(Moments all) {
-    volume = times(all.sum, reciprocal(number(6.0)));
-    // A tetrahedron's centroid is a quarter of the sum of its corners.
-    mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
+    divide(all);
     const float radius = sqrt(all.farthest);
     is_in_range = all.farthest < farthest_of_range;
     // Slightly more than the bound, for its own roundings.

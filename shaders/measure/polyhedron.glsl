@@ -8,9 +8,11 @@
 #include "numbers/number.glsl"
 #include "numbers/real.glsl"
 
-// Return a refined vertex and n and foot of a plane in float32; defined where they are stored.
+// Return n and h of a plane in float32, the same with its foot once the vertices are refined, and a refined vertex;
+// defined where they are stored.
+vec4 plane_in_float32(uint plane);
+vec4 foot_plane_at(uint plane);
 vec3 place_of_vertex(uint vertex);
-vec4 near_plane_at(uint plane);
 
 // Returns (H / |n|)^2, see clip/filter.glsl.
 float squared_size(float h, float square) {
@@ -20,24 +22,29 @@ float squared_size(float h, float square) {
 
 // Returns the vertex of three packed planes, and e.
 vec4 refined_vertex(uint planes, inout float farthest) {
-    const ExactPlane a = exact_plane_at(plane_of(planes, 0)), b = exact_plane_at(plane_of(planes, 1)),
-                     c = exact_plane_at(plane_of(planes, 2));
-    const vec3 na = rounded(a.n), nb = rounded(b.n), nc = rounded(c.n);
-    const vec3 ab = cross(na, nb), bc = cross(nb, nc), ca = cross(nc, na);
-    const float inverse = 1.0 / dot(na, bc);
-    const vec3 rough = (rounded(a.h) * bc + rounded(b.h) * ca + rounded(c.h) * ab) * inverse;
-    const vec3 step =
-        (residual(a.n, a.h, rough) * bc + residual(b.n, b.h, rough) * ca + residual(c.n, c.h, rough) * ab) * inverse;
+    const vec4 a = plane_in_float32(plane_of(planes, 0)), b = plane_in_float32(plane_of(planes, 1)),
+               c = plane_in_float32(plane_of(planes, 2));
+    vec3 ab = cross(a.xyz, b.xyz), bc = cross(b.xyz, c.xyz), ca = cross(c.xyz, a.xyz);
+    const float inverse = 1.0 / dot(a.xyz, bc);
+    const vec3 rough = (a.w * bc + b.w * ca + c.w * ab) * inverse;
+    vec3 step = vec3(0.0);
+    [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+        const ExactPlane plane = exact_plane_at(plane_of(planes, k));
+        step += residual(plane.n, plane.h, rough) * bc;
+        const vec3 next = ca;
+        ca = ab;
+        ab = bc;
+        bc = next;
+    }
+    step *= inverse;
     const vec3 vertex = rough + step;
     float far = dot(vertex, vertex);
-    if (weighted != 0u) {
-        far = max(far, squared_size(rounded(a.h), dot(na, na)));
-        far = max(far, squared_size(rounded(b.h), dot(nb, nb)));
-        far = max(far, squared_size(rounded(c.h), dot(nc, nc)));
-    }
+    const float square_a = dot(a.xyz, a.xyz), square_b = dot(b.xyz, b.xyz), square_c = dot(c.xyz, c.xyz);
+    if (weighted != 0u)
+        far = max(far, max(squared_size(a.w, square_a), max(squared_size(b.w, square_b), squared_size(c.w, square_c))));
     farthest = max(farthest, far);
     far = sqrt(far);
-    const float condition = abs(length(na) * length(nb) * length(nc) * inverse);
+    const float condition = abs(sqrt(square_a * square_b * square_c) * inverse);
     return vec4(vertex, float_unit * length(vertex) +
                             condition * (50.0 * float_unit * length(step) + 25.0 * number_unit * far +
                                          3.2 * float(quantum) * (far + 1.0)));
@@ -67,16 +74,15 @@ uvec3 other_ends(uint vertex, uint planes, uint vertices) {
 // Adds what a vertex has of the volumes of its edges, and outputs its shares of the areas of its faces. corner: the
 // vertex and e.
 void add_corner(uint vertex, uint vertices, vec4 corner, inout Moments all, out Number areas[3]) {
-    const uint planes = planes_of_vertex(vertex);
+    uint planes = planes_of_vertex(vertex);
     uvec3 ends = other_ends(vertex, planes, vertices);
     if (any(equal(ends, uvec3(vertex)))) all.error = 1e30;
-    vec4 a = near_plane_at(plane_of(planes, 0)), b = near_plane_at(plane_of(planes, 1)),
-         c = near_plane_at(plane_of(planes, 2));
     const vec3 x = corner.xyz;
     const float size = length(x);
     vec3 area = vec3(0.0), first = vec3(0.0);
     float sum = 0.0, spread = 0.0, lengths = 0.0;
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {
+        const vec4 a = foot_plane_at(plane_of(planes, 0)), b = foot_plane_at(plane_of(planes, 1));
         const vec3 y = place_of_vertex(ends.x), half_edge = 0.5 * (y - x), moment = cross(half_edge, x);
         precise const vec3 foot_a = a.xyz * a.w, foot_b = b.xyz * b.w;
         const vec3 apart = foot_a - foot_b, both = foot_a + foot_b;
@@ -92,22 +98,25 @@ void add_corner(uint vertex, uint vertices, vec4 corner, inout Moments all, out 
             area.y -= 0.5 * dot(moment, b.xyz) * inversesqrt(dot(b.xyz, b.xyz));
         }
         // Moves to the next edge; three moves restore the order.
-        const vec4 next = a;
-        a = b;
-        b = c;
-        c = next;
+        planes = planes >> 8 | planes << 16;
         ends = ends.yzx;
         area = area.yzx;
     }
-    all.sum = plus(all.sum, number(sum));
-    all.first = plus(all.first, Vector(number(first.x), number(first.y), number(first.z)));
+    all.sum = plus(all.sum, sum);
+    all.first = plus(all.first, first);
     all.error += spread * (2.0 * corner.w + 10.1 * float_unit * size);
     all.area_error += lengths * (2.0 * corner.w + 6.6 * float_unit * size);
     areas = Number[3](number(area.x), number(area.y), number(area.z));
 }
 
+void divide(Moments all) {
+    const float sum = rounded(all.sum), of_first = 0.25 / sum;
+    volume = number(sum * (1.0 / 6.0));
+    mass_center = vector(rounded(all.first) * of_first);
+}
+
 float rounding_error(Moments all, float radius) {
-    return 0.17 * all.error + 4.0 * float_unit * abs(rounded(all.sum)) * 0.17;
+    return 0.17 * (all.error + 9.0 * float_unit * rounded(all.sum));
 }
 float rounding_error_of_areas(Moments all, float min_surface) {
     return 1.02 * all.area_error + 7.5 * float_unit * min_surface;

@@ -68,8 +68,11 @@ vec3 place_of_vertex(uint vertex) {
     return uintBitsToFloat(uvec3(WORD(4u * max_planes + vertex), WORD(6u * max_planes + vertex),
                                  SCRATCH(2u * max_planes + vertex)));
 }
-vec4 near_plane_at(uint p) {
+vec4 plane_in_float32(uint p) {
     return uintBitsToFloat(uvec4(WORD((p)), WORD(max_planes + p), WORD(2u * max_planes + p), WORD(3u * max_planes + p)));
+}
+vec4 foot_plane_at(uint p) {
+    return plane_in_float32(p);
 }
 
 vec4 refined[slots];  // this lane's vertices
@@ -137,7 +140,12 @@ void measure_cell(PlaneSet used, uint vertices) {
         }
     }
     all.sum = sum(all.sum);
+#ifdef GEOMETRY_FLOAT64
     all.first = Vector(sum(all.first.x), sum(all.first.y), sum(all.first.z));
+#else
+    const vec3 first = rounded(all.first);
+    all.first = vector(vec3(sum_in_pairs(first.x), sum_in_pairs(first.y), sum_in_pairs(first.z)));
+#endif
     all.error = sum(all.error);
     if (want_geometry == 2u) all.area_error = sum(all.area_error);
     all.farthest = largest(all.farthest);

@@ -99,6 +99,12 @@ void add_corner(uint vertex_number, inout Moments all, out Number areas[3]) {
     areas = Number[3](area_a, area_b, area_c);
 }
 
+void divide(Moments all) {
+    volume = times(all.sum, reciprocal(number(6.0)));
+    // A tetrahedron's centroid is a quarter of the sum of its corners.
+    mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
+}
+
 float rounding_error(Moments all, float radius) {
     const float error = all.error * radius * radius * (number_unit * radius * 0.334 + float(quantum) * (radius + 1.0) * 0.015);
     return weighted != 0u ? 2.0 * error : error;
