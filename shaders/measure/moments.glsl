@@ -1,4 +1,11 @@
 // What the corners of a cell add up to, and the promise for its volume, centroid and areas.
+//
+// With R the farthest vertex, rounding to units moves the faces of a cell by at most m = quantum (R + 1)
+// (clip/filter.glsl). The volume changes by m times the surface, which is at most that of the ball around it, 4 pi R^2.
+//
+// In a power diagram the seed may be far from its cell, so the centroid may err by 2.5 R times the relative error of the
+// volume. This must be below twice the tolerance times the cell's size. The move from the center to the seed rounds the
+// centroid by a few units in the last place of the tilt.
 #ifndef VOTESS_MEASURE_MOMENTS_GLSL
 #define VOTESS_MEASURE_MOMENTS_GLSL
 
@@ -18,7 +25,7 @@ struct Moments {
 Number volume;
 Vector mass_center;
 float volume_error, area_error;
-float min_surface;  // of any body with this volume
+float min_surface;  // of a body with this volume: a ball's
 float length_of_cell;
 float centroid_error;  // in a power diagram; the error is yet to be divided by the volume
 bool is_in_range;

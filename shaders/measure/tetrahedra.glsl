@@ -1,4 +1,4 @@
-// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices. The feet of the seed on a
+// Volume, centroid and areas of the faces of a finished cell in float64, from its planes and vertices. The feet of the seed on a
 // face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into signed tetrahedra (seed, r_a, r_ab,
 // X), two for each edge (a,b) of a vertex X. With t = n_a x n_b and
 //     r_ab = alpha n_a + beta n_b,
@@ -13,18 +13,13 @@
 // the last for its sum with all others. The areas together are right to volume_error 3 / R. Relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
-// Rounding to units moves the faces of a cell by at most m = quantum (R + 1) (clip/filter.glsl). The volume changes by
-// m times the surface, which is at most that of the ball around it, 4 pi R^2. The areas change by 4 m / sin(a,b) times
-// the length of each edge, at most 2 R. An edge counts twice in the terms above, so all areas together change by 0.04 m
-// R of those; R / 3 of that must also be less than the promise for the volume.
+// Rounding to units moves the faces by m (moments.glsl). The areas change by 4 m / sin(a,b) times the length of each edge,
+// at most 2 R. An edge counts twice in the terms above, so all areas together change by 0.04 m R of those; R / 3 of that
+// must also be less than the promise for the volume.
 //
 // In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
 // are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86
-// condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may err
-// by 2 R times the relative error of the volume. This must be below twice the tolerance times the cell's size. The move
-// from the center to the seed rounds the centroid by a few units in the last place of the tilt.
-//
-// The .comp declares `push`, with extent, before.
+// condition + 6). Twice the bound above is more than that.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
 #define VOTESS_MEASURE_TETRAHEDRA_GLSL
 
