@@ -35,24 +35,17 @@ Number exact_lighter_by(uint q) {
 }
 
 // A plane n.x = h = foot |n|^2. The foot of the seed on it is foot n; of bisectors foot is 1/2, with weights
-// 1/2 + w / (2 |n|^2).
+// 1/2 + w / (2 |n|^2). Float64 measures by foot, sums of two float32 by h.
 #ifdef GEOMETRY_FLOAT64
 struct ExactPlane {
     Vector n;
     Number foot;
 };
-ExactPlane exact_plane_of(Vector n, Number h, Number foot) {
-    return ExactPlane(n, foot);
-}
 #else
 struct ExactPlane {
     Vector n;
     Number h;
-    float foot;
 };
-ExactPlane exact_plane_of(Vector n, Number h, Number foot) {
-    return ExactPlane(n, h, rounded(foot));
-}
 #endif
 
 ExactPlane exact_wall(uint i) {
@@ -63,30 +56,35 @@ ExactPlane exact_wall(uint i) {
             n[k] = times_power(number64(magnitude64(wall.normal[k])),
                                wall_step * (is_negative(wall.normal[k]) ? -1.0 : 1.0));
         const Number h = exact_difference(wall_distance(wall), uvec2(0));
-        return exact_plane_of(Vector(n[0], n[1], n[2]), h, h);
+        return ExactPlane(Vector(n[0], n[1], n[2]), h);
     }
     const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
     const uint axis = i / 2u;
     const uvec2 c = axis == 0u ? cx : (axis == 1u ? cy : cz);
     const bool is_upper = (i & 1u) != 0u;
     const Number h = exact_difference(is_upper ? push.extent[axis] : c, is_upper ? c : uvec2(0));
-    return exact_plane_of(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero), h, h);
+    return ExactPlane(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero), h);
 }
 
 ExactPlane exact_bisector(uint q) {
     uvec2 x = subtract64(seeds_x[q], px), y = subtract64(seeds_y[q], py), z = subtract64(seeds_z[q], pz);
     Vector n = Vector(number(0.0), number(0.0), number(0.0));
-    Number of_n = number(0.0);
+    Number square = number(0.0);
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         const Number next = exact_number(x, scale);
-        of_n = plus(of_n, times(next, next));
+        square = plus(square, times(next, next));
         n = Vector(n.y, n.z, next);
         x = y;
         y = z;
     }
-    if (weighted == 0u) return exact_plane_of(n, times_power(of_n, 0.5), number(0.5));
-    const Number twice = plus(of_n, exact_lighter_by(q));
-    return exact_plane_of(n, times_power(twice, 0.5), times_power(times(twice, reciprocal(of_n)), 0.5));
+#ifdef GEOMETRY_FLOAT64
+    if (weighted == 0u) return ExactPlane(n, number(0.5));
+    const Number lighter = exact_lighter_by(q);
+    return ExactPlane(n, times(number(0.5), plus(number(1.0), times(lighter, reciprocal(square)))));
+#else
+    if (weighted != 0u) square = plus(square, exact_lighter_by(q));
+    return ExactPlane(n, times_power(square, 0.5));
+#endif
 }
 
 // Return a plane of the measured cell, and the three packed planes of a vertex; defined where they are stored.

@@ -16,12 +16,13 @@ uint planes_of_vertex(uint vertex) {
 }
 #ifndef GEOMETRY_FLOAT64
 vec4 refined[max_vertices];
+float foot[max_planes];
 
 vec4 plane_in_float32(uint plane) {
     return vec4(rounded(exact_plane[plane].n), rounded(exact_plane[plane].h));
 }
 vec4 foot_plane_at(uint plane) {
-    return vec4(rounded(exact_plane[plane].n), exact_plane[plane].foot);
+    return vec4(rounded(exact_plane[plane].n), foot[plane]);
 }
 vec3 place_of_vertex(uint vertex) {
     return refined[vertex].xyz;
@@ -40,7 +41,17 @@ void measure_cell() {
         }
     Moments all = no_moments();
 #ifndef GEOMETRY_FLOAT64
-    for (int v = 0; v < vertex_count; ++v) refined[v] = refined_vertex(vertex_planes[v], all.farthest);
+    if (weighted != 0u) {
+        middle = vec3(0.0);
+        for (int v = 0; v < vertex_count; ++v) middle += vec3(vertex_x[v], vertex_y[v], vertex_z[v]);
+        middle /= float(vertex_count);
+    }
+    for (int v = 0; v < vertex_count; ++v) refined[v] = refined_vertex(vertex_planes[v], all);
+    for (int w = 0; w < plane_words; ++w)
+        for (uint rest = planes_used[w]; rest != 0u; rest &= rest - 1u) {
+            const int p = 32 * w + findLSB(rest);
+            foot[p] = near_foot(uint(p), plane_id[p] < 0);
+        }
 #endif
     for (int v = 0; v < vertex_count; ++v) {
         Number areas[3];

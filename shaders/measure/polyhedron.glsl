@@ -14,18 +14,21 @@
 //       e = u |x| + condition (50u |step| + 25v R' + 3.2 quantum (R' + 1)) ,
 //   where R' is R at this vertex. The last is the move of the rounded planes.
 // - First and second order of e: l e + |r_a - r_b| e^2 at each end of each edge.
-// - Roundings of a vertex: D and r_a - r_b 1u each, the cross product 2.31u, the dot product 3u, the sum of three edges
-//   2u: 10u |x| l / 2 for each of its edges. Sums over vertices have a low part.
-// - A foot moves its face by 3u |r_a|, which is 3u of 6 V where the seed is inside. In a power diagram it may be outside:
-//   3u |x||D| (|r_a| + |r_b|) / 2 an edge. The last operations on the sum have 6u.
+// - Roundings at each end of an edge: half of 3.46u |x| l for D and the cross product, and of 6u |r_a - r_b||D x x| for
+//   r_a - r_b, the dot product and the sum of three edges. Sums over vertices have a low part.
+// - A foot moves its face by 3u |r_a|, which is 3u of 6 V, because the seed is inside. The last operations on the sum
+//   have 6u.
+// - In a power diagram the seed may be outside. Vertices and feet are then relative to the middle of the cell: x rounds
+//   once more, and a foot, from a residual there, moves its face by 11u |r_a| + 8v R.
 // Together this is E for 6 V. The volume also changes by the move of the faces, see moments.glsl.
 //
-// The first moment 24 V c is (y x x).(r_a - r_b) (x + y + s / 2) + (y x x).s (r_a - r_b) / 2 an edge, with s = r_a + r_b.
-// It errs by at most 6 R E: a move e of a vertex changes it by at most 6 R l e, roundings by less than 60u R |x| l / 2.
-// So the centroid errs by (1.5 R + |c|) times the relative error of the volume, at most 2.5 R.
+// The first moment 24 V c is (y x x).(r_a - r_b) (x + y + t / 2) + (y x x).t (r_a - r_b) / 2 an edge, t = r_a + r_b. A move
+// e of a vertex changes it by at most 6 R l e. Its roundings are at most 11.5 R times those of 6 V: sums over lanes have 6u
+// of terms of at most 4 R |r_a - r_b||D x x|. So the centroid errs by at most 2.9 R + |c| times the relative error of the
+// volume, and |c| is at most 3/4 R. With half of 1e-5 for the volume that is less than 1e-5 of 2 R, the cell's size.
 //
-// An edge adds n.(y x x) / (2 |n|) to the area of a face. All areas together err by |D| e + 3.25u |x||D| at each end of
-// each edge, and by 7.5u of themselves from 1 / |n|. The surface is at least that of a ball of the same volume,
+// An edge adds n.(y x x) / (2 |n|) to the area of a face. All areas together err by |D| e + 1.73u |x||D| + 1.5u |D x x| at
+// each end of each edge, and by 7.5u of themselves from 1 / |n|. The surface is at least that of a ball of the same volume,
 // 4.83 V^(2/3).
 #ifndef VOTESS_MEASURE_POLYHEDRON_GLSL
 #define VOTESS_MEASURE_POLYHEDRON_GLSL
@@ -42,6 +45,18 @@ vec4 plane_in_float32(uint plane);
 vec4 foot_plane_at(uint plane);
 vec3 place_of_vertex(uint vertex);
 
+// In a power diagram the seed may be far from its cell. So vertices and feet are relative to this, about the mean of the
+// vertices.
+vec3 middle = vec3(0.0);
+
+// Returns the foot of the seed, or of the middle, on a plane: a factor of n.
+float near_foot(uint plane, bool is_wall) {
+    const vec4 p = plane_in_float32(plane);
+    if (weighted == 0u) return is_wall ? p.w : 0.5;
+    const ExactPlane exact = exact_plane_at(plane);
+    return residual(exact.n, exact.h, middle) / dot(p.xyz, p.xyz);
+}
+
 // Returns (H / |n|)^2, see clip/filter.glsl.
 float squared_size(float h, float square) {
     const float size = max(h, square - h);
@@ -49,7 +64,7 @@ float squared_size(float h, float square) {
 }
 
 // Returns the vertex of three packed planes, and e.
-vec4 refined_vertex(uint planes, inout float farthest) {
+vec4 refined_vertex(uint planes, inout Moments all) {
     const vec4 a = plane_in_float32(plane_of(planes, 0)), b = plane_in_float32(plane_of(planes, 1)),
                c = plane_in_float32(plane_of(planes, 2));
     vec3 ab = cross(a.xyz, b.xyz), bc = cross(b.xyz, c.xyz), ca = cross(c.xyz, a.xyz);
@@ -65,15 +80,17 @@ vec4 refined_vertex(uint planes, inout float farthest) {
         bc = next;
     }
     step *= inverse;
-    const vec3 vertex = rough + step;
-    float far = dot(vertex, vertex);
+    const vec3 vertex = (weighted != 0u ? rough - middle : rough) + step;
+    const float square = dot(vertex, vertex);
+    float far = square;
     const float square_a = dot(a.xyz, a.xyz), square_b = dot(b.xyz, b.xyz), square_c = dot(c.xyz, c.xyz);
     if (weighted != 0u)
-        far = max(far, max(squared_size(a.w, square_a), max(squared_size(b.w, square_b), squared_size(c.w, square_c))));
-    farthest = max(farthest, far);
+        far = max(dot(rough, rough) * 1.1, max(squared_size(a.w, square_a), max(squared_size(b.w, square_b), squared_size(c.w, square_c))));
+    all.farthest = max(all.farthest, far);
+    all.extent = max(all.extent, square);
     far = sqrt(far);
     const float condition = abs(sqrt(square_a * square_b * square_c) * inverse);
-    return vec4(vertex, float_unit * length(vertex) +
+    return vec4(vertex, (weighted != 0u ? 2.0 : 1.0) * float_unit * sqrt(square) +
                             condition * (50.0 * float_unit * length(step) + 25.0 * number_unit * far +
                                          3.2 * float(quantum) * (far + 1.0)));
 }
@@ -108,7 +125,7 @@ void add_corner(uint vertex, uint vertices, vec4 corner, inout Moments all, out 
     const vec3 x = corner.xyz;
     const float size = length(x);
     vec3 area = vec3(0.0), first = vec3(0.0);
-    float sum = 0.0, spread = 0.0, lengths = 0.0;
+    float sum = 0.0, spread = 0.0, lengths = 0.0, turns = 0.0, areas_of_edges = 0.0;
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {
         const vec4 a = foot_plane_at(plane_of(planes, 0)), b = foot_plane_at(plane_of(planes, 1));
         const vec3 y = place_of_vertex(ends.x), half_edge = 0.5 * (y - x), moment = cross(half_edge, x);
@@ -117,11 +134,12 @@ void add_corner(uint vertex, uint vertices, vec4 corner, inout Moments all, out 
         const float part = dot(moment, apart), half_length = length(half_edge);
         sum += part;
         first += part * (x + y + 0.5 * both) + 0.5 * dot(moment, both) * apart;
-        float bound = length(apart);
-        if (weighted != 0u) bound += 0.3 * (length(foot_a) + length(foot_b));
-        spread += bound * (half_length + corner.w);
+        const float of_apart = length(apart), of_moment = length(moment);
+        spread += of_apart * (half_length + corner.w);
+        turns += of_apart * of_moment;
         if (want_geometry == 2u) {
             lengths += half_length + corner.w;
+            areas_of_edges += of_moment;
             area.x += 0.5 * dot(moment, a.xyz) * inversesqrt(dot(a.xyz, a.xyz));
             area.y -= 0.5 * dot(moment, b.xyz) * inversesqrt(dot(b.xyz, b.xyz));
         }
@@ -132,8 +150,8 @@ void add_corner(uint vertex, uint vertices, vec4 corner, inout Moments all, out 
     }
     all.sum = plus(all.sum, sum);
     all.first = plus(all.first, first);
-    all.error += spread * (2.0 * corner.w + 10.1 * float_unit * size);
-    all.area_error += lengths * (2.0 * corner.w + 6.6 * float_unit * size);
+    all.error += spread * (2.0 * corner.w + 3.6 * float_unit * size) + 6.2 * float_unit * turns;
+    all.area_error += lengths * (2.0 * corner.w + 3.6 * float_unit * size) + 3.1 * float_unit * areas_of_edges;
     areas = Number[3](number(area.x), number(area.y), number(area.z));
 }
 
@@ -141,11 +159,19 @@ void divide(Moments all) {
     const float sum = rounded(all.sum), of_first = 0.25 / sum;
     volume = number(sum * (1.0 / 6.0));
     mass_center = vector(rounded(all.first) * of_first);
+    if (weighted != 0u) mass_center = plus(mass_center, vector(middle));
 }
 
 float rounding_error(Moments all, float radius) {
-    return 0.17 * (all.error + 9.0 * float_unit * rounded(all.sum));
+    const float moved = float(quantum) * (radius + 1.0) * 13.5 * all.extent;
+    const float error = moved + 0.17 * (all.error + 9.0 * float_unit * rounded(all.sum));
+    if (weighted == 0u) return error;
+    return error + (1.4 * float_unit * rounded(all.sum) + 101.0 * number_unit * radius * all.extent);
 }
+float arm_of_centroid(Moments all, float radius) {
+    return 0.0;
+}
+
 float rounding_error_of_areas(Moments all, float min_surface) {
     return 1.02 * all.area_error + 7.5 * float_unit * min_surface;
 }

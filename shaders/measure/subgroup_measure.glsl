@@ -18,10 +18,6 @@ void put_number(uint i, Number number) {
     WORD(4u * max_planes + (i)) = both.y;
 }
 
-#ifndef GEOMETRY_FLOAT64
-float foot_of_lane[planes_of_lane];
-#endif
-
 void share_exact_planes(PlaneSet used) {
     share();
     for (uint p = lane; p < max_planes; p += uint(lanes)) {
@@ -39,8 +35,6 @@ void share_exact_planes(PlaneSet used) {
         put_number(p + 3u * max_planes, plane.foot);
 #else
         put_number(p + 3u * max_planes, plane.h);
-        [[unroll]] for (int i = 0; i < planes_of_lane; ++i)
-            if (p == uint(i * lanes) + lane) foot_of_lane[i] = plane.foot;
 #endif
     }
     share();
@@ -60,7 +54,7 @@ ExactPlane exact_plane_at(uint p) {
 ExactPlane exact_plane_at(uint p) {
     return ExactPlane(
         Vector(get_number(p), get_number(p + max_planes), get_number(p + 2u * max_planes)),
-        get_number(p + 3u * max_planes), 0.0);
+        get_number(p + 3u * max_planes));
 }
 
 // The vertices replace the second words of planes, and are in scratch memory behind their list; feet replace h.
@@ -77,12 +71,23 @@ vec4 foot_plane_at(uint p) {
 
 vec4 refined[slots];  // this lane's vertices
 
-void refine_vertices(uint vertices, inout float farthest) {
+void refine_vertices(PlaneSet used, uint vertices, inout Moments all) {
+    if (weighted != 0u) {
+        middle = vec3(0.0);
+        [[unroll]] for (int s = 0; s < slots; ++s)
+            if (vertex_planes[s] != 0u) middle += vec3(vertex_x[s], vertex_y[s], vertex_z[s]);
+        middle = vec3(sum(middle.x), sum(middle.y), sum(middle.z)) / float(vertices);
+    }
     [[dont_unroll]] for (uint first = 0u; first < vertices; first += uint(lanes)) {
         vec4 vertex = vec4(0.0);
-        if (first + lane < vertices) vertex = refined_vertex(VERTEX_LIST(first + lane), farthest);
+        if (first + lane < vertices) vertex = refined_vertex(VERTEX_LIST(first + lane), all);
         [[unroll]] for (int s = 0; s < slots; ++s)
             if (first == uint(s * lanes)) refined[s] = vertex;
+    }
+    float foot[planes_of_lane];
+    [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
+        const uint p = uint(i * lanes) + lane;
+        foot[i] = p < max_planes && has(used, p) ? near_foot(p, id_of(p) < 0) : 0.0;
     }
     share();
     [[unroll]] for (int s = 0; s < slots; ++s) {
@@ -94,7 +99,7 @@ void refine_vertices(uint vertices, inout float farthest) {
     }
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) {
         const uint p = uint(i * lanes) + lane;
-        if (p < max_planes) WORD(3u * max_planes + p) = floatBitsToUint(foot_of_lane[i]);
+        if (p < max_planes) WORD(3u * max_planes + p) = floatBitsToUint(foot[i]);
     }
     share();
 }
@@ -112,7 +117,7 @@ void measure_cell(PlaneSet used, uint vertices) {
     Number areas_of_lane[planes_of_lane];
     [[unroll]] for (int i = 0; i < planes_of_lane; ++i) areas_of_lane[i] = number(0.0);
 #ifndef GEOMETRY_FLOAT64
-    refine_vertices(vertices, all.farthest);
+    refine_vertices(used, vertices, all);
 #endif
     for (uint first = 0u; first < vertices; first += uint(lanes)) {
         Number parts[3];
@@ -149,6 +154,9 @@ void measure_cell(PlaneSet used, uint vertices) {
     all.error = sum(all.error);
     if (want_geometry == 2u) all.area_error = sum(all.area_error);
     all.farthest = largest(all.farthest);
+#ifndef GEOMETRY_FLOAT64
+    all.extent = weighted != 0u ? largest(all.extent) : all.farthest;
+#endif
     conclude(all);
     if (want_geometry != 2u) return;
     share();

@@ -19,7 +19,8 @@
 //
 // In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
 // are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86
-// condition + 6). Twice the bound above is more than that.
+// condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may
+// err by 2 R times the relative error of the volume.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
 #define VOTESS_MEASURE_TETRAHEDRA_GLSL
 
@@ -102,8 +103,12 @@ void divide(Moments all) {
 
 float rounding_error(Moments all, float radius) {
     const float error = all.error * radius * radius * (number_unit * radius * 0.334 + float(quantum) * (radius + 1.0) * 0.015);
-    return weighted != 0u ? 2.0 * error : error;
+    return float(quantum) * (radius + 1.0) * radius * radius * 13.5 + (weighted != 0u ? 2.0 * error : error);
 }
+float arm_of_centroid(Moments all, float radius) {
+    return radius;
+}
+
 float rounding_error_of_areas(Moments all, float min_surface) {
     return 0.0;  // that of the volume bounds it
 }
