@@ -249,10 +249,11 @@ void finish(uint slot, uint cell, uint exponent) {
     if (want_geometry != 0u && alike(status == STATUS_CERTIFIED)) {
         measure_cell(used, vertices);
         if (any_lane(!is_measured(push.volume_tolerance))) status = STATUS_NEEDS_EXACT;
-        if (lane == 0u) geometry[4u * cell] = written(volume);
-        if (lane == 1u) geometry[4u * cell + 1u] = written(mass_center.x);
-        if (lane == 2u) geometry[4u * cell + 2u] = written(mass_center.y);
-        if (lane == 3u) geometry[4u * cell + 3u] = written(mass_center.z);
+        uvec2 mine = written(volume);
+        if (lane == 1u) mine = written(mass_center.x);
+        if (lane == 2u) mine = written(mass_center.y);
+        if (lane == 3u) mine = written(mass_center.z);
+        if (lane < 4u) geometry[4u * cell + lane] = mine;
     }
 #ifdef DECIDES_TIES
     if (alike(status == STATUS_CERTIFIED) && any_lane(met_tie)) keep_true_faces(used, faces, vertices);

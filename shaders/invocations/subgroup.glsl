@@ -119,6 +119,10 @@ float sum(float value) {
     return all;
 }
 
+float sum_in_pairs(float value) {
+    return sum(value);
+}
+
 Number sum(Number value) {
     share();
     exchange_numbers[lane] = value;
@@ -211,6 +215,11 @@ uint smallest(uint number) {
 
 float sum(float value) {
     return subgroupAdd(value);
+}
+
+float sum_in_pairs(float value) {
+    for (uint step = 1u; step < uint(lanes); step *= 2u) value += subgroupShuffleXor(value, step);
+    return value;
 }
 
 // Sums lanes in pairs, then pairs of pairs. A sum of two does not depend on their order, so all lanes get the same sum.

@@ -1,4 +1,4 @@
-// Volume, centroid and areas of the faces of a finished cell, from its planes and vertices. The feet of the seed on a
+// Volume, centroid and areas of the faces of a finished cell in float64, from its planes and vertices. The feet of the seed on a
 // face's plane (r_a = foot_a n_a) and on an edge's line (r_ab) split the cell into signed tetrahedra (seed, r_a, r_ab,
 // X), two for each edge (a,b) of a vertex X. With t = n_a x n_b and
 //     r_ab = alpha n_a + beta n_b,
@@ -13,99 +13,20 @@
 // the last for its sum with all others. The areas together are right to volume_error 3 / R. Relative to the surface
 // that is better than the volume, which is at most surface R / 3.
 //
-// Rounding to units moves the faces of a cell by at most m = quantum (R + 1) (clip/filter.glsl). The volume changes by
-// m times the surface, which is at most that of the ball around it, 4 pi R^2. The areas change by 4 m / sin(a,b) times
-// the length of each edge, at most 2 R. An edge counts twice in the terms above, so all areas together change by 0.04 m
-// R of those; R / 3 of that must also be less than the promise for the volume.
+// Rounding to units moves the faces by m (moments.glsl). The areas change by 4 m / sin(a,b) times the length of each edge,
+// at most 2 R. An edge counts twice in the terms above, so all areas together change by 0.04 m R of those; R / 3 of that
+// must also be less than the promise for the volume.
 //
 // In a power diagram h is right to 15u of H, which may be more than h <= R |n|. With R at least all H/|n| too the terms
 // are right to u R^3 (72/sin + 86 condition + 21), two an edge: beta |n_b| <= R / sin to 63u R / sin^2, X to u R (86
-// condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may err
-// by 2 R times the relative error of the volume. This must be below twice the tolerance times the cell's size. The move
-// from the center to the seed rounds the centroid by a few units in the last place of the tilt.
-//
-// The .comp declares `push`, with extent, before.
+// condition + 6). Twice the bound above is more than that. The seed may be far from its cell, so the centroid may
+// err by 2 R times the relative error of the volume.
 #ifndef VOTESS_MEASURE_TETRAHEDRA_GLSL
 #define VOTESS_MEASURE_TETRAHEDRA_GLSL
 
-#include "clip/cell_results.glsl"
-#include "clip/filter.glsl"
-#include "clip/relative_to_seed.glsl"
-#include "clip/walls.glsl"
-#include "numbers/int64.glsl"
+#include "measure/exact_planes.glsl"
+#include "measure/moments.glsl"
 #include "numbers/number.glsl"
-#include "search/seed_weights.glsl"
-#include "search/seeds.glsl"
-
-// Returns q - p times a power of two, or in units of the cell, in the numbers of measures.
-Number exact_difference(uvec2 q, uvec2 p, float power_of_two) {
-    const uvec2 d = subtract64(q, p);
-    const bool negative = (d.y & 0x80000000u) != 0u;
-    const uvec2 m = negative ? negate64(d) : d;
-    return times_power(number64(m), negative ? -power_of_two : power_of_two);
-}
-Number exact_difference(uvec2 q, uvec2 p) {
-    return exact_difference(q, p, scale);
-}
-
-// Returns how much lighter seed q is than the cell's, less the tilt's share, in squared units of the cell.
-Number exact_lighter_by(uint q) {
-    if (!is_tilted) return exact_difference(pw, seeds_w[q], weight_scale);
-    const uvec4 d = tilted_lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]);
-    const bool negative = is_negative(d.zw);
-    const uvec4 m = negative ? negate128(d) : d;
-    const float power = negative ? -scale * scale : scale * scale;
-    return plus(times_power(number64(m.zw), power * 18446744073709551616.0), times_power(number64(m.xy), power));
-}
-
-struct ExactPlane {
-    Vector n;
-    Number foot;  // n.x = foot |n|^2; of bisectors 1/2, with weights 1/2 + w / (2 |n|^2)
-};
-
-ExactPlane exact_wall(uint i) {
-    if (has_walls != 0u && i >= 6u) {
-        const WallPlane wall = walls[i - 6u];
-        Number n[3];
-        for (int k = 0; k < 3; ++k)
-            n[k] = times_power(number64(magnitude64(wall.normal[k])),
-                               wall_step * (is_negative(wall.normal[k]) ? -1.0 : 1.0));
-        return ExactPlane(Vector(n[0], n[1], n[2]), exact_difference(wall_distance(wall), uvec2(0)));
-    }
-    const Number zero = number(0.0), side = number((i & 1u) != 0u ? 1.0 : -1.0);
-    const uint axis = i / 2u;
-    const uvec2 c = axis == 0u ? cx : (axis == 1u ? cy : cz);
-    return ExactPlane(Vector(axis == 0u ? side : zero, axis == 1u ? side : zero, axis == 2u ? side : zero),
-                      (i & 1u) != 0u ? exact_difference(push.extent[axis], c) : exact_difference(c, uvec2(0)));
-}
-
-ExactPlane exact_bisector(uint q) {
-    const Vector n = Vector(exact_difference(seeds_x[q], px), exact_difference(seeds_y[q], py),
-                            exact_difference(seeds_z[q], pz));
-    if (weighted == 0u) return ExactPlane(n, number(0.5));
-    const Number lighter = exact_lighter_by(q);
-    return ExactPlane(n, times(number(0.5), plus(number(1.0), times(lighter, reciprocal(dot(n, n))))));
-}
-
-struct Moments {
-    Number sum;             // six volumes
-    Vector first;           // and 24 times their centroids
-    float error, farthest;  // error in u R^3; farthest: squared
-};
-
-Number volume;
-Vector mass_center;
-float volume_error;
-float centroid_error, length_of_cell;  // in a power diagram; the error is yet to be divided by the volume
-bool is_in_range;
-
-Moments no_moments() {
-    const Number zero = number(0.0);
-    return Moments(zero, Vector(zero, zero, zero), 0.0, 0.0);
-}
-
-// Returns a plane of the measured cell; defined where the planes are stored.
-ExactPlane exact_plane_at(uint plane);
 
 // Returns (H / |n|)^2, see clip/filter.glsl.
 float squared_size(float foot, float square) {
@@ -155,9 +76,10 @@ void add_edge(ExactPlane a, ExactPlane b, Vector vertex, inout Moments all, inou
     area_b = plus(area_b, times(on_b, reciprocal(times(root(square_b), number(2.0)))));
 }
 
-// Adds the tetrahedra of the vertex of three packed planes, and outputs its shares of the areas of their faces. The
+// Adds the tetrahedra of a vertex, and outputs its shares of the areas of their faces. The
 // loop is not unrolled, because it needs the most registers of the measuring code.
-void add_corner(uint planes, inout Moments all, out Number areas[3]) {
+void add_corner(uint vertex_number, inout Moments all, out Number areas[3]) {
+    uint planes = planes_of_vertex(vertex_number);
     const Vector vertex = exact_vertex(exact_plane_at(plane_of(planes, 0)), exact_plane_at(plane_of(planes, 1)),
                                        exact_plane_at(plane_of(planes, 2)), all);
     Number area_a = number(0.0), area_b = number(0.0), area_c = number(0.0);
@@ -173,33 +95,22 @@ void add_corner(uint planes, inout Moments all, out Number areas[3]) {
     areas = Number[3](area_a, area_b, area_c);
 }
 
-void conclude(Moments all) {
+void divide(Moments all) {
     volume = times(all.sum, reciprocal(number(6.0)));
     // A tetrahedron's centroid is a quarter of the sum of its corners.
     mass_center = times(all.first, times(reciprocal(all.sum), number(0.25)));
-    const float radius = sqrt(all.farthest);
-    is_in_range = all.farthest < farthest_of_range;
-    const float moved = float(quantum) * (radius + 1.0) * radius * radius * (13.5 + 0.015 * all.error);
-    // Slightly more than the bound, for its own roundings.
-    volume_error = moved + number_unit * all.error * radius * radius * radius * 0.334;
-    if (weighted == 0u) return;
-    // The centroid is relative to the seed.
-    mass_center = Vector(minus(mass_center.x, exact_difference(px, cx)), minus(mass_center.y, exact_difference(py, cy)),
-                         minus(mass_center.z, exact_difference(pz, cz)));
-    volume_error *= 2.0;
-    length_of_cell = pow(max(rounded(volume), 0.0), 1.0 / 3.0);
-    centroid_error = volume_error * radius + number_unit * 4.0 * float(tilt_length) * max(rounded(volume), 0.0);
 }
 
-// Areas of tiny faces may come out negative.
-Number not_negative(Number area) {
-    return rounded(area) < 0.0 ? number(0.0) : area;
+float rounding_error(Moments all, float radius) {
+    const float error = all.error * radius * radius * (number_unit * radius * 0.334 + float(quantum) * (radius + 1.0) * 0.015);
+    return float(quantum) * (radius + 1.0) * radius * radius * 13.5 + (weighted != 0u ? 2.0 * error : error);
+}
+float arm_of_centroid(Moments all, float radius) {
+    return radius;
 }
 
-bool is_measured(float tolerance) {
-    const bool is_centroid_right =
-        weighted == 0u || centroid_error <= tolerance * rounded(volume) * length_of_cell;
-    return volume_error <= tolerance * rounded(volume) && is_in_range && is_centroid_right;
+float rounding_error_of_areas(Moments all, float min_surface) {
+    return 0.0;  // that of the volume bounds it
 }
 
 #endif

@@ -95,15 +95,24 @@ Number plus(Number a, Number b) {
 Number minus(Number a, Number b) {
     return plus(a, Number(-b.high, -b.low));
 }
+// Adds a float32 to a sum of many, which is rounded less well where most of it cancels.
+Number plus(Number sum, float a) {
+    const Number both = exact_sum(sum.high, a);
+    return Number(both.high, sum.low + both.low);
+}
 Number times(Number a, Number b) {
     const Number product = exact_product(a.high, b.high);
     precise const float low = product.low + (a.high * b.low + a.low * b.high);
     return ordered_sum(product.high, low);
 }
+// Takes 24 bits from the leading one on, and the 24 behind these; below 2^32 the leading one is not found, and those hold
+// the rest.
 Number number64(uvec2 m) {
-    const Number leading = ordered_sum(float(m.y >> 16) * 281474976710656.0, float(m.y & 0xffffu) * 4294967296.0);
-    const Number trailing = ordered_sum(float(m.x >> 16) * 65536.0, float(m.x & 0xffffu));
-    return plus(leading, trailing);
+    const uint shift = uint(31 - findMSB(m.y | 1u)), high = (m.y << shift) | ((m.x >> 1) >> (31u - shift)),
+               low = m.x << shift;
+    const float power = uintBitsToFloat((127u + 40u - shift) << 23);  // 2^(40 - shift)
+    return ordered_sum(float(high >> 8) * power,
+                       float((high & 0xffu) << 16 | low >> 16) * (power * 5.9604644775390625e-8));
 }
 Number times_power(Number a, float power_of_two) {
     return Number(a.high * power_of_two, a.low * power_of_two);
@@ -146,5 +155,25 @@ Vector cross(Vector a, Vector b) {
     return Vector(minus(times(a.y, b.z), times(a.z, b.y)), minus(times(a.z, b.x), times(a.x, b.z)),
                   minus(times(a.x, b.y), times(a.y, b.x)));
 }
+Vector vector(vec3 a) {
+    return Vector(number(a.x), number(a.y), number(a.z));
+}
+vec3 rounded(Vector a) {
+    return vec3(rounded(a.x), rounded(a.y), rounded(a.z));
+}
+#ifndef GEOMETRY_FLOAT64
+Vector plus(Vector a, vec3 b) {
+    return Vector(plus(a.x, b.x), plus(a.y, b.y), plus(a.z, b.z));
+}
+// Returns h - n.x, right to 2^-40 (|h| + |n||x|) and one rounding where the device rounds to nearest. Products and
+// differences of high parts are exact; the rest is small.
+float residual(Vector n, Number h, vec3 x) {
+    const Number px = exact_product(n.x.high, x.x), py = exact_product(n.y.high, x.y), pz = exact_product(n.z.high, x.z);
+    const Number a = exact_sum(h.high, -px.high), b = exact_sum(a.high, -py.high), c = exact_sum(b.high, -pz.high);
+    precise const float of_products = (px.low + n.x.low * x.x) + (py.low + n.y.low * x.y) + (pz.low + n.z.low * x.z);
+    precise const float rest = ((a.low + b.low) + (c.low + h.low)) - of_products;
+    return c.high + rest;
+}
+#endif
 
 #endif

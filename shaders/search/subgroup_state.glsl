@@ -14,9 +14,14 @@ uint status;
 // stacks in scratch memory. Then the sorted seeds replace these, behind the words of cuts: the killed vertices and the
 // edges of the horizon. The store is free for planes to test. A measured cell has the numbers of its planes in the store
 // and behind it, and the list of its vertices in scratch memory. The first nodes of the levels stay.
+#ifdef GEOMETRY_FLOAT64
+const uint vertex_words = 0u;
+#else
+const uint vertex_words = 4u * max_planes;  // the list of vertices and a coordinate of each
+#endif
 const uint first_plane_word = 2u * SUBGROUP_STORE,
            first_scratch_word = max(first_plane_word + 4u * max_planes * words_of_real, 8u * max_planes),
-           first_level_word = max(SUBGROUP_NODES + SUBGROUP_GROUPS, 2u * max_planes + SUBGROUP_STORE),
+           first_level_word = max(SUBGROUP_NODES + SUBGROUP_GROUPS, max(2u * max_planes + SUBGROUP_STORE, vertex_words)),
            words_of_subgroup = first_scratch_word + first_level_word + MAX_LEVELS;
 shared uint words[words_of_subgroup * subgroups];
 
