@@ -24,9 +24,9 @@ namespace {
 
 using detail::Result;
 
-constexpr double place_rounding = 0x1p-50;  // of a coordinate
-constexpr double radius_slack = 1e-4;       // covers the error of a radius from a GPU
-constexpr double min_share = 1e-3;          // of a flat mesh's bounds in a cube, along one axis
+constexpr double position_rounding = 0x1p-50;  // of a coordinate
+constexpr double radius_slack = 1e-4;          // covers the error of a radius from a GPU
+constexpr double min_share = 1e-3;             // of a flat mesh's bounds in a cube, along one axis
 constexpr std::size_t rows_per_task = 256, rows_per_group = 8;
 
 [[noreturn]] void unsupported(const std::string& what) {
@@ -269,7 +269,7 @@ private:
         for (std::size_t i = first; i < last; ++i) {
             const exact::Point x = position(seed_of(r), cells_->image_shift(i));
             const double size = std::abs(x[0]) + std::abs(x[1]) + std::abs(x[2]);
-            if (mesh_.any_near(x, reach(r) + place_rounding * size)) return true;
+            if (mesh_.any_near(x, reach(r) + position_rounding * size)) return true;
         }
         return false;
     }
