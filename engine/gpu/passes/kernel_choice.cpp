@@ -119,7 +119,7 @@ std::string kernel_text(const vulkan::Adapter& adapter, std::uint32_t subgroup_s
         else if (adapter.software())
             text += ", which is faster on a CPU";
     }
-    return text + ", measured in " + (measure_float64 ? "float64" : "sums of two float32");
+    return text + ", measured in " + (measure_float64 ? "float64" : "float32");
 }
 
 std::uint32_t local_size_from_environment() {

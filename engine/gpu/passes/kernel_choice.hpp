@@ -30,7 +30,7 @@ enum class Kernel {
 enum class Measure {
     automatic,  // `float64` where it is known to be fast
     float64,
-    float32,  // in sums of two float32, see shaders/numbers/number.glsl
+    float32,  // see shaders/measure/polyhedron.glsl
 };
 
 // Returns PassSettings::measure_float64. Throws `unsupported` when float64 is requested and the device has none.
