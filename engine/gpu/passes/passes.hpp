@@ -26,7 +26,7 @@ struct PassSettings {
     std::uint32_t max_walk_visits = 2000;  // boxes visited for a cell of the second tier, beyond its list
     std::uint32_t max_subgroup_visits[2] = {4000, 4000};  // boxes visited in a subgroup's searches for a cell, by tier
     bool measure = true;                                  // volumes and centroids are requested
-    bool measure_float64 = true;                          // these are float64, else sums of two float32
+    bool measure_float64 = true;                          // these are measured in float64, else in float32
     bool areas = false;                                   // areas of the rows are requested too
     bool weights = false;                                 // of a power diagram
     bool frames = false;                                  // the passes are for recorded frames, not for parts

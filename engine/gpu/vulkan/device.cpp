@@ -91,8 +91,9 @@ Device::Device(std::shared_ptr<Instance> instance, const Adapter& adapter, const
     load_device_table(table_, handle_, instance_->calls().vkGetDeviceProcAddr);
 }
 
-// Shaders demand what the device offers, except what it does anyway: NVIDIA's compiler makes slower code with the
-// demand to round to nearest, by a tenth for a cell, and keeps infinities and NaN without a demand.
+// Shaders demand that infinities and NaN are kept, except on NVIDIA's devices, which keep them anyway. They demand to
+// round to nearest where a device rounds otherwise: NVIDIA's compiler makes slower code with that demand, by a tenth
+// for a cell.
 void Device::find_rounding() {
     constexpr std::uint32_t nvidia = 0x10de;
     const FloatDemands& offered = adapter_.offered;

@@ -188,7 +188,7 @@ TEST_SUITE("cases") {
         CHECK(compare(runner, set, options) == "");
     }
 
-    TEST_CASE("gpu: cells measured in sums of float32, and in float64 by the second tier") {
+    TEST_CASE("gpu: cells measured in float32, and in float64 by the second tier") {
         const test::Environment sums("VOTESS_VULKAN_MEASURE", "float32");
         const test::SharedGpu shared;
         test::GpuRunner runner(shared.gpu);
