@@ -9,7 +9,7 @@ using vulkan::MemoryKind;
 Chunk::Chunk(vulkan::Device& device, vulkan::Memory& memory, std::uint32_t cells, const PassSettings& settings)
     : buffers_(memory), commands_(device, 4) {
     cells_.reserve(buffers_, cells, settings);
-    info_host_ = memory.buffer(cells_.slice(BINDING_INFO).size, MemoryKind::download, "info, host");
+    info_host_ = memory.buffer(VkDeviceSize{4} * cells, MemoryKind::download, "info, host");
     state_host_ = memory.buffer(sizeof(ChunkState), MemoryKind::download, "chunk state, host");
 }
 
@@ -21,7 +21,6 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
 
     commands_.begin();
     std::optional<Commands::Label> label(std::in_place, commands_, "knn");
-    const Slice state = cells_.slice(BINDING_CHUNK_STATE);
     stamps_[0] = commands_.timestamp();
     cells_.record_knn(commands_, passes);
     stamps_[1] = commands_.timestamp();
@@ -30,8 +29,8 @@ void Chunk::start(const SeedStore& seeds, const Passes& passes, const ChunkJob& 
     stamps_[2] = commands_.timestamp();
     label.emplace(commands_, "download");
     results.record_chunk(commands_, passes, cells_, job, piece.first, piece.count);
-    commands_.copy(cells_.slice(BINDING_INFO), 0, info_host_, 0, VkDeviceSize{4} * piece.count);
-    commands_.copy(state, 0, state_host_, 0, sizeof(ChunkState));
+    commands_.copy(cells_.words_of(WORDS_INFO), 0, info_host_, 0, VkDeviceSize{4} * piece.count);
+    commands_.copy(cells_.state(), 0, state_host_, 0, sizeof(ChunkState));
     stamps_[3] = commands_.timestamp();
     commands_.barrier_to_host();
     label.reset();

@@ -148,16 +148,16 @@ bool GpuEngine::find_seeds(const DeviceDomain& domain) {
 std::uint32_t GpuEngine::max_seeds() const {
     if (limits_.max_seeds != 0) return limits_.max_seeds;
     const vulkan::Adapter& adapter = device_->adapter();
-    const bool measure = !lists_only_;
+    const bool measure = !lists_only_, weights = job_.domain->has_weights();
     const auto range = std::min<VkDeviceSize>(adapter.limits.maxStorageBufferRange, memory_.max_buffer_bytes());
     // Seven seeds have at most one node on level 0 and a seventh of that above.
-    const VkDeviceSize by_nodes = range / sizeof(Node) * 7 - 8 * MAX_LEVELS;
+    const VkDeviceSize by_nodes = range / DeviceSeeds::bytes_per_node(weights) * 7 - 8 * MAX_LEVELS;
     // 24 + 24 bytes of coordinates, 24 of keys and indices, 4 of input indices, 7 of nodes, 8 of names, and the results
     // of the cells. They take half of the memory; chunks and rows take a quarter each.
     const VkDeviceSize by_memory = adapter.device_memory / 2 / (92 + DeviceResults::bytes_per_member(measure));
     const VkDeviceSize by_geometry = range / (measure ? DeviceResults::geometry_bytes : 1);
-    return static_cast<std::uint32_t>(
-        std::min({range / DeviceSeeds::coordinate_bytes, by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
+    return static_cast<std::uint32_t>(std::min(
+        {range / DeviceSeeds::bytes_per_seed(weights), by_geometry, by_nodes, by_memory, VkDeviceSize{INDEX_MASK}}));
 }
 
 void GpuEngine::upload_part(std::size_t index) {

@@ -7,6 +7,10 @@
 #version 450
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require
+#include "shared/layout.h"
+
+layout(push_constant) uniform Push { ClipPush push; };
+
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
@@ -17,15 +21,8 @@
 #include "numbers/int64.glsl"
 #include "search/seeds.glsl"
 #include "shared/interface.h"
-#include "shared/layout.h"
 
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
-layout(push_constant) uniform Push { ClipPush push; };
-// One column for each cell of the chunk.
-layout(std430, binding = BINDING_LIST) readonly buffer List { uint list[]; };
-layout(std430, binding = BINDING_LIST_INFO) readonly buffer ListInfos { ListInfo list_info[]; };
-layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
 #include "clip/first_walls.glsl"
 #include "clip/invocation_cell.glsl"
@@ -40,9 +37,9 @@ layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState
 float reach_of_images;  // in a power diagram, in units
 
 void test_next(uint q) {
-    const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
+    const real x = difference(seed_x(q), px), y = difference(seed_y(q), py), z = difference(seed_z(q), pz);
     if (weighted != 0u)
-        tested = bisector(x, y, z, lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]));
+        tested = bisector(x, y, z, lighter_by(seed_weight(q), seed_x(q), seed_y(q), seed_z(q)));
     else
         tested = bisector(x, y, z);
     tested_id = int(q);
@@ -105,7 +102,7 @@ bool clip_by_list(uint column, uint count, uint unsorted, float reach, float bou
         // Each invocation goes to its next plane that cuts; then all cut side by side.
         bool cuts = false;
         while (next < end && !cuts && status == STATUS_CERTIFIED) {
-            const uint q = list[next * push.list_stride + column];
+            const uint q = word_of(WORDS_LIST + next, column);
             ++next;
             if (next == 16u) measure_radius_and_error();  // the box's far corners are gone
             test_next(q);
@@ -143,7 +140,7 @@ vec3 offset_of(uvec2 x, uvec2 y, uvec2 z) {
 // than the cell's own seed.
 bool in_reach(uint level, uint node, real security) {
     const uint n = push.level_first[level] + node;
-    const Node box = nodes[n];
+    const Node box = node_at(n);
     if (box.lower[0].y == NO_COORDINATE) return false;
     vec3 lower = offset_of(box.lower[0], box.lower[1], box.lower[2]),
          upper = offset_of(box.upper[0], box.upper[1], box.upper[2]);
@@ -188,7 +185,7 @@ void clip_by_group(uint group, uint self, real listed) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     bool changed = false;
     for (uint q = group * GROUP_SEEDS; q < end && status == STATUS_CERTIFIED; ++q) {
-        if (q == self || seeds_x[q].y == NO_COORDINATE) continue;
+        if (q == self || seed_x(q).y == NO_COORDINATE) continue;
         test_next(q);
         // A seed that is certainly in the list is done. One that may be in it is a face already, or is tested twice, as are
         // all where the list ends below 0.
@@ -271,23 +268,20 @@ void finish(uint slot, uint cell, uint exponent) {
         length = 0u;
     }
     const bool certified = status == STATUS_CERTIFIED;
-    info[cell] = status | (certified ? (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) |
-                                           (exponent << INFO_EXPONENT_SHIFT)
-                                     : 0u);
-    row_length[cell] = length;
-    row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
+    const uint known = (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) | (exponent << INFO_EXPONENT_SHIFT);
+    put_cell(cell, certified ? status | known : status, length, tier == 0u ? slot : slot | SECOND_TIER_BIT);
 }
 
 float distance_along_axes(uint q) {
-    return max(abs(rough_difference(seeds_x[q], px)),
-               max(abs(rough_difference(seeds_y[q], py)), abs(rough_difference(seeds_z[q], pz))));
+    return max(abs(rough_difference(seed_x(q), px)),
+               max(abs(rough_difference(seed_y(q), py)), abs(rough_difference(seed_z(q), pz))));
 }
 
 float nearest_of_group(uint self) {
     float nearest = UNBOUNDED;
     const uint first = self & ~(GROUP_SEEDS - 1u), end = min(push.seed_count, first + GROUP_SEEDS);
     for (uint q = first; q < end; ++q)
-        if (q != self && seeds_x[q].y != NO_COORDINATE) nearest = min(nearest, distance_along_axes(q));
+        if (q != self && seed_x(q).y != NO_COORDINATE) nearest = min(nearest, distance_along_axes(q));
     return nearest;
 }
 
@@ -298,19 +292,19 @@ void main() {
         if (slot >= push.cell_count) return;
     } else {
         if (slot >= chunk.todo_count) return;
-        cell = todo[slot];
+        cell = word_of(WORDS_TODO, slot);
     }
     const uint self = push.first_cell + cell;
-    px = seeds_x[self];
-    py = seeds_y[self];
-    pz = seeds_z[self];
+    px = seed_x(self);
+    py = seed_y(self);
+    pz = seed_z(self);
     vec3 of_group = vec3(0.0);
     if (weighted != 0u) {
-        pw = seeds_w[self];
+        pw = seed_weight(self);
         of_group = tilt_of(self / GROUP_SEEDS);
         begin_power(1.0, state, self / GROUP_SEEDS);
         set_power_slacks(false);
-        reach_of_images = node_weights[self / GROUP_SEEDS].image_reach;
+        reach_of_images = weights_at(self / GROUP_SEEDS).image_reach;
     }
     set_center(of_group);
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
@@ -319,14 +313,15 @@ void main() {
         return;
     }
 
-    const ListInfo found = list_info[cell];
-    const uint count = found.lengths & 0xffffu, unsorted = found.lengths >> 16;
+    const uint lengths = word_of(WORDS_LIST_LENGTHS, cell), count = lengths & 0xffffu, unsorted = lengths >> 16;
+    const float reach = uintBitsToFloat(word_of(WORDS_LIST_REACH, cell)),
+                bound = uintBitsToFloat(word_of(WORDS_LIST_BOUND, cell));
     uint exponent = COORDINATE_BITS - 1;
     if (count > 0u || weighted != 0u) {
         float nearest = UNBOUNDED;  // right except for the width of a bucket
         // Any may be the nearest in an order of keys.
         for (uint i = 0u; i < (weighted != 0u ? count : max(unsorted, 1u)); ++i)
-            nearest = min(nearest, distance_along_axes(list[i * push.list_stride + cell]));
+            nearest = min(nearest, distance_along_axes(word_of(WORDS_LIST + i, cell)));
         if (weighted != 0u) nearest = min(min(nearest, nearest_of_group(self)), exp2(COORDINATE_BITS - 1));
         exponent = nearest >= 1.0 ? (floatBitsToUint(nearest) >> 23) - 127u : 0u;
     }
@@ -338,12 +333,12 @@ void main() {
         status = STATUS_NEEDS_EXACT;
     } else {
         start_cell(real[6](start_wall(0u), start_wall(1u), start_wall(2u), start_wall(3u), start_wall(4u), start_wall(5u)));
-        if (status == STATUS_CERTIFIED && !clip_by_list(cell, count, unsorted, found.reach, found.bound)) {
+        if (status == STATUS_CERTIFIED && !clip_by_list(cell, count, unsorted, reach, bound)) {
             // Heavy seeds may fill the list of a light one.
             if (tier == 0u && weighted == 0u)
                 status = STATUS_CANDIDATES_EXHAUSTED;
             else
-                clip_by_walk(self, found.reach, found.bound);
+                clip_by_walk(self, reach, bound);
         }
     }
     finish(slot, cell, exponent);

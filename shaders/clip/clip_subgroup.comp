@@ -18,6 +18,10 @@
 #extension GL_KHR_shader_subgroup_shuffle : require
 #extension GL_KHR_memory_scope_semantics : require
 #endif
+#include "shared/layout.h"
+
+layout(push_constant) uniform Push { CellsPush push; };
+
 #include "clip/cell_results.glsl"
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
@@ -28,12 +32,8 @@
 #include "invocations/subgroup.glsl"
 #include "search/seeds.glsl"
 #include "search/subgroup_state.glsl"
-#include "shared/layout.h"
 
 layout(constant_id = CONSTANT_TIER) const uint tier = 0u;
-layout(push_constant) uniform Push { CellsPush push; };
-layout(std430, binding = BINDING_TODO) readonly buffer Todo { uint todo[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 
 #include "clip/subgroup_cell.glsl"
 #ifdef DECIDES_TIES
@@ -45,9 +45,7 @@ layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState
 
 // Leaves the cell to the second tier. It has no vote, for subgroups of another size than this was made for.
 void leave(uint cell) {
-    info[cell] = status;
-    row_length[cell] = 0u;
-    row_place[cell] = cell;
+    put_cell(cell, status, 0u, cell);
 }
 
 // Clips by the walls that are not farther than all vertices. Lanes find them side by side.
@@ -91,10 +89,10 @@ void clip_by_candidates(inout bool walls_wait) {
         real key = real(UNBOUNDED);  // where a lane has no candidate
         if (lane < end) {
             const uint q = SORTED_SEED(first + lane);
-            const real x = difference(seeds_x[q], px), y = difference(seeds_y[q], py), z = difference(seeds_z[q], pz);
+            const real x = difference(seed_x(q), px), y = difference(seed_y(q), py), z = difference(seed_z(q), pz);
             Plane p;
             if (weighted != 0u)
-                p = bisector(x, y, z, lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]));
+                p = bisector(x, y, z, lighter_by(seed_weight(q), seed_x(q), seed_y(q), seed_z(q)));
             else
                 p = bisector(x, y, z);
             too_near = is_too_near(p);
@@ -146,7 +144,7 @@ float square_scale() {
 bool is_secure_from(float bound) {
     return bound >= UNBOUNDED ||
            is_secure(real(bound * square_scale()), cutting_distance_squared(radius_of_all + tilt_length, max_heavier)) ||
-           radius_of_all < real(node_weights[self / GROUP_SEEDS].image_reach * scale);
+           radius_of_all < real(weights_at(self / GROUP_SEEDS).image_reach * scale);
 }
 
 // Searches and clips in turn, outwards, until it has tested all seeds within the security radius or all that can cut
@@ -265,10 +263,8 @@ void finish(uint slot, uint cell, uint exponent) {
         leave(cell);
         return;
     }
-    info[cell] = status | (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) |
-                 (exponent << INFO_EXPONENT_SHIFT);
-    row_length[cell] = length;
-    row_place[cell] = tier == 0u ? slot : slot | SECOND_TIER_BIT;
+    const uint known = (faces << INFO_FACES_SHIFT) | (vertices << INFO_VERTICES_SHIFT) | (exponent << INFO_EXPONENT_SHIFT);
+    put_cell(cell, status | known, length, tier == 0u ? slot : slot | SECOND_TIER_BIT);
 }
 
 void main() {
@@ -285,19 +281,19 @@ void main() {
     // Lanes address it by their own number. For an address that is the same in all lanes NVK splits the addresses of
     // the buffers, and joins them again in each round of seeds.
     const uint slot_of_lane = first + gl_LocalInvocationID.x / uint(lanes);
-    const uint cell = tier == 0u ? slot : todo[slot],
-               own = push.first_cell + (tier == 0u ? slot_of_lane : todo[slot_of_lane]);
+    const uint cell = tier == 0u ? slot : word_of(WORDS_TODO, slot),
+               own = push.first_cell + (tier == 0u ? slot_of_lane : word_of(WORDS_TODO, slot_of_lane));
     // What lies beyond the bounds stays unknown.
     if (tier != 0u && push.bounded != 0u) {
-        if (alike((info[cell] & 0xffu) == STATUS_CANDIDATES_EXHAUSTED)) return;
+        if (alike((word_of(WORDS_INFO, cell) & 0xffu) == STATUS_CANDIDATES_EXHAUSTED)) return;
     }
     self = push.first_cell + cell;
-    px = from_first_lane(seeds_x[own]);
-    py = from_first_lane(seeds_y[own]);
-    pz = from_first_lane(seeds_z[own]);
+    px = from_first_lane(seed_x(own));
+    py = from_first_lane(seed_y(own));
+    pz = from_first_lane(seed_z(own));
     vec3 of_group = vec3(0.0);
     if (weighted != 0u) {
-        pw = seeds_w[self];
+        pw = seed_weight(self);
         of_group = tilt_of(self / GROUP_SEEDS);
     }
     set_center(of_group);

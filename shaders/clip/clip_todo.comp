@@ -10,15 +10,14 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { TodoPush push; };
-layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_TODO) writeonly buffer Todo { uint todo[]; };
 layout(std430, binding = BINDING_SCAN_SUMS) buffer Tiles { uint tile_begin[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
+
+#include "shared/chunk.glsl"
 
 shared uint sums[TILE_GROUP];
 
 bool is_left(uint cell) {
-    return cell < push.cell_count && !is_finished(info[cell]);
+    return cell < push.cell_count && !is_finished(word_of(WORDS_INFO, cell));
 }
 
 void main() {
@@ -45,7 +44,7 @@ void main() {
     uint rank = sums[me] - mine;
     for (uint i = 0u; i < TILE_ITEMS_EACH; ++i) {
         if (!is_left(first + i)) continue;
-        if (rank < taken) todo[begin + rank] = first + i;
+        if (rank < taken) of_cells[word_at(WORDS_TODO, begin + rank)] = first + i;
         ++rank;
     }
     if (me != 0u) return;

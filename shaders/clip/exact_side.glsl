@@ -22,7 +22,7 @@ const float max_offset = 2048.0, max_square = 16777216.0;
 
 // The bits of the plane's numbers, without trailing bits that are zero in all.
 uvec2 bits_of_plane(int id) {
-    if (id >= 0) return subtract64(seeds_x[id], px) | subtract64(seeds_y[id], py) | subtract64(seeds_z[id], pz);
+    if (id >= 0) return subtract64(seed_x(id), px) | subtract64(seed_y(id), py) | subtract64(seed_z(id), pz);
     const uint wall = uint(-1 - id), axis = wall / 2u;
     const uvec2 p = axis == 0u ? px : (axis == 1u ? py : pz);
     const uvec2 distance = (wall & 1u) != 0u ? subtract64(push.extent[axis], p) : p;
@@ -34,7 +34,7 @@ vec4 small_plane(int id, float unit, inout bool fits) {
     vec3 n = vec3(0.0);
     float s = 0.0;
     if (id >= 0) {
-        n = vec3(rough_difference(seeds_x[id], px), rough_difference(seeds_y[id], py), rough_difference(seeds_z[id], pz)) *
+        n = vec3(rough_difference(seed_x(id), px), rough_difference(seed_y(id), py), rough_difference(seed_z(id), pz)) *
             unit;
         s = dot(n, n);
     } else {

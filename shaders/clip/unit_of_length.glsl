@@ -6,7 +6,7 @@
 #include "clip/filter.glsl"
 #include "clip/relative_to_seed.glsl"
 #include "clip/walls.glsl"
-#include "search/seed_weights.glsl"
+#include "search/nodes.glsl"
 
 // Sets the unit to 2^exponent units of coordinates. root: the node of the root of the hierarchy.
 void set_unit_of_length(uint exponent, uint root) {
@@ -18,7 +18,7 @@ void set_unit_of_length(uint exponent, uint root) {
     weight_quantum = state.lossy_weights != 0u ? real(weight_scale) : real(0);
     tilt_length = real(length(vec3(tilt)) * 1.00001 * exp2(float(TILT_BITS)) * scale);
     quantum = (quantum + real(0.6) * weight_quantum) * (real(1) + tilt_length);
-    max_heavier = max(heavier_by(lighter_by(max64(node_weights[root].largest, state.heaviest))), real(0));
+    max_heavier = max(heavier_by(lighter_by(max64(weights_at(root).largest, state.heaviest))), real(0));
 }
 
 #endif

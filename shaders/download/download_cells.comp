@@ -11,15 +11,13 @@
 
 layout(push_constant) uniform Push { FramePush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_SEEDS_Y) readonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
-layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { Number geometry[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 layout(std430, binding = BINDING_CELLS) writeonly buffer Cells { FrameCell cells[]; };
 layout(std430, binding = BINDING_GEOMETRY_OUT) writeonly buffer GeometryOut { vec4 geometry_out[]; };
+
+#include "search/seeds.glsl"
+#include "shared/chunk.glsl"
 
 // The work-group counts its own cells and adds them to the header at once.
 shared uint certified, unresolved, duplicates, empty, outside, faces_of_all;
@@ -31,13 +29,14 @@ void main() {
     const uint cell = linear_invocation();
     const uint seed = cell < push.cell_count ? seed_input[push.first_cell + cell] & INDEX_MASK : push.own_count;
     if (seed < push.own_count) {
-        const uint word = info[cell];
+        const uint word = word_of(WORDS_INFO, cell);
         uint status = word & 0xffu, begin = 0u, length = 0u;
-        if (status == STATUS_DUPLICATE && seeds_y[push.first_cell + cell].y != NO_COORDINATE) status = STATUS_EMPTY;
+        if (status == STATUS_DUPLICATE && seed_y(push.first_cell + cell).y != NO_COORDINATE) status = STATUS_EMPTY;
         if (push.neighbors != 0u && status == STATUS_CERTIFIED) {
-            length = row_length[cell];
-            begin = chunk.row_base + row_offsets[cell];
-            if (!row_fits(chunk.row_base, row_offsets[cell], length, push.capacity)) {
+            const uint offset = word_of(WORDS_ROW_OFFSET, cell);
+            length = word_of(WORDS_ROW_LENGTH, cell);
+            begin = chunk.row_base + offset;
+            if (!row_fits(chunk.row_base, offset, length, push.capacity)) {
                 status = STATUS_CANDIDATES_EXHAUSTED;
                 begin = length = 0u;
             }

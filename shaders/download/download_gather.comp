@@ -10,32 +10,11 @@ layout(push_constant) uniform Push { GatherPush push; };
 layout(std430, binding = BINDING_PART_OFFSETS) readonly buffer PartOffsets { uint part_offsets[]; };
 layout(std430, binding = BINDING_PART_BEGIN) readonly buffer PartBegin { uint part_begin[]; };
 layout(std430, binding = BINDING_ROWS_OUT) readonly buffer RowsOut { int rows_out[]; };
-layout(std430, binding = BINDING_ROWS_OUT_1) readonly buffer RowsOut1 { int rows_out_1[]; };
-layout(std430, binding = BINDING_ROWS_OUT_2) readonly buffer RowsOut2 { int rows_out_2[]; };
-layout(std430, binding = BINDING_ROWS_OUT_3) readonly buffer RowsOut3 { int rows_out_3[]; };
 layout(std430, binding = BINDING_SHIFTS_OUT) readonly buffer ShiftsOut { uint shifts_out[]; };
-layout(std430, binding = BINDING_SHIFTS_OUT_1) readonly buffer ShiftsOut1 { uint shifts_out_1[]; };
-layout(std430, binding = BINDING_SHIFTS_OUT_2) readonly buffer ShiftsOut2 { uint shifts_out_2[]; };
-layout(std430, binding = BINDING_SHIFTS_OUT_3) readonly buffer ShiftsOut3 { uint shifts_out_3[]; };
 layout(std430, binding = BINDING_AREAS_OUT) readonly buffer AreasOut { uvec2 areas_out[]; };
 layout(std430, binding = BINDING_SLICE_ROWS) writeonly buffer SliceRows { ivec4 slice_rows[]; };
 layout(std430, binding = BINDING_SLICE_AREAS) writeonly buffer SliceAreas { uvec4 slice_areas[]; };
 layout(std430, binding = BINDING_SLICE_SHIFTS) writeonly buffer SliceShifts { uint slice_shifts[]; };
-
-int row_out(uint place) {
-    const uint window = place >> push.window_bits, at = place & ((1u << push.window_bits) - 1u);
-    if (window == 0u) return rows_out[at];
-    if (window == 1u) return rows_out_1[at];
-    if (window == 2u) return rows_out_2[at];
-    return rows_out_3[at];
-}
-uint shift_out(uint place) {
-    const uint window = place >> push.window_bits, at = place & ((1u << push.window_bits) - 1u);
-    if (window == 0u) return shifts_out[at];
-    if (window == 1u) return shifts_out_1[at];
-    if (window == 2u) return shifts_out_2[at];
-    return shifts_out_3[at];
-}
 
 void main() {
     const uint quad = linear_invocation(), first = GATHER_ENTRIES * quad;
@@ -55,13 +34,13 @@ void main() {
         while (low + 1u < push.first_cell + push.cell_count && part_offsets[low + 1u] <= entry) ++low;
         places[i] = part_begin[low] + (entry - part_offsets[low]);
     }
-    slice_rows[quad] = ivec4(row_out(places[0]), row_out(places[1]), row_out(places[2]), row_out(places[3]));
+    slice_rows[quad] = ivec4(rows_out[places[0]], rows_out[places[1]], rows_out[places[2]], rows_out[places[3]]);
     if (push.areas != 0u) {
         slice_areas[2u * quad] = uvec4(areas_out[places[0]], areas_out[places[1]]);
         slice_areas[2u * quad + 1u] = uvec4(areas_out[places[2]], areas_out[places[3]]);
     }
     if (push.shifts != 0u) {
-        const uvec4 s = uvec4(shift_out(places[0]), shift_out(places[1]), shift_out(places[2]), shift_out(places[3]));
+        const uvec4 s = uvec4(shifts_out[places[0]], shifts_out[places[1]], shifts_out[places[2]], shifts_out[places[3]]);
         slice_shifts[3u * quad] = s.x | (s.y << 24);
         slice_shifts[3u * quad + 1u] = (s.y >> 8) | (s.z << 16);
         slice_shifts[3u * quad + 2u] = (s.z >> 16) | (s.w << 8);

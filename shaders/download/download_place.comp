@@ -9,25 +9,23 @@
 
 layout(push_constant) uniform Push { FramePush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_INFO) readonly buffer Info { uint info[]; };
-layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
-layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) readonly buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_GEOMETRY) readonly buffer Geometry { uvec4 geometry[]; };
 layout(std430, binding = BINDING_PART_INFO) writeonly buffer PartInfo { uint part_info[]; };
 layout(std430, binding = BINDING_PART_LENGTH) writeonly buffer PartLength { uint part_length[]; };
 layout(std430, binding = BINDING_PART_BEGIN) writeonly buffer PartBegin { uint part_begin[]; };
 layout(std430, binding = BINDING_PART_GEOMETRY) writeonly buffer PartGeometry { uvec4 part_geometry[]; };
 
+#include "shared/chunk.glsl"
+
 void main() {
     const uint cell = linear_invocation();
     if (cell >= push.cell_count) return;
     const uint member = seed_input[push.first_cell + cell] & INDEX_MASK;
     if (member >= push.own_count) return;
-    part_info[member] = info[cell];
+    part_info[member] = word_of(WORDS_INFO, cell);
     if (push.neighbors != 0u) {
-        part_length[member] = row_length[cell];
-        part_begin[member] = chunk.row_base + row_offsets[cell];
+        part_length[member] = word_of(WORDS_ROW_LENGTH, cell);
+        part_begin[member] = chunk.row_base + word_of(WORDS_ROW_OFFSET, cell);
     }
     if (push.geometry == 0u) return;
     part_geometry[2u * member] = geometry[2u * cell];

@@ -7,14 +7,13 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { FramePush push; };
-layout(std430, binding = BINDING_ROW_LENGTH) readonly buffer RowLength { uint row_length[]; };
-layout(std430, binding = BINDING_ROW_OFFSETS) readonly buffer RowOffsets { uint row_offsets[]; };
-layout(std430, binding = BINDING_CHUNK_STATE) buffer Chunk { ChunkState chunk; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
+
+#include "shared/chunk.glsl"
 
 void main() {
     if (gl_GlobalInvocationID.x != 0u) return;
-    const uint last = push.cell_count - 1u, total = row_offsets[last] + row_length[last];
+    const uint last = push.cell_count - 1u, total = word_of(WORDS_ROW_OFFSET, last) + word_of(WORDS_ROW_LENGTH, last);
     chunk.row_base = total > 0xffffffffu - chunk.row_base ? 0xffffffffu : chunk.row_base + total;
     header.entries = chunk.row_base;
 }

@@ -8,7 +8,7 @@
 #include "clip/walls.glsl"
 #include "numbers/int64.glsl"
 #include "numbers/number.glsl"
-#include "search/seed_weights.glsl"
+#include "search/nodes.glsl"
 #include "search/seeds.glsl"
 
 // Returns q - p times a power of two, or in units of the cell, in the numbers of measures.
@@ -26,8 +26,8 @@ Number exact_difference(uvec2 q, uvec2 p) {
 
 // Returns how much lighter seed q is than the cell's, less the tilt's share, in squared units of the cell.
 Number exact_lighter_by(uint q) {
-    if (!is_tilted) return exact_difference(pw, seeds_w[q], weight_scale);
-    const uvec4 d = tilted_lighter_by(seeds_w[q], seeds_x[q], seeds_y[q], seeds_z[q]);
+    if (!is_tilted) return exact_difference(pw, seed_weight(q), weight_scale);
+    const uvec4 d = tilted_lighter_by(seed_weight(q), seed_x(q), seed_y(q), seed_z(q));
     const bool negative = is_negative(d.zw);
     const uvec4 m = negative ? negate128(d) : d;
     const float power = negative ? -scale * scale : scale * scale;
@@ -67,7 +67,7 @@ ExactPlane exact_wall(uint i) {
 }
 
 ExactPlane exact_bisector(uint q) {
-    uvec2 x = subtract64(seeds_x[q], px), y = subtract64(seeds_y[q], py), z = subtract64(seeds_z[q], pz);
+    uvec2 x = subtract64(seed_x(q), px), y = subtract64(seed_y(q), py), z = subtract64(seed_z(q), pz);
     Vector n = Vector(number(0.0), number(0.0), number(0.0));
     Number square = number(0.0);
     [[dont_unroll]] for (int k = 0; k < 3; ++k) {

@@ -2,10 +2,7 @@
 #ifndef VOTESS_SEARCH_HIERARCHY_GLSL
 #define VOTESS_SEARCH_HIERARCHY_GLSL
 
-#include "shared/interface.h"
-#include "shared/layout.h"
-
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
+#include "search/nodes.glsl"
 
 // Returns the number of nodes of a level below the root.
 uint nodes_of(uint level) {

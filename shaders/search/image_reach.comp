@@ -7,20 +7,19 @@
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
 #include "search/distances.glsl"
-#include "search/seeds.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { ReachPush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { Node nodes[]; };
 
 uvec2 pw;  // the largest weight of the node
 
-#define WRITES_NODE_WEIGHTS
+#define WRITES_NODES
 #include "search/levels.glsl"
 #include "search/power.glsl"
+#include "search/seeds.glsl"
 #include "search/walk.glsl"
 
 const float max_spread = 7.0;  // the key at which the search ends, over the squared radius of a ball with 64 seeds
@@ -43,22 +42,22 @@ bool find_own(uint node, out uvec2 lightest) {
                uvec2[3](uvec2(0), uvec2(0), uvec2(0)));
     lightest = uvec2(NO_COORDINATE);
     for (uint seed = first; seed < end; ++seed) {
-        const uvec2 p[3] = {seeds_x[seed], seeds_y[seed], seeds_z[seed]};
+        const uvec2 p[3] = {seed_x(seed), seed_y(seed), seed_z(seed)};
         if (p[0].y == NO_COORDINATE || seed_input[seed] >= push.own_count) continue;
         for (int axis = 0; axis < 3; ++axis) {
             own.lower[axis] = min64(own.lower[axis], p[axis]);
             own.upper[axis] = max64(own.upper[axis], p[axis]);
         }
-        lightest = min64(lightest, seeds_w[seed]);
+        lightest = min64(lightest, seed_weight(seed));
     }
     if (own.lower[0].y == NO_COORDINATE) return false;
     size_of_own = offset_of(own.upper, own.lower);
     lighter_own = -UNBOUNDED;
     for (uint seed = first; seed < end; ++seed) {
-        const uvec2 p[3] = {seeds_x[seed], seeds_y[seed], seeds_z[seed]};
+        const uvec2 p[3] = {seed_x(seed), seed_y(seed), seed_z(seed)};
         if (p[0].y == NO_COORDINATE || seed_input[seed] >= push.own_count) continue;
         const vec3 along = twice_tilt * (offset_of(p, own.lower) - 0.5 * size_of_own);
-        const float lighter = rough_lighter_by(seeds_w[seed]), size = abs(lighter) + sum_of(abs(twice_tilt) * size_of_own);
+        const float lighter = rough_lighter_by(seed_weight(seed)), size = abs(lighter) + sum_of(abs(twice_tilt) * size_of_own);
         lighter_own = max(lighter_own, lighter + sum_of(along) + 2.0e-6 * size);
     }
     return true;
@@ -99,10 +98,10 @@ bool may_be_smaller(uint node, uvec2 lower[3], uvec2 upper[3], uvec2 shift[3], b
 void visit_group(uint group, uvec2 shift[3]) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
-        const uvec2 p[3] = {seeds_x[seed], seeds_y[seed], seeds_z[seed]};
+        const uvec2 p[3] = {seed_x(seed), seed_y(seed), seed_z(seed)};
         float key;
         if (p[0].y == NO_COORDINATE || seed_input[seed] >= push.own_count) continue;
-        if (may_be_smaller(group, p, p, shift, true, seeds_w[seed], key)) smallest = key;
+        if (may_be_smaller(group, p, p, shift, true, seed_weight(seed), key)) smallest = key;
     }
 }
 
@@ -113,7 +112,7 @@ void visit_images(uvec2 shift[3]) {
         for (;;) {
             if (++visits > push.max_visits) return;
             const uint n = nodes_below(walk.level) + walk.node;
-            const Node box = nodes[n];
+            const Node box = node_at(n);
             float key;
             if (box.lower[0].y == NO_COORDINATE || !may_be_smaller(n, box.lower, box.upper, shift, false, uvec2(0), key))
                 break;
@@ -129,15 +128,16 @@ void visit_images(uvec2 shift[3]) {
 // Returns the smallest s of images that are not among the seeds; at most that at which the search ends.
 float find_smallest(uint node) {
     const uint n = nodes_below(1u) + node;
-    pw = node_weights[n].largest;
+    const NodeWeights weights = weights_at(n);
+    pw = weights.largest;
     begin_power(1.0, state, n);
     set_power_slacks(false);
     uvec2 lightest;
     if (!find_own(node, lightest)) return 0.0;
-    smallest = max_spread * node_weights[n].stretch * expected_reach_in(nodes[n], int(FAN * GROUP_SEEDS));
+    smallest = max_spread * weights.stretch * expected_reach_in(node_at(n), int(FAN * GROUP_SEEDS));
     const uint root = nodes_below(push.level_count - 1u);
     const float heavier =
-        max(rough_difference(node_weights[root].largest, lightest) * weight_unit, 0.0) * 1.00001 + 2.0 * weight_slack;
+        max(rough_difference(weights_at(root).largest, lightest) * weight_unit, 0.0) * 1.00001 + 2.0 * weight_slack;
     float to_unknown = UNBOUNDED, period = UNBOUNDED;
     for (int axis = 0; axis < 3; ++axis) {
         to_face[axis] = to_face[3 + axis] = UNBOUNDED;
@@ -174,5 +174,5 @@ void main() {
     float s = find_smallest(node);
     if (loops_were_cut_short(2u + (push.seed_count >> 31))) s = 0.0;
     for (uint group = node * FAN; group < min(nodes_of(0u), (node + 1u) * FAN); ++group)
-        node_weights[group].image_reach = 0.49999 * s;
+        put_image_reach(group, 0.49999 * s);
 }

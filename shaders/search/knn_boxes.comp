@@ -6,15 +6,15 @@
 #include "invocations/index.glsl"
 #include "numbers/int64.glsl"
 #include "numbers/weights.glsl"
-#include "search/seeds.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { BoxesPush push; };
-layout(std430, binding = BINDING_NODES) buffer Nodes { Node nodes[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-#define WRITES_NODE_WEIGHTS
-#include "search/seed_weights.glsl"
+
+#define WRITES_NODES
+#include "search/nodes.glsl"
+#include "search/seeds.glsl"
 
 float weight_unit() {
     return uintBitsToFloat(uint(127 + state.weight_exponent) << 23);
@@ -34,7 +34,7 @@ vec3 offset_of(uvec2 p[3], uvec2 from[3]) {
 }
 
 vec3 offset_of(uint seed, uvec2 from[3]) {
-    return offset_of(uvec2[3](seeds_x[seed], seeds_y[seed], seeds_z[seed]), from);
+    return offset_of(uvec2[3](seed_x(seed), seed_y(seed), seed_z(seed)), from);
 }
 
 float largest_of(vec3 a) {
@@ -52,9 +52,9 @@ vec3 fit_tilt(uint first, uint end, Node box, uvec2 heaviest) {
     vec3 sum = vec3(0.0), sum_xw = vec3(0.0);
     mat3 squares = mat3(0.0);
     for (uint seed = first; seed < end; ++seed) {
-        if (seeds_x[seed].y == NO_COORDINATE) continue;
+        if (seed_x(seed).y == NO_COORDINATE) continue;
         const vec3 x = offset_of(seed, center) / side;
-        const float w = rough_difference(seeds_w[seed], heaviest) * unit;
+        const float w = rough_difference(seed_weight(seed), heaviest) * unit;
         count += 1.0;
         sum += x;
         sum_w += w;
@@ -80,9 +80,9 @@ float drop_of_group(uint first, uint end, Node box, uvec2 heaviest, vec3 of_tilt
     const uvec2 center[3] = center_of(box);
     float drop = UNBOUNDED;
     for (uint seed = first; seed < end; ++seed) {
-        if (seeds_x[seed].y == NO_COORDINATE) continue;
+        if (seed_x(seed).y == NO_COORDINATE) continue;
         const vec3 along = 2.0 * of_tilt * offset_of(seed, center);
-        const float lighter = rough_difference(heaviest, seeds_w[seed]) * weight_unit();
+        const float lighter = rough_difference(heaviest, seed_weight(seed)) * weight_unit();
         const float size = lighter + abs(along.x) + abs(along.y) + abs(along.z);
         drop = min(drop, lighter + (along.x + along.y + along.z) - 2.0e-6 * size);
     }
@@ -94,13 +94,14 @@ float drop_of_node(uint first, uint end, Node box, uvec2 heaviest, vec3 of_tilt)
     const uvec2 center[3] = center_of(box);
     float drop = UNBOUNDED;
     for (uint child = first; child < end; ++child) {
-        const Node below = nodes[child];
+        const Node below = node_at(child);
         if (below.lower[0].y == NO_COORDINATE) continue;
-        const float drop_below = node_weights[child].drop;
+        const NodeWeights weights = weights_at(child);
+        const float drop_below = weights.drop;
         const vec3 off = 2.0 * abs(tilt_of(child) - of_tilt), half_size = 0.5 * offset_of(below.upper, below.lower),
                    between = offset_of(center_of(below), center);
         const vec3 along = 2.0 * of_tilt * between;
-        const float lighter = rough_difference(heaviest, node_weights[child].largest) * weight_unit();
+        const float lighter = rough_difference(heaviest, weights.largest) * weight_unit();
         const float size = lighter + abs(drop_below) + dot(off, half_size + abs(between)) + dot(abs(along), vec3(1.0));
         drop = min(drop, lighter + drop_below + (along.x + along.y + along.z) - dot(off, half_size) - 2.0e-6 * size);
     }
@@ -112,7 +113,7 @@ float stretch_of(uint first, uint end, Node box) {
     const uvec2 center[3] = center_of(box);
     vec3 lower = vec3(UNBOUNDED), upper = vec3(-UNBOUNDED), lower_center = lower, upper_center = upper;
     for (uint child = first; child < end; ++child) {
-        const Node below = nodes[child];
+        const Node below = node_at(child);
         if (below.lower[0].y == NO_COORDINATE) continue;
         const vec3 at = offset_of(center_of(below), center), at_center = at - tilt_of(child);
         lower = min(lower, at);
@@ -126,7 +127,7 @@ float stretch_of(uint first, uint end, Node box) {
 }
 
 void set_weights(uint node, uvec2 largest, vec3 of_tilt, float drop) {
-    node_weights[node] = NodeWeights(largest, float[3](of_tilt.x, of_tilt.y, of_tilt.z), drop, 0.0, 1.0);
+    put_weights(node, NodeWeights(largest, float[3](of_tilt.x, of_tilt.y, of_tilt.z), drop, 0.0, 1.0));
 }
 
 void main() {
@@ -141,9 +142,9 @@ void main() {
     if (push.level == 0u) {
         const uint end = min(push.seed_count, (node + 1u) * GROUP_SEEDS);
         for (uint seed = node * GROUP_SEEDS; seed < end; ++seed) {
-            const uvec2 p[3] = {seeds_x[seed], seeds_y[seed], seeds_z[seed]};
+            const uvec2 p[3] = {seed_x(seed), seed_y(seed), seed_z(seed)};
             if (p[0].y == NO_COORDINATE) continue;
-            if (weighted != 0u) heaviest = max64(heaviest, seeds_w[seed]);
+            if (weighted != 0u) heaviest = max64(heaviest, seed_weight(seed));
             for (int axis = 0; axis < 3; ++axis) {
                 box.lower[axis] = min64(box.lower[axis], p[axis]);
                 box.upper[axis] = max64(box.upper[axis], p[axis]);
@@ -152,15 +153,15 @@ void main() {
     } else {
         const uint end = min(push.below_count, (node + 1u) * FAN);
         for (uint child = node * FAN; child < end; ++child) {
-            const Node c = nodes[push.below_first + child];
-            if (weighted != 0u) heaviest = max64(heaviest, node_weights[push.below_first + child].largest);
+            const Node c = node_at(push.below_first + child);
+            if (weighted != 0u) heaviest = max64(heaviest, weights_at(push.below_first + child).largest);
             for (int axis = 0; axis < 3; ++axis) {
                 box.lower[axis] = min64(box.lower[axis], c.lower[axis]);
                 box.upper[axis] = max64(box.upper[axis], c.upper[axis]);
             }
         }
     }
-    nodes[push.first + node] = box;
+    put_node(push.first + node, box);
     if (weighted == 0u) return;
     vec3 of_tilt = vec3(0.0);
     float drop = 0.0;
@@ -171,24 +172,24 @@ void main() {
             const uint first_seed = node * FAN * GROUP_SEEDS, end_seed = min(push.seed_count, first_seed + FAN * GROUP_SEEDS);
             of_tilt = fit_tilt(first_seed, end_seed, box, heaviest);
             for (uint child = first; child < end; ++child) {
-                const Node below = nodes[child];
+                const Node below = node_at(child);
                 if (below.lower[0].y == NO_COORDINATE) continue;
                 const uint seed = (child - push.below_first) * GROUP_SEEDS;
-                const uvec2 largest = node_weights[child].largest;
+                const uvec2 largest = weights_at(child).largest;
                 set_weights(child, largest, of_tilt,
                             drop_of_group(seed, min(push.seed_count, seed + GROUP_SEEDS), below, largest, of_tilt));
             }
         } else {
             float count = 0.0;
             for (uint child = first; child < end; ++child) {
-                if (nodes[child].lower[0].y == NO_COORDINATE) continue;
+                if (node_at(child).lower[0].y == NO_COORDINATE) continue;
                 of_tilt += tilt_of(child);
                 count += 1.0;
             }
             of_tilt /= count;
             if (push.level == 2u) {
                 const float stretch = stretch_of(first, end, box);
-                for (uint child = first; child < end; ++child) node_weights[child].stretch = stretch;
+                for (uint child = first; child < end; ++child) put_stretch(child, stretch);
             }
         }
         drop = drop_of_node(first, end, box, heaviest, of_tilt);

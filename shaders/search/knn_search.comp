@@ -12,7 +12,6 @@
 #include "invocations/index.glsl"
 #include "invocations/loop_guard.glsl"
 #include "numbers/int64.glsl"
-#include "search/seeds.glsl"
 #include "shared/interface.h"
 #include "shared/layout.h"
 
@@ -20,12 +19,12 @@ layout(constant_id = CONSTANT_K) const int k = 64;
 layout(push_constant) uniform Push { KnnPush push; };
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer SeedInput { uint seed_input[]; };
 layout(std430, binding = BINDING_RUN_STATE) readonly buffer State { RunState state; };
-layout(std430, binding = BINDING_LIST) writeonly buffer List { uint list[]; };
-layout(std430, binding = BINDING_LIST_INFO) writeonly buffer ListInfos { ListInfo list_info[]; };
 
 #include "search/bounds.glsl"
 #include "search/distances.glsl"
 #include "search/hierarchy.glsl"
+#include "search/seeds.glsl"
+#include "shared/chunk.glsl"
 
 uint self;
 uvec2 px, py, pz, pw;
@@ -123,10 +122,10 @@ vec3 offset_of(uvec2 x, uvec2 y, uvec2 z) {
 void visit_group(uint group) {
     const uint end = min(push.seed_count, (group + 1u) * GROUP_SEEDS);
     for (uint seed = group * GROUP_SEEDS; seed < end; ++seed) {
-        if (seed == self || seeds_x[seed].y == NO_COORDINATE) continue;
-        const vec3 at = offset_of(seeds_x[seed], seeds_y[seed], seeds_z[seed]);
+        if (seed == self || seed_x(seed).y == NO_COORDINATE) continue;
+        const vec3 at = offset_of(seed_x(seed), seed_y(seed), seed_z(seed));
         float d = dot(at, at);
-        if (weighted != 0u) d = seed_key(d, seed_lighter(at, d, seeds_w[seed]));
+        if (weighted != 0u) d = seed_key(d, seed_lighter(at, d, seed_weight(seed)));
         if (!(d < worst)) continue;
         distances[size] = d;
         indices[size++] = seed;
@@ -140,10 +139,11 @@ void visit_group(uint group) {
 
 bool is_near(uint level, uint node) {
     const uint n = push.level_first[level] + node;
-    if (nodes[n].lower[0].y == NO_COORDINATE) return false;
+    const Node box = node_at(n);
+    if (box.lower[0].y == NO_COORDINATE) return false;
     if (weighted != 0u) {
-        const vec3 lower = offset_of(nodes[n].lower[0], nodes[n].lower[1], nodes[n].lower[2]),
-                   upper = offset_of(nodes[n].upper[0], nodes[n].upper[1], nodes[n].upper[2]);
+        const vec3 lower = offset_of(box.lower[0], box.lower[1], box.lower[2]),
+                   upper = offset_of(box.upper[0], box.upper[1], box.upper[2]);
         vec3 v;
         float c;
         bound_node(n, lower, upper, v, c);
@@ -151,13 +151,13 @@ bool is_near(uint level, uint node) {
     }
     float dx, dy, dz;
     if (coarse) {
-        dx = coarse_gap(px.y, nodes[n].lower[0].y, nodes[n].upper[0].y);
-        dy = coarse_gap(py.y, nodes[n].lower[1].y, nodes[n].upper[1].y);
-        dz = coarse_gap(pz.y, nodes[n].lower[2].y, nodes[n].upper[2].y);
+        dx = coarse_gap(px.y, box.lower[0].y, box.upper[0].y);
+        dy = coarse_gap(py.y, box.lower[1].y, box.upper[1].y);
+        dz = coarse_gap(pz.y, box.lower[2].y, box.upper[2].y);
     } else {
-        dx = gap(px, nodes[n].lower[0], nodes[n].upper[0]);
-        dy = gap(py, nodes[n].lower[1], nodes[n].upper[1]);
-        dz = gap(pz, nodes[n].lower[2], nodes[n].upper[2]);
+        dx = gap(px, box.lower[0], box.upper[0]);
+        dy = gap(py, box.lower[1], box.upper[1]);
+        dz = gap(pz, box.lower[2], box.upper[2]);
     }
     return (dx * dx + dy * dy + dz * dz) * box_slack < worst;
 }
@@ -192,24 +192,30 @@ void search() {
 float expected_reach() {
     if (push.level_count < 3u) return UNBOUNDED;
     const uint around = push.level_first[1] + self / (GROUP_SEEDS * FAN);
-    const float reach = expected_reach_in(nodes[around], k);
-    return weighted != 0u ? reach * node_weights[around].stretch : reach;
+    const float reach = expected_reach_in(node_at(around), k);
+    return weighted != 0u ? reach * weights_at(around).stretch : reach;
+}
+
+void put_list(uint column, uint lengths, float reach, float bound) {
+    of_cells[word_at(WORDS_LIST_LENGTHS, column)] = lengths;
+    of_cells[word_at(WORDS_LIST_REACH, column)] = floatBitsToUint(reach);
+    of_cells[word_at(WORDS_LIST_BOUND, column)] = floatBitsToUint(bound);
 }
 
 void main() {
     const uint column = linear_invocation();
     if (column >= push.cell_count) return;
     self = push.first_cell + column;
-    px = seeds_x[self];
-    py = seeds_y[self];
-    pz = seeds_z[self];
+    px = seed_x(self);
+    py = seed_y(self);
+    pz = seed_z(self);
     if (px.y == NO_COORDINATE || seed_input[self] >= push.own_count) {
-        list_info[column] = ListInfo(0u, 0.0, 0.0);
+        put_list(column, 0u, 0.0, 0.0);
         return;
     }
 
     if (weighted != 0u) {
-        pw = seeds_w[self];
+        pw = seed_weight(self);
         begin_power(1.0, state, self / GROUP_SEEDS);
     }
     worst = expected_reach();
@@ -259,7 +265,7 @@ void main() {
         const int b = BUCKET_OF(distances[i]);
         if (b >= fitting) continue;
         const int place = places[b];
-        list[uint(place) * push.stride + column] = indices[i];
+        of_cells[word_at(WORDS_LIST + uint(place), column)] = indices[i];
         places[b] = place + 1;
     }
     const float bound = distance_to_bounds(px, py, pz);
@@ -270,5 +276,5 @@ void main() {
         listed = 0;
     }
     if (weighted == 0u) reach = min(reach, bound);
-    list_info[column] = ListInfo(uint(listed) | (uint(min(in_first_bucket, listed)) << 16), reach, bound);
+    put_list(column, uint(listed) | (uint(min(in_first_bucket, listed)) << 16), reach, bound);
 }

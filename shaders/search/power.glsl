@@ -21,7 +21,8 @@
 #ifndef VOTESS_SEARCH_POWER_GLSL
 #define VOTESS_SEARCH_POWER_GLSL
 
-#include "search/seed_weights.glsl"
+#include "numbers/int64.glsl"
+#include "search/nodes.glsl"
 
 const float smallest_key = -UNBOUNDED, largest_key = 2.9e38;  // seeds with larger keys cut nothing within a box
 
@@ -84,13 +85,14 @@ float seed_key(float square, float lighter) {
 // For a node whose box extends from `lower` to `upper` around the cell's seed: outputs v and c so that w >= c - 2 v.n for a
 // seed at n. With the node's tilt g, v is g - a. Without a tilt of the cell v is 0, and the heaviest seed is the bound.
 void bound_node(uint node, vec3 lower, vec3 upper, out vec3 v, out float c) {
-    const float by_weight = rough_lighter_by(node_weights[node].largest), slack = 2.5 * key_slack;
+    const NodeWeights weights = weights_at(node);
+    const float by_weight = rough_lighter_by(weights.largest), slack = 2.5 * key_slack;
     v = vec3(0.0);
     c = by_weight - slack * abs(by_weight) - weight_slack;
     if (!has_tilt) return;
-    const vec3 a = 0.5 * twice_tilt, g = tilt_of(node) * from_units;
+    const vec3 a = 0.5 * twice_tilt, g = vec3(weights.tilt[0], weights.tilt[1], weights.tilt[2]) * from_units;
     v = g - a;
-    const float drop = node_weights[node].drop * (from_units * from_units);
+    const float drop = weights.drop * (from_units * from_units);
     const vec3 reach = max(abs(lower), abs(upper)) + offset_slack / slack * 2.0;
     const float size = abs(by_weight) + abs(drop) + 2.0 * dot(abs(g) + abs(a) + abs(v), reach);
     c = by_weight + drop + dot(g, lower + upper) - slack * size - weight_slack;

@@ -26,7 +26,6 @@
 #include "shared/layout.h"
 
 layout(constant_id = CONSTANT_FIRST_COUNT) const int first_count = 48;
-layout(std430, binding = BINDING_NODES) readonly buffer Nodes { uvec4 node_words[]; };  // three words a Node: fewer loads
 
 const float high_unit = 4294967296.0;  // in units of coordinates
 const float low_unit = 1.0 / high_unit;
@@ -51,11 +50,6 @@ const uint side_by_side = uint(lanes) / lanes_each;
 const uint key_place_mask = SUBGROUP_STORE - 1u;
 
 #define NODE_BITS 28  // a stack's word holds a node's number, and its level above that
-
-Node node_at(uint n) {
-    const uvec4 a = node_words[3u * n], b = node_words[3u * n + 1u], c = node_words[3u * n + 2u];
-    return Node(uvec2[3](a.xy, a.zw, b.xy), uvec2[3](b.zw, c.xy, c.zw));
-}
 
 // Returns the approximate squared distance in a key of the store.
 float distance_of_key(uint key) {
@@ -85,7 +79,7 @@ void begin_search() {
     if (weighted == 0u) return;
     begin_power(high_unit, state, self / GROUP_SEEDS);
     set_power_slacks(false);
-    next *= node_weights[LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)].stretch;
+    next *= weights_at(LEVEL_FIRST(1) + self / (GROUP_SEEDS * FAN)).stretch;
     nearest_square = UNBOUNDED;
     reach_radius = exp2(float(COORDINATE_BITS + 1)) * low_unit;  // beyond the box
     done = smallest_key;
@@ -167,7 +161,7 @@ bool is_near(uint level, uint node) {
 
 // Returns whether a seed is a candidate, and outputs its squared distance.
 bool is_candidate(uint seed, out float d) {
-    const uvec2 x = seeds_x[seed], y = seeds_y[seed], z = seeds_z[seed];
+    const uvec2 x = seed_x(seed), y = seed_y(seed), z = seed_z(seed);
     vec3 at;
     if (coarse)
         at = coarse_offset_of(x, y, z);
@@ -178,7 +172,7 @@ bool is_candidate(uint seed, out float d) {
     d = square;
     float lighter = 0.0;
     if (weighted != 0u) {
-        lighter = seed_lighter(at, square, seeds_w[seed]);
+        lighter = seed_lighter(at, square, seed_weight(seed));
         d = seed_key(square, lighter);
     }
     const bool other = seed != self, there = x.y != NO_COORDINATE, counts = other && there,

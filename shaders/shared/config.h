@@ -87,8 +87,18 @@
 // download: entries of the rows that an invocation moves.
 #define GATHER_ENTRIES 4
 
-// download: rows out may be larger than one binding can be.
-#define ROW_WINDOWS 4
+// Arrays of one word for each cell of a chunk. They lie one after the other behind its ChunkState (shared/chunk.glsl).
+#define WORDS_ROW_OFFSET 0u  // sums of the lengths before
+#define WORDS_ROW_LENGTH 1u
+#define WORDS_ROW_PLACE 2u     // column in the rows, with SECOND_TIER_BIT
+#define WORDS_INFO 3u          // see INFO_
+#define WORDS_TODO 4u          // cells that the first tier left to the second; not all are used
+#define WORDS_OF_CELLS 5u      // without lists
+#define WORDS_LIST_LENGTHS 5u  // of a list; in the high half, of its first bucket, which is not sorted
+#define WORDS_LIST_REACH \
+    6u  // float: squared distance in units up to which a list is complete; in a power diagram, rank
+#define WORDS_LIST_BOUND 7u  // float: squared distance beyond which seeds are unknown
+#define WORDS_LIST 8u        // k arrays: sorted seeds, nearest first
 
 // Statuses, equal to votess::CellStatus.
 #define STATUS_CERTIFIED 0u

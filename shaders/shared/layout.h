@@ -24,6 +24,7 @@ struct UploadPush {
     uint stride;  // numbers from point to point
     uint check;   // bits of CHECK_
     uint begin;   // index of the first point's first number in the raw buffer
+    uint total;   // points of the run, places of images included
 };
 
 struct ImagesPush {
@@ -32,7 +33,7 @@ struct ImagesPush {
     uvec2 extent[3];  // of the larger one
     uint periodic;    // a bit an axis
     uint count;       // of seeds
-    uint capacity;    // for images
+    uint total;       // of them and of places for images
 };
 
 struct SortPush {
@@ -43,7 +44,7 @@ struct SortPush {
 };
 
 struct KeyPush {
-    uint count;
+    uint total;             // points, those without coordinates included
     uint bits;              // per axis, 1 .. KEY_BITS_PER_AXIS
     float blocks_per_unit;  // of the high words: 2^bits over the box's longest side
 };
@@ -84,7 +85,6 @@ struct KnnPush {
     uint own_count;  // input indices from here on are seeds beside the part: they get no cell
     uint level_count;
     uint max_visits;  // boxes visited before the search gives up
-    uint stride;      // of the list from neighbor to neighbor
     uint level_first[MAX_LEVELS];
 };
 
@@ -94,7 +94,6 @@ struct ClipPush {
     uint cell_count;
     uint seed_count;
     uint own_count;  // as in KnnPush
-    uint list_stride;
     uint row_stride;
     uint walls;              // 1: wall ids are in the rows
     uint neighbors;          // 1: rows are requested
@@ -135,8 +134,10 @@ struct RowsPush {
     uint cell_count;
     uint row_stride;         // of the first tier
     uint second_row_stride;  // of the second tier
+    uint second_first;       // where rows of the second tier begin, behind those of the first
     uint capacity;           // entries of the rows out
-    uint window_bits;        // of their windows
+    uint window;             // of the rows out, which this dispatch writes
+    uint window_bits;        // it has 2^window_bits entries
     uint named_from;         // ids from here on have names
     uint shifts;             // 1: shifts are requested, relative to the cell's own
     int shift;               // of areas in frames, as in UploadPush
@@ -147,7 +148,6 @@ struct GatherPush {
     uint cell_count;   // of the slice
     uint first_entry;  // sum of the lengths before
     uint entry_count;  // of the slice
-    uint window_bits;  // as in RowsPush
     uint areas;        // 1: requested
     uint shifts;       // 1: requested
 };
@@ -159,6 +159,7 @@ struct FramePush {
     uint neighbors;  // 1: there are rows
     uint geometry;   // 1: there are volumes and centroids
     int shift;       // as in UploadPush
+    uint seed_count;
     uint own_count;  // as in KnnPush
 };
 
@@ -213,13 +214,6 @@ struct RunState {
     uint unused;
 };
 
-// What knn found out about a cell's list.
-struct ListInfo {
-    uint lengths;  // of the list; in the high half, of its first bucket, which is not sorted
-    float reach;   // squared distance in units up to which the list is complete; in a power diagram, rank
-    float bound;   // squared distance beyond which seeds are unknown
-};
-
 // Cells that the first tier left, and the arguments of the indirect dispatches for them: of subgroups, which try first,
 // and of invocations.
 struct ChunkState {
@@ -228,6 +222,7 @@ struct ChunkState {
     uint subgroups_x, subgroups_y, subgroups_z;
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
+    uint unused[55];  // CELL_WORDS follow, 256 bytes from the front, where any device can bind them
 };
 
 // votess::vulkan::Header and Cell.

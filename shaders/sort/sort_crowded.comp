@@ -12,5 +12,5 @@ layout(std430, binding = BINDING_SCAN_DATA) buffer Crowded { uint crowded; };
 
 void main() {
     const uint seed = linear_invocation();
-    if (seed < push.count && seed >= GROUP_SEEDS && keys[seed] == keys[seed - GROUP_SEEDS]) atomicOr(crowded, 1u);
+    if (seed < push.total && seed >= GROUP_SEEDS && keys[seed] == keys[seed - GROUP_SEEDS]) atomicOr(crowded, 1u);
 }

@@ -10,21 +10,16 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { KeyPush push; };
-layout(std430, binding = BINDING_POINTS_X) readonly buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) readonly buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) readonly buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_KEYS_IN) readonly buffer Keys { uvec2 keys[]; };
 layout(std430, binding = BINDING_INDEX_IN) readonly buffer Index { uint index[]; };
-layout(std430, binding = BINDING_SEEDS_X) writeonly buffer SeedsX { uvec2 seeds_x[]; };
-layout(std430, binding = BINDING_SEEDS_Y) writeonly buffer SeedsY { uvec2 seeds_y[]; };
-layout(std430, binding = BINDING_SEEDS_Z) writeonly buffer SeedsZ { uvec2 seeds_z[]; };
+layout(std430, binding = BINDING_SEEDS) writeonly buffer Seeds { uvec2 seeds[]; };
 layout(std430, binding = BINDING_SEED_INPUT) writeonly buffer SeedInput { uint seed_input[]; };
-layout(std430, binding = BINDING_POINTS_W) readonly buffer PointsW { uvec2 points_w[]; };
-layout(std430, binding = BINDING_SEEDS_W) writeonly buffer SeedsW { uvec2 seeds_w[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 
+#include "upload/points.glsl"
+
 bool at_same_place(uint a, uint b) {
-    return points_x[a] == points_x[b] && points_y[a] == points_y[b] && points_z[a] == points_z[b];
+    return point_x(a) == point_x(b) && point_y(a) == point_y(b) && point_z(a) == point_z(b);
 }
 
 // The result of comparing a point with others at its place.
@@ -36,19 +31,19 @@ bool unsure = false;     // rounding may have made them equal
 // of several.
 void compare(uint other, uint point, bool is_before) {
     if (!at_same_place(other, point)) return;
-    if (weighted == 0u || points_w[other] == points_w[point]) {
+    if (weighted == 0u || point_weight(other) == point_weight(point)) {
         unsure = unsure || (weighted != 0u && state.lossy_weights != 0u);
         duplicate = duplicate || is_before;
-    } else if (less64(points_w[point], points_w[other])) {
+    } else if (less64(point_weight(point), point_weight(other))) {
         duplicate = lighter = true;
     }
 }
 
 void main() {
     const uint seed = linear_invocation();
-    if (seed >= push.count) return;
+    if (seed >= push.total) return;
     const uint point = index[seed];
-    uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
+    uvec2 x = point_x(point), y = point_y(point), z = point_z(point);
 
     // The sort is stable: indices of equal keys ascend, so a point that equals this one lies before it.
     const bool outside = x.y == NO_COORDINATE;
@@ -62,7 +57,7 @@ void main() {
         compare(index[seed - back], point, true);
     }
     // A heavier point may also lie behind it.
-    for (uint on = 1u; weighted != 0u && seed + on < push.count && !outside && !lighter; ++on) {
+    for (uint on = 1u; weighted != 0u && seed + on < push.total && !outside && !lighter; ++on) {
         if (keys[seed + on] != key) break;
         if (on > MAX_LOOK_BACK) {
             atomicOr(state.suspects, 1u);
@@ -80,9 +75,9 @@ void main() {
         x = z = uvec2(NO_COORDINATE);
         y = lighter ? uvec2(0) : x;
     }
-    seeds_x[seed] = x;
-    seeds_y[seed] = y;
-    seeds_z[seed] = z;
-    if (weighted != 0u) seeds_w[seed] = points_w[point];
+    seeds[seed] = x;
+    seeds[push.total + seed] = y;
+    seeds[2u * push.total + seed] = z;
+    if (weighted != 0u) seeds[3u * push.total + seed] = point_weight(point);
     seed_input[seed] = duplicate ? point | DUPLICATE_BIT : point;
 }

@@ -7,11 +7,10 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { KeyPush push; };
-layout(std430, binding = BINDING_POINTS_X) readonly buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) readonly buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) readonly buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_KEYS_OUT) writeonly buffer Keys { uvec2 keys[]; };
 layout(std430, binding = BINDING_INDEX_OUT) writeonly buffer Index { uint index[]; };
+
+#include "upload/points.glsl"
 
 // Interleaves ten bits of each axis, half of KEY_BITS_PER_AXIS.
 uint interleave(uvec3 axes) {
@@ -48,11 +47,11 @@ uvec3 hilbert_transposed(uvec3 axes, uint bits) {
 
 void main() {
     const uint point = linear_invocation();
-    if (point >= push.count) return;
+    if (point >= push.total) return;
     const uint most = (1u << push.bits) - 1u;
     uvec3 block = uvec3(most);  // points without coordinates go to the end of the curve
-    if (points_x[point].y != NO_COORDINATE) {
-        const vec3 high = vec3(points_x[point].y, points_y[point].y, points_z[point].y);
+    if (point_x(point).y != NO_COORDINATE) {
+        const vec3 high = vec3(point_x(point).y, point_y(point).y, point_z(point).y);
         block = min(uvec3(high * push.blocks_per_unit), uvec3(most));
     }
     const uvec3 h = hilbert_transposed(block, push.bits);

@@ -7,9 +7,8 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { ImagesPush push; };
-layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
+
+#include "upload/points.glsl"
 
 bool is_periodic(int axis) {
     return (push.periodic & (1u << axis)) != 0u;

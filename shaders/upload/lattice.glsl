@@ -8,10 +8,9 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { ImagesPush push; };
-layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_LATTICE) readonly buffer Lattice { LatticeData lattice; };
+
+#include "upload/points.glsl"
 
 uvec4 signed_product(uvec2 a, uvec2 b) {
     const uvec4 p = product128(magnitude64(a), magnitude64(b));

@@ -12,13 +12,9 @@
 
 layout(push_constant) uniform Push { UploadPush push; };
 layout(std430, binding = BINDING_RAW) readonly buffer Raw { uint raw[]; };
-#ifdef WEIGHTS
-layout(std430, binding = BINDING_POINTS_W) writeonly buffer PointsW { uvec2 points_w[]; };
-#endif
-layout(std430, binding = BINDING_POINTS_X) writeonly buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) writeonly buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) writeonly buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
+
+#include "upload/points.glsl"
 
 // Returns (-1)^negative mantissa 2^exponent in units.
 uvec2 in_units(bool negative, uvec2 mantissa, int exponent, inout bool lost) {
@@ -85,34 +81,26 @@ uvec2 coordinate(uint point, uint axis, inout bool lost) {
     return subtract64(value, push.origin[axis]);
 }
 
-void leave_out(uint point) {
-    points_x[push.first + point] = uvec2(NO_COORDINATE);
-    points_y[push.first + point] = uvec2(NO_COORDINATE);
-    points_z[push.first + point] = uvec2(NO_COORDINATE);
-}
-
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
     const bool checks_box = (push.check & CHECK_BOX) != 0u;
     bool lost = false;
     if ((push.check & CHECK_COUNT) != 0u && point >= state.present) {
-        leave_out(point);
+        put_none(push.first + point);
         return;
     }
 #ifdef WEIGHTS
     const bool inside = is_inside(point, 0u);
-    points_w[push.first + point] = inside ? coordinate(point, 0u, lost) : uvec2(0);
-    if (!inside && checks_box) leave_out(point);
+    put_weight(push.first + point, inside ? coordinate(point, 0u, lost) : uvec2(0));
+    if (!inside && checks_box) put_none(push.first + point);
     if (lost || !inside && !checks_box) atomicOr(state.lossy_weights, 1u);
 #else
     if (checks_box && !(is_inside(point, 0u) && is_inside(point, 1u) && is_inside(point, 2u))) {
-        leave_out(point);
+        put_none(push.first + point);
         return;
     }
-    points_x[push.first + point] = coordinate(point, 0u, lost);
-    points_y[push.first + point] = coordinate(point, 1u, lost);
-    points_z[push.first + point] = coordinate(point, 2u, lost);
+    put_point(push.first + point, coordinate(point, 0u, lost), coordinate(point, 1u, lost), coordinate(point, 2u, lost));
     if (lost) atomicOr(state.lossy, LOSSY_POINTS);
 #endif
 }

@@ -18,17 +18,14 @@
 layout(std430, binding = BINDING_SCAN_DATA) readonly buffer Offsets { uint offsets[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State { RunState state; };
 layout(std430, binding = BINDING_NAMES) writeonly buffer Names { uvec2 names[]; };
-layout(std430, binding = BINDING_POINTS_W) buffer PointsW { uvec2 points_w[]; };
 layout(std430, binding = BINDING_HEADER) buffer Header { FrameHeader header; };
 
 #ifdef TRICLINIC
 void put_image(uint place, uint seed, uint number) {
-    uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
+    uvec2 x = point_x(seed), y = point_y(seed), z = point_z(seed);
     ivec3 shift;
     count_images(x, y, z, number, shift);
-    points_x[push.count + place] = x;
-    points_y[push.count + place] = y;
-    points_z[push.count + place] = z;
+    put_point(push.count + place, x, y, z);
     names[place] = uvec2(seed, uint((shift.x + 128) << 16 | (shift.y + 128) << 8 | (shift.z + 128)));
 }
 #else
@@ -41,15 +38,13 @@ bool has_image(uvec2 x, int by, int axis) {
 
 // Writes image `number` of a seed, in the order of shifts, to a place.
 void put_image(uint place, uint seed, uint number) {
-    const uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
+    const uvec2 x = point_x(seed), y = point_y(seed), z = point_z(seed);
     for (int code = 0; code < 27; ++code) {
         const int a = code / 9 - 1, b = code / 3 % 3 - 1, c = code % 3 - 1;
         const uint shift = uint((a + 128) << 16 | (b + 128) << 8 | (c + 128));
         if (shift == SHIFT_NONE || !has_image(x, a, 0) || !has_image(y, b, 1) || !has_image(z, c, 2)) continue;
         if (number-- != 0u) continue;
-        points_x[push.count + place] = moved(x, a, 0);
-        points_y[push.count + place] = moved(y, b, 1);
-        points_z[push.count + place] = moved(z, c, 2);
+        put_point(push.count + place, moved(x, a, 0), moved(y, b, 1), moved(z, c, 2));
         names[place] = uvec2(seed, shift);
         return;
     }
@@ -57,12 +52,12 @@ void put_image(uint place, uint seed, uint number) {
 #endif
 
 void main() {
-    const uint place = linear_invocation();
-    if (place >= push.capacity) return;
+    const uint place = linear_invocation(), capacity = push.total - push.count;
+    if (place >= capacity) return;
     const uint last = push.count - 1u;
-    uint images = offsets[last] + images_of(points_x[last], points_y[last], points_z[last]);
+    uint images = offsets[last] + images_of(point_x(last), point_y(last), point_z(last));
     if (place == 0u) header.images = images;
-    if (images > push.capacity) {
+    if (images > capacity) {
         if (place == 0u) state.incomplete = 1u;
         images = 0u;
     }
@@ -77,10 +72,8 @@ void main() {
                 high = middle - 1u;
         }
         put_image(place, low, place - offsets[low]);
-        if (weighted != 0u) points_w[push.count + place] = points_w[low];
+        if (weighted != 0u) put_weight(push.count + place, point_weight(low));
     } else {
-        points_x[push.count + place] = uvec2(NO_COORDINATE);
-        points_y[push.count + place] = uvec2(NO_COORDINATE);
-        points_z[push.count + place] = uvec2(NO_COORDINATE);
+        put_none(push.count + place);
     }
 }

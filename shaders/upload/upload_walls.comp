@@ -9,18 +9,17 @@
 #include "shared/layout.h"
 
 layout(push_constant) uniform Push { UploadPush push; };
-layout(std430, binding = BINDING_POINTS_X) buffer PointsX { uvec2 points_x[]; };
-layout(std430, binding = BINDING_POINTS_Y) buffer PointsY { uvec2 points_y[]; };
-layout(std430, binding = BINDING_POINTS_Z) buffer PointsZ { uvec2 points_z[]; };
 layout(std430, binding = BINDING_RUN_STATE) buffer State {
     RunState state;
     WallPlane walls[];
 };
 
+#include "upload/points.glsl"
+
 void main() {
     const uint point = linear_invocation();
     if (point >= push.count) return;
-    const uvec2 x = points_x[point], y = points_y[point], z = points_z[point];
+    const uvec2 x = point_x(point), y = point_y(point), z = point_z(point);
     if (x.y == NO_COORDINATE) return;
     const vec3 place = rough_place(x, y, z);
     bool beyond = false, unsure = false;
@@ -35,7 +34,7 @@ void main() {
             unsure = true;
     }
     if (beyond)
-        points_x[point] = points_y[point] = points_z[point] = uvec2(NO_COORDINATE);
+        put_none(point);
     else if (unsure)
         atomicOr(state.incomplete, 1u);
 }

@@ -51,12 +51,10 @@ void wrap(inout uvec2 x, inout uvec2 y, inout uvec2 z) {
 void main() {
     const uint seed = linear_invocation();
     if (seed >= push.count) return;
-    uvec2 x = points_x[seed], y = points_y[seed], z = points_z[seed];
+    uvec2 x = point_x(seed), y = point_y(seed), z = point_z(seed);
     if (x.y != NO_COORDINATE) {
         wrap(x, y, z);
-        points_x[seed] = x;
-        points_y[seed] = y;
-        points_z[seed] = z;
+        put_point(seed, x, y, z);
     }
     counts[seed] = images_of(x, y, z);
 }

@@ -10,10 +10,8 @@ namespace {
 
 using vulkan::push_bytes;
 
-constexpr std::uint32_t row_windows[ROW_WINDOWS]{BINDING_ROWS_OUT, BINDING_ROWS_OUT_1, BINDING_ROWS_OUT_2,
-                                                 BINDING_ROWS_OUT_3};
-constexpr std::uint32_t shift_windows[ROW_WINDOWS]{BINDING_SHIFTS_OUT, BINDING_SHIFTS_OUT_1, BINDING_SHIFTS_OUT_2,
-                                                   BINDING_SHIFTS_OUT_3};
+constexpr VkDeviceSize bytes_per_entry = 4;  // of rows and shifts
+constexpr VkDeviceSize any_alignment = 256;  // bytes; where any device can bind a part of a buffer
 
 // Returns how many cells of a tile the second tier takes. Small lists leave nearly all cells to it, and so do lattices
 // in frames, where the first tier decides no ties.
@@ -27,9 +25,9 @@ std::uint32_t second_tier_cells(std::uint32_t cells, const PassSettings& setting
     return std::min(cells, blocks_of(cells, TILE_ITEMS) * max_of_tile(cells, settings));
 }
 
-// Subgroups make no lists.
-std::uint32_t list_words(const PassSettings& settings) {
-    return settings.subgroup_size != 0 ? 0 : settings.k;
+// Returns the arrays of a chunk. Subgroups make no lists.
+std::uint32_t words_per_cell(const PassSettings& settings) {
+    return settings.subgroup_size != 0 ? WORDS_OF_CELLS : WORDS_LIST + settings.k;
 }
 
 }  // namespace
@@ -43,21 +41,23 @@ std::uint32_t usual_chunk(const vulkan::Device& device, const PassSettings& sett
     const std::uint32_t for_frames = adapter.unified() ? 1u << 17 : 1u << 20, for_parts = 1u << 22;
     VkDeviceSize cells = wanted;
     if (wanted == 0) cells = adapter.software() ? for_software : settings.frames ? for_frames : for_parts;
-    cells = std::min(cells, adapter.limits.maxStorageBufferRange / DeviceCells::largest_bytes_per_cell(settings));
+    // Less the state of a chunk, and a gap between the rows of the tiers.
+    const VkDeviceSize range = adapter.limits.maxStorageBufferRange - 2 * any_alignment;
+    cells = std::min(cells, range / DeviceCells::largest_bytes_per_cell(settings));
     // Two chunks take at most a quarter of the memory.
     cells = std::min(cells, adapter.device_memory / 8 / DeviceCells::bytes_per_cell(settings));
     return static_cast<std::uint32_t>(std::clamp<VkDeviceSize>(cells, 1, std::max(seeds, 1u)));
 }
 
 VkDeviceSize DeviceCells::bytes_per_cell(const PassSettings& s) {
-    // List, rows of both tiers, the words of reserve(), geometry, and areas of the rows.
+    // The words of a chunk, rows of both tiers, geometry, and areas of the rows.
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * (list_words(s) + planes + 10 + 2 * geometry_components + (s.areas ? 2 * planes : 0));
+    return 4 * (words_per_cell(s) + planes + 2 * geometry_components + (s.areas ? 2 * planes : 0));
 }
 
 VkDeviceSize DeviceCells::largest_bytes_per_cell(const PassSettings& s) {
     const VkDeviceSize planes = s.tiers[0].planes + s.tiers[1].planes;
-    return 4 * std::max<VkDeviceSize>(list_words(s), (s.areas ? 2 : 1) * planes);
+    return 4 * std::max<VkDeviceSize>(words_per_cell(s), (s.areas ? 2 : 1) * planes);
 }
 
 void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings) {
@@ -65,24 +65,16 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     todo_capacity_ = second_tier_cells(cells, settings);
     max_of_tile_ = max_of_tile(cells, settings);
     const VkDeviceSize n = cells, t = todo_capacity_;
-    const VkDeviceSize words = number_bytes / 4, area_words = settings.areas ? words : 0;
-    const VkDeviceSize first_rows = n * settings.tiers[0].planes, second_rows = t * settings.tiers[1].planes;
-    const auto take = [&](std::uint32_t binding, VkDeviceSize count, const char* name) {
-        bindings_.set(binding, workspace.take_words(count, name));
+    const auto take = [&](std::uint32_t binding, VkDeviceSize bytes, const char* name) {
+        bindings_.set(binding, workspace.take(bytes, name));
     };
-    take(BINDING_LIST, n * list_words(settings), "list");
-    take(BINDING_LIST_INFO, settings.subgroup_size != 0 ? 0 : n * (sizeof(ListInfo) / 4), "list info");
-    take(BINDING_ROWS, first_rows, "rows");
-    take(BINDING_SECOND_ROWS, second_rows, "second rows");
-    take(BINDING_AREAS, first_rows * area_words, "areas");
-    take(BINDING_SECOND_AREAS, second_rows * area_words, "second areas");
-    take(BINDING_INFO, n, "info");
-    take(BINDING_ROW_LENGTH, n, "row length");
-    take(BINDING_ROW_PLACE, n, "row place");
-    take(BINDING_ROW_OFFSETS, n, "row offsets");
-    take(BINDING_TODO, t, "todo");
-    take(BINDING_CHUNK_STATE, sizeof(ChunkState) / 4, "chunk state");
-    take(BINDING_GEOMETRY, settings.measure ? n * geometry_components * words : 0, "geometry");
+    // Rows of the second tier begin where they can be bound.
+    second_first_ = round_up(n * settings.tiers[0].planes, any_alignment / bytes_per_entry);
+    const VkDeviceSize entries = second_first_ + t * settings.tiers[1].planes;
+    take(BINDING_ROWS, entries * bytes_per_entry, "rows");
+    take(BINDING_AREAS, settings.areas ? entries * number_bytes : 0, "areas");
+    take(BINDING_CHUNK, sizeof(ChunkState) + 4 * n * words_per_cell(settings), "chunk");
+    take(BINDING_GEOMETRY, settings.measure ? n * geometry_components * number_bytes : 0, "geometry");
     scan_.reserve(workspace, cells);
     tiles_ = workspace.take_words(blocks_of(cells, TILE_ITEMS), "todo of tiles");
     todo_scan_.reserve(workspace, blocks_of(cells, TILE_ITEMS));
@@ -91,37 +83,28 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     more_planes_ = settings.tiers[1].planes - planes_;
 }
 
-std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
-    const std::uint32_t words = device.adapter().limits.maxStorageBufferRange / 4;
-    return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(words)) - 1, max_window_bits);
+std::uint32_t DeviceCells::window_bits(const vulkan::Device& device, VkDeviceSize bytes_per_area) {
+    const VkDeviceSize entries =
+        device.adapter().limits.maxStorageBufferRange / std::max(bytes_per_area, bytes_per_entry);
+    return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(entries)) - 1, max_window_bits);
 }
 
-void DeviceCells::set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows) {
-    const VkDeviceSize window = VkDeviceSize{4} << rows_.window_bits;
-    VkDeviceSize begin = 0;
-    Slice slice = rows;
-    for (const std::uint32_t binding : bindings) {
-        // Nothing is written behind the last window, but Vulkan requires a binding.
-        if (begin == 0 || begin < rows.size)
-            slice = {rows.handle, rows.offset + begin, std::min(window, rows.size - begin)};
-        bindings_.set(binding, slice);
-        begin += window;
-    }
+void DeviceCells::set_rows_out(const RowsOut& rows) {
+    rows_out_ = rows;
+    rows_.capacity = rows.capacity;
+    rows_.window_bits = rows.window_bits;
+    rows_.shifts = rows.shifts ? 1 : 0;
 }
 
-void DeviceCells::set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
-                               std::uint32_t window_bits) {
-    rows_.window_bits = window_bits;
-    rows_.capacity = capacity;
-    set_windows(row_windows, rows);
-    bindings_.set(BINDING_AREAS_OUT, areas);
-    rows_.shifts = 0;
-    set_windows(shift_windows, rows);  // unused, but Vulkan requires a binding
+Slice DeviceCells::state() const {
+    const Slice all = chunk();
+    return {all.handle, all.offset, sizeof(ChunkState)};
 }
 
-void DeviceCells::set_shifts_out(const Slice& shifts) {
-    rows_.shifts = 1;
-    set_windows(shift_windows, shifts);
+Slice DeviceCells::words_of(std::uint32_t array) const {
+    const Slice all = chunk();
+    const VkDeviceSize bytes = VkDeviceSize{4} * rows_.cell_count;
+    return {all.handle, all.offset + sizeof(ChunkState) + array * bytes, bytes};
 }
 
 void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job,
@@ -144,9 +127,9 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     std::ranges::copy(seeds.level_first(), clip_.level_first);
     knn_.max_visits = settings.max_visits;
     clip_.max_visits = settings.max_walk_visits;
-    knn_.stride = clip_.list_stride = cells_;
     clip_.row_stride = rows_.row_stride = cells_;
     rows_.second_row_stride = todo_capacity_;
+    rows_.second_first = static_cast<std::uint32_t>(second_first_);
     todo_ = {count, max_of_tile_, settings.local_size, 0};
     clip_.walls = job.walls ? 1 : 0;
     clip_.neighbors = job.neighbors ? 1 : 0;
@@ -170,13 +153,18 @@ void DeviceCells::set_job(const DeviceSeeds& seeds, const PassSettings& settings
     both_again_.max_visits = settings.max_subgroup_visits[1];
     both_again_.row_stride = todo_capacity_;
     second_bindings_ = bindings_;
-    second_bindings_.set(BINDING_ROWS, slice(BINDING_SECOND_ROWS));
-    second_bindings_.set(BINDING_AREAS, slice(BINDING_SECOND_AREAS));
+    const auto set_second = [&](std::uint32_t binding, VkDeviceSize each) {
+        const Slice all = bindings_.get(binding);
+        const VkDeviceSize first = std::min(second_first_ * each, all.size);
+        second_bindings_.set(binding, {all.handle, all.offset + first, all.size - first});
+    };
+    set_second(BINDING_ROWS, bytes_per_entry);
+    set_second(BINDING_AREAS, number_bytes);
 }
 
 void DeviceCells::record_knn(Recorder& recorder, const Passes& passes) const {
     static_assert(offsetof(ChunkState, row_base) == offsetof(ChunkState, left_count) + 4);
-    recorder.fill(slice(BINDING_CHUNK_STATE), 0, offsetof(ChunkState, row_base), 0);
+    recorder.fill(state(), 0, offsetof(ChunkState, row_base), 0);
     recorder.barrier();
     if (!passes.knn_search) return;
     recorder.dispatch(*passes.knn_search, bindings_.list(), push_bytes(knn_), knn_.cell_count);
@@ -204,25 +192,42 @@ void DeviceCells::record_clip(Recorder& recorder, const Passes& passes, bool sec
     recorder.dispatch(passes.clip_todo, bindings.list(), push_bytes(todo), std::uint64_t{tiles} * TILE_GROUP);
     recorder.barrier();
     if (lanes != 0) {
-        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(both_again_),
-                                   slice(BINDING_CHUNK_STATE), offsetof(ChunkState, subgroups_x));
+        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(both_again_), state(),
+                                   offsetof(ChunkState, subgroups_x));
     } else {
         ClipPush second = clip_;
         second.row_stride = todo_capacity_;
-        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second),
-                                   slice(BINDING_CHUNK_STATE), offsetof(ChunkState, groups_x));
+        recorder.dispatch_indirect(*clip_second, second_bindings_.list(), push_bytes(second), state(),
+                                   offsetof(ChunkState, groups_x));
     }
     recorder.barrier();
 }
 
 void DeviceCells::record_rows(Recorder& recorder, const Passes& passes) const {
     const std::uint32_t count = rows_.cell_count;
-    recorder.copy(slice(BINDING_ROW_LENGTH), 0, slice(BINDING_ROW_OFFSETS), 0, VkDeviceSize{count} * 4);
+    const Slice offsets = words_of(WORDS_ROW_OFFSET);
+    recorder.copy(words_of(WORDS_ROW_LENGTH), 0, offsets, 0, offsets.size);
     recorder.barrier();
-    scan_.record(recorder, passes, slice(BINDING_ROW_OFFSETS), count);
+    scan_.record(recorder, passes, offsets, count);
     const bool named = rows_.named_from < INDEX_MASK;
-    recorder.dispatch(named ? *passes.download_named_rows : passes.download_rows, bindings_.list(), push_bytes(rows_),
-                      count);
+    const vulkan::Pass& pass = named ? *passes.download_named_rows : passes.download_rows;
+    const bool frames = passes.settings.frames;
+    const VkDeviceSize window = VkDeviceSize{1} << rows_.window_bits;
+    RowsPush push = rows_;
+    Bindings bindings = bindings_;
+    for (VkDeviceSize first = 0; first < rows_.capacity; first += window, ++push.window) {
+        const VkDeviceSize entries = std::min(window, rows_.capacity - first);
+        // Passes bind the rows in place of arrays that are not requested.
+        const auto bind = [&](std::uint32_t binding, const Slice& array, VkDeviceSize each) {
+            const Slice& bound = array ? array : rows_out_.rows;
+            if (!array) each = bytes_per_entry;
+            bindings.set(binding, {bound.handle, bound.offset + first * each, entries * each});
+        };
+        bind(BINDING_ROWS_OUT, rows_out_.rows, bytes_per_entry);
+        bind(BINDING_AREAS_OUT, rows_out_.areas, frames ? area_bytes_of_frames : number_bytes);
+        bind(BINDING_SHIFTS_OUT, rows_out_.shifts, bytes_per_entry);
+        recorder.dispatch(pass, bindings.list(), push_bytes(push), count);
+    }
 }
 
 }  // namespace votess::gpu

@@ -25,8 +25,8 @@ struct ChunkJob : KnownSeeds {
 class DeviceCells {
 public:
     static constexpr std::uint32_t geometry_components = 4;  // volume and centroid
-    static constexpr std::uint32_t number_bytes =
-        8;  // of a component or an area: Number in shaders/numbers/number.glsl
+    // Bytes of a component or an area: Number in shaders/numbers/number.glsl. Areas of frames are float32.
+    static constexpr VkDeviceSize number_bytes = 8, area_bytes_of_frames = 4;
 
     // Returns the bytes per cell of a chunk on the device, of all arrays and of the largest.
     static VkDeviceSize bytes_per_cell(const PassSettings& settings);
@@ -34,15 +34,17 @@ public:
 
     // Reserves arrays for up to `cells` cells.
     void reserve(Workspace& workspace, std::uint32_t cells, const PassSettings& settings);
-    // Sets where rows and their areas go, with room for `capacity` entries. They are bound as windows of 2^window_bits
-    // entries.
-    void set_rows_out(const Slice& rows, const Slice& areas, std::uint32_t capacity,
-                      std::uint32_t window_bits = max_window_bits);
-    // Sets where shifts of the rows go, in as many windows. Call it after set_rows_out(), which resets it to no shifts.
-    void set_shifts_out(const Slice& shifts);
+    // Arrays for rows, each of `capacity` entries. An empty one is not requested.
+    struct RowsOut {
+        Slice rows, areas, shifts;
+        std::uint32_t capacity = 0;
+        // Passes see 2^window_bits entries at once.
+        std::uint32_t window_bits = max_window_bits;
+    };
     static constexpr std::uint32_t max_window_bits = 31;
-    // Returns the largest that the device can bind.
-    [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
+    // Returns the largest that the device can bind, where an area has this many bytes.
+    [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device, VkDeviceSize bytes_per_area);
+    void set_rows_out(const RowsOut& rows);
 
     // Sets the sorted seeds first .. first + count - 1.
     void set_job(const DeviceSeeds& seeds, const PassSettings& settings, const ChunkJob& job, std::uint32_t first,
@@ -58,13 +60,17 @@ public:
     [[nodiscard]] VkDeviceSize max_entries(std::uint32_t cells) const {
         return VkDeviceSize{cells} * planes_ + VkDeviceSize{std::min(cells, todo_capacity_)} * more_planes_;
     }
-    [[nodiscard]] const Bindings& bindings() const { return bindings_; }
-    [[nodiscard]] Slice slice(std::uint32_t binding) const { return bindings_.get(binding); }
+    [[nodiscard]] Slice seed_input() const { return bindings_.get(BINDING_SEED_INPUT); }
+    [[nodiscard]] Slice geometry() const { return bindings_.get(BINDING_GEOMETRY); }
+    [[nodiscard]] Slice chunk() const { return bindings_.get(BINDING_CHUNK); }
+    // Returns the ChunkState.
+    [[nodiscard]] Slice state() const;
+    // Returns one of the arrays behind it, WORDS_, of the cells of the job.
+    [[nodiscard]] Slice words_of(std::uint32_t array) const;
 
 private:
-    void set_windows(const std::uint32_t (&bindings)[ROW_WINDOWS], const Slice& rows);
-
     std::uint32_t cells_ = 0, todo_capacity_ = 0, max_of_tile_ = 0;
+    VkDeviceSize second_first_ = 0;               // entry of the rows
     std::uint32_t planes_ = 0, more_planes_ = 0;  // of a cell, and how many more in the second tier
     Scan scan_, todo_scan_;
     Slice tiles_;  // of cells left to the second tier
@@ -72,6 +78,7 @@ private:
     KnnPush knn_{};
     ClipPush clip_{};
     CellsPush both_{}, both_again_{};
+    RowsOut rows_out_;
     RowsPush rows_{};
     TodoPush todo_{};
 };

@@ -32,7 +32,7 @@ void DeviceResults::reserve(const ResultSizes& sizes) {
     take(BINDING_HEADER, sizeof(FrameHeader), "part entries");
     scan_.reserve(buffers_, sizes.members);
     rows_ = buffers_.take(4 * entries, "rows out");
-    areas_ = sizes.areas ? buffers_.take(DeviceCells::number_bytes * entries, "areas out") : rows_;
+    areas_ = sizes.areas ? buffers_.take(DeviceCells::number_bytes * entries, "areas out") : Slice{};
     shifts_ = sizes.shifts ? buffers_.take(4 * entries, "shifts out") : Slice{};
     sizes_ = sizes;
 }
@@ -44,8 +44,7 @@ void DeviceResults::record_begin(Recorder& recorder) const {
 }
 
 void DeviceResults::take_rows_of(DeviceCells& cells) const {
-    cells.set_rows_out(rows_, areas_, sizes_.entries, sizes_.window_bits);
-    if (shifts_) cells.set_shifts_out(shifts_);
+    cells.set_rows_out({.rows = rows_, .areas = areas_, .shifts = shifts_, .capacity = sizes_.entries});
 }
 
 void DeviceResults::record_chunk(Recorder& recorder, const Passes& passes, const DeviceCells& cells,
@@ -56,13 +55,14 @@ void DeviceResults::record_chunk(Recorder& recorder, const Passes& passes, const
                          .neighbors = job.neighbors ? 1u : 0u,
                          .geometry = sizes_.measure ? 1u : 0u,
                          .shift = 0,
+                         .seed_count = 0,
                          .own_count = job.own_count};
     Bindings bindings = bindings_;
-    for (const std::uint32_t binding : {BINDING_SEED_INPUT, BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS,
-                                        BINDING_CHUNK_STATE, BINDING_GEOMETRY})
-        bindings.set(binding, cells.slice(binding));
+    bindings.set(BINDING_SEED_INPUT, cells.seed_input());
+    bindings.set(BINDING_CHUNK, cells.chunk());
+    bindings.set(BINDING_GEOMETRY, cells.geometry());
     if (job.neighbors) {
-        recorder.copy(slice(BINDING_HEADER), offsetof(FrameHeader, entries), cells.slice(BINDING_CHUNK_STATE),
+        recorder.copy(slice(BINDING_HEADER), offsetof(FrameHeader, entries), cells.state(),
                       offsetof(ChunkState, row_base), 4);
         cells.record_rows(recorder, passes);
     }
@@ -81,17 +81,19 @@ void DeviceResults::record_offsets(Recorder& recorder, const Passes& passes, std
 
 void DeviceResults::record_rows(Recorder& recorder, const Passes& passes, const RowSlice& slice,
                                 const SliceArrays& to) const {
-    DeviceCells windows;
-    take_rows_of(windows);
-    Bindings bindings = windows.bindings();
-    const auto wanted = [&](const Slice& array) { return array ? array : to.rows; };
-    for (const std::uint32_t binding : {BINDING_PART_OFFSETS, BINDING_PART_BEGIN})
-        bindings.set(binding, this->slice(binding));
-    bindings.set(BINDING_SLICE_ROWS, to.rows);
-    bindings.set(BINDING_SLICE_AREAS, wanted(to.areas));
-    bindings.set(BINDING_SLICE_SHIFTS, wanted(to.shifts));
-    const GatherPush push{slice.first,        slice.count,        slice.entry,        slice.entries,
-                          sizes_.window_bits, to.areas ? 1u : 0u, to.shifts ? 1u : 0u};
+    Bindings bindings = bindings_;
+    // Passes bind the rows in place of arrays that are not requested.
+    const auto set = [&](std::uint32_t binding, const Slice& array, const Slice& rows) {
+        bindings.set(binding, array ? array : rows);
+    };
+    set(BINDING_ROWS_OUT, rows_, rows_);
+    set(BINDING_AREAS_OUT, areas_, rows_);
+    set(BINDING_SHIFTS_OUT, shifts_, rows_);
+    set(BINDING_SLICE_ROWS, to.rows, to.rows);
+    set(BINDING_SLICE_AREAS, to.areas, to.rows);
+    set(BINDING_SLICE_SHIFTS, to.shifts, to.rows);
+    const GatherPush push{slice.first,   slice.count,        slice.entry,
+                          slice.entries, to.areas ? 1u : 0u, to.shifts ? 1u : 0u};
     recorder.dispatch(*passes.download_gather, bindings.list(), push_bytes(push),
                       blocks_of(slice.entries, GATHER_ENTRIES));
 }

@@ -13,7 +13,6 @@ namespace votess::gpu {
 struct ResultSizes {
     std::uint32_t members = 0, entries = 0;
     bool measure = false, areas = false, shifts = false;
-    std::uint32_t window_bits = 0;  // of the rows, see DeviceCells::set_rows_out()
     bool operator==(const ResultSizes&) const = default;
 };
 

@@ -57,15 +57,11 @@ ResultSizes PartDownload::best_sizes() const {
                       .entries = 0,
                       .measure = wanted_.measure,
                       .areas = wanted_.areas,
-                      .shifts = wanted_.shifts,
-                      .window_bits = DeviceCells::window_bits(device_)};
+                      .shifts = wanted_.shifts};
     if (!wanted_.neighbors) return sizes;
     const auto& adapter = device_.adapter();
-    // Areas are bound as one window, rows and shifts as several.
     const VkDeviceSize each = wanted_.areas ? DeviceCells::number_bytes : 4;
-    const VkDeviceSize seen =
-        wanted_.areas ? adapter.limits.maxStorageBufferRange / each : VkDeviceSize{ROW_WINDOWS} << sizes.window_bits;
-    VkDeviceSize most = std::min({seen, memory_.max_buffer_bytes() / each,
+    VkDeviceSize most = std::min({adapter.limits.maxStorageBufferRange / each, memory_.max_buffer_bytes() / each,
                                   adapter.device_memory / 4 / DeviceResults::bytes_per_entry(sizes),
                                   VkDeviceSize{std::numeric_limits<std::uint32_t>::max()}});
     if (wanted_.max_entries != 0) most = std::min<VkDeviceSize>(most, wanted_.max_entries);

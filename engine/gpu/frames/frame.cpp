@@ -58,20 +58,21 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
                    plan->passes->settings.weights);
     seeds_.set_walls(plan->walls);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
-    // Passes bind the header in place of arrays that are not requested.
-    const auto wanted = [&](const gpu::Slice& array) { return array ? array : header_; };
-    cells_.set_rows_out(wanted(slice(buffers.indices, sizes.indices, "indices")),
-                        wanted(slice(buffers.areas, sizes.areas, "areas")), plan->entries,
-                        gpu::DeviceCells::window_bits(*plan->device));
-    if (is_periodic(plan->options)) cells_.set_shifts_out(wanted(slice(buffers.shifts, sizes.shifts, "shifts")));
+    cells_.set_rows_out(
+        {.rows = slice(buffers.indices, sizes.indices, "indices"),
+         .areas = slice(buffers.areas, sizes.areas, "areas"),
+         .shifts = slice(buffers.shifts, sizes.shifts, "shifts"),
+         .capacity = plan->entries,
+         .window_bits = gpu::DeviceCells::window_bits(*plan->device, gpu::DeviceCells::area_bytes_of_frames)});
     outputs_.set(BINDING_HEADER, header_);
     outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
-    outputs_.set(BINDING_GEOMETRY_OUT, wanted(slice(buffers.geometry, sizes.geometry, "geometry")));
-    for (const std::uint32_t binding :
-         {BINDING_INFO, BINDING_ROW_LENGTH, BINDING_ROW_OFFSETS, BINDING_CHUNK_STATE, BINDING_GEOMETRY})
-        outputs_.set(binding, cells_.slice(binding));
-    outputs_.set(BINDING_SEED_INPUT, seeds_.seed_input());
-    outputs_.set(BINDING_SEEDS_Y, seeds_.bindings().get(BINDING_SEEDS_Y));
+    // The pass binds the header in place of an array that is not requested.
+    const gpu::Slice geometry = slice(buffers.geometry, sizes.geometry, "geometry");
+    outputs_.set(BINDING_GEOMETRY_OUT, geometry ? geometry : header_);
+    outputs_.set(BINDING_GEOMETRY, cells_.geometry());
+    outputs_.set(BINDING_CHUNK, cells_.chunk());
+    for (const std::uint32_t binding : {BINDING_SEED_INPUT, BINDING_SEEDS})
+        outputs_.set(binding, seeds_.bindings().get(binding));
     // Makes all descriptor sets: a recording of fewer seeds needs no other.
     record(VK_NULL_HANDLE,
            {.count = plan->options.most_seeds, .count_buffer = {}, .box = {}, .cell = {}, .timestamps = {}});
@@ -125,7 +126,7 @@ void detail::FrameState::record_upload(const RecordOptions& of_frame) {
     seeds_.record_begin(recorder_, false);
     recorder_.fill(header_, offsetof(FrameHeader, seeds), 4, count);
     recorder_.fill(header_, offsetof(FrameHeader, certified), sizeof(FrameHeader) - 4, 0);
-    recorder_.fill(cells_.slice(BINDING_CHUNK_STATE), offsetof(gpu::ChunkState, row_base), 4, 0);
+    recorder_.fill(cells_.state(), offsetof(gpu::ChunkState, row_base), 4, 0);
     recorder_.barrier();
     std::uint32_t check = CHECK_BOX;
     if (of_frame.count_buffer.buffer != VK_NULL_HANDLE) {
@@ -189,6 +190,7 @@ void detail::FrameState::record_cells(std::uint32_t count) {
                              job.neighbors ? 1u : 0u,
                              plan->options.geometry ? 1u : 0u,
                              seeds_.units().shift,
+                             seeds_.count(),
                              count};
         recorder_.dispatch(*passes.download_cells, outputs_.list(), push_bytes(push), cells);
         recorder_.barrier();

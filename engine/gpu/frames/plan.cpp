@@ -1,5 +1,6 @@
 // votess::vulkan::Plan: checks, pipelines and sizes.
 #include <algorithm>
+#include <limits>
 
 #include "gpu/frames/frame.hpp"
 #include "gpu/passes/kernel_choice.hpp"
@@ -84,13 +85,7 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    // Rows are bound as windows, rows with areas as one.
-    const std::uint64_t most_entries = std::uint64_t{options.areas ? 1u : ROW_WINDOWS}
-                                       << gpu::DeviceCells::window_bits(device);
-    if (options.most_entries > most_entries)
-        throw Error(ErrorCode::unsupported, "most_entries = " + std::to_string(options.most_entries) +
-                                                " is more than the " + std::to_string(most_entries) +
-                                                " that shaders of " + device.adapter().name + " can reach");
+    constexpr std::uint64_t most_entries = std::numeric_limits<std::uint32_t>::max();
     state->entries = options.most_entries != 0
                          ? options.most_entries
                          : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, most_entries));

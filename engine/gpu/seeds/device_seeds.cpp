@@ -76,18 +76,17 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
                           bool weights) {
     const std::uint32_t capacity = seeds + images;
     set_count(capacity);
-    images_.capacity = images;
-    if (images > 0) {
+    has_images_ = images > 0;
+    if (has_images_) {
         reserve_names(workspace, images);
         bindings_.set(BINDING_LATTICE, workspace.take(sizeof(LatticeData), "lattice"));
         image_counts_ = workspace.take_words(seeds, "image counts");
         image_scan_.reserve(workspace, seeds);
     }
     const VkDeviceSize n = capacity;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-        bindings_.set(BINDING_POINTS_X + k, workspace.take(n * coordinate_bytes, "points"));
-        bindings_.set(BINDING_SEEDS_X + k, workspace.take(n * coordinate_bytes, "seeds"));
-    }
+    const VkDeviceSize bytes = n * bytes_per_seed(weights);
+    bindings_.set(BINDING_POINTS, workspace.take(bytes, "points"));
+    bindings_.set(BINDING_SEEDS, workspace.take(bytes, "seeds"));
     for (int k = 0; k < 2; ++k) {
         keys_[k] = workspace.take_words(2 * n, "keys");
         index_[k] = workspace.take_words(n, "index");
@@ -97,16 +96,9 @@ void DeviceSeeds::reserve(Workspace& workspace, std::uint32_t seeds, std::uint32
     scan_.reserve(workspace, counts);
     bindings_.set(BINDING_SEED_INPUT, workspace.take_words(n, "seed input"));
     const VkDeviceSize nodes = level_first_[level_count_ - 1] + VkDeviceSize{1};
-    bindings_.set(BINDING_NODES, workspace.take(nodes * sizeof(Node), "nodes"));
+    bindings_.set(BINDING_NODES, workspace.take(nodes * bytes_per_node(weights), "nodes"));
     state_and_walls_ = workspace.take(sizeof(RunState) + VkDeviceSize{walls} * sizeof(WallPlane), "run state");
     set_walls({});
-    // Without weights passes bind the run state in place of these arrays, and do not use it.
-    const auto weights_of = [&](std::uint32_t binding, VkDeviceSize bytes, const char* name) {
-        bindings_.set(binding, weights ? workspace.take(bytes, name) : run_state());
-    };
-    weights_of(BINDING_POINTS_W, n * coordinate_bytes, "points, weights");
-    weights_of(BINDING_SEEDS_W, n * coordinate_bytes, "seeds, weights");
-    weights_of(BINDING_NODE_WEIGHTS, nodes * sizeof(NodeWeights), "nodes, weights");
 }
 
 void DeviceSeeds::set_walls(std::vector<WallPlane> walls) {
@@ -183,6 +175,7 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
                                 std::uint32_t count) const {
     ImagesPush push = images_;
     push.count = count;
+    push.total = count_;
     Bindings bindings = bindings_;
     bindings.set(BINDING_SCAN_DATA, image_counts_);
     bindings.set(BINDING_HEADER, header);
@@ -190,13 +183,14 @@ void DeviceSeeds::record_images(Recorder& recorder, const Passes& passes, const 
     recorder.barrier();
     if (count == 0) return;
     image_scan_.record(recorder, passes, image_counts_, count);
-    recorder.dispatch(*passes.upload_images, bindings.list(), push_bytes(push), push.capacity);
+    recorder.dispatch(*passes.upload_images, bindings.list(), push_bytes(push), push.total - count);
     recorder.barrier();
 }
 
 void DeviceSeeds::record_walls(Recorder& recorder, const Passes& passes, std::uint32_t count) const {
     UploadPush push{};
     push.count = count;
+    push.total = count_;
     recorder.dispatch(*passes.upload_walls, bindings_.list(), push_bytes(push), count);
     recorder.barrier();
 }
@@ -217,7 +211,7 @@ void DeviceSeeds::record_begin(Recorder& recorder, bool lossy) const {
         recorder.fill(run_state(), offsetof(RunState, heaviest) + 4, 4, heaviest.y);
     }
     recorder.write(run_state(), sizeof(RunState), std::as_bytes(std::span(walls_)));
-    if (images_.capacity > 0) recorder.write(bindings_.get(BINDING_LATTICE), 0, std::as_bytes(std::span(&lattice_, 1)));
+    if (has_images_) recorder.write(bindings_.get(BINDING_LATTICE), 0, std::as_bytes(std::span(&lattice_, 1)));
     const std::uint32_t bits = (box_lossy_ ? LOSSY_BOX : 0) | (lossy ? LOSSY_POINTS : 0) |
                                (walls_.empty() ? 0 : LOSSY_WALLS) |
                                (lattice_.lossy != 0 ? LOSSY_POINTS | LOSSY_IMAGES : 0);
@@ -244,6 +238,7 @@ void DeviceSeeds::record_weights(Recorder& recorder, const Passes& passes, const
     push.stride = raw.stride;
     push.check = raw.check;
     push.begin = raw.begin;
+    push.total = count_;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
     recorder.dispatch(*passes.upload_weights, bindings.list(), push_bytes(push), count);
@@ -265,6 +260,7 @@ void DeviceSeeds::record_upload(Recorder& recorder, const Passes& passes, const 
     push.stride = raw.stride;
     push.check = raw.check;
     push.begin = raw.begin;
+    push.total = count_;
     Bindings bindings = bindings_;
     bindings.set(BINDING_RAW, raw.slice);
     recorder.dispatch(passes.upload, bindings.list(), push_bytes(push), count);

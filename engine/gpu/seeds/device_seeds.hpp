@@ -55,7 +55,12 @@ private:
 
 class DeviceSeeds {
 public:
-    static constexpr VkDeviceSize coordinate_bytes = 8;
+    // Returns the bytes of a point or seed, and of a node of the hierarchy.
+    static constexpr VkDeviceSize bytes_per_seed(bool weights) { return weights ? 32 : 24; }
+    static_assert(sizeof(Node) == 48 && sizeof(NodeWeights) == 32);  // three and two words of search/nodes.glsl
+    static constexpr VkDeviceSize bytes_per_node(bool weights) {
+        return sizeof(Node) + (weights ? sizeof(NodeWeights) : 0);
+    }
 
     // Reserves arrays for up to `capacity` seeds, `images` images of a periodic box and `walls` walls of any direction.
     // weights: reserves them for weights too.
@@ -147,6 +152,7 @@ private:
     Slice keys_[2], index_[2], counts_, image_counts_, state_and_walls_;
     std::vector<WallPlane> walls_;
     Scan scan_, image_scan_;
+    bool has_images_ = false;
     ImagesPush images_{};
     LatticeData lattice_{};
     std::array<std::uint32_t, MAX_LEVELS> level_first_{}, level_size_{};

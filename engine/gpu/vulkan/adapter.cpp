@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "shared/config.h"
+#include "shared/interface.h"
 
 namespace votess::gpu::vulkan {
 namespace {
 
-constexpr std::uint32_t min_storage_buffers = 18;  // clip_cells binds the most
+constexpr std::uint32_t min_storage_buffers = MAX_BINDINGS;
 constexpr std::uint32_t min_push_bytes = 128;
 constexpr std::uint32_t min_invocations = TILE_GROUP;
 

@@ -4,11 +4,10 @@
 #include <string>
 
 #include "core/arithmetic.hpp"
+#include "shared/interface.h"
 
 namespace votess::gpu::vulkan {
 namespace {
-
-constexpr std::uint32_t max_bindings = 32;  // of one pass
 
 [[noreturn]] void misuse(const std::string& what) {
     throw Error(ErrorCode::internal, what);
@@ -90,7 +89,7 @@ VkDescriptorSet DescriptorSets::get(const Pass& pass, std::span<const VkDescript
     --pool.sets;
     pool.descriptors -= count;
 
-    std::array<VkWriteDescriptorSet, max_bindings> writes{};
+    std::array<VkWriteDescriptorSet, MAX_BINDINGS> writes{};
     for (std::uint32_t i = 0; i < count; ++i) {
         writes[i].sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
         writes[i].dstSet = set;
@@ -181,7 +180,7 @@ void Recorder::bind(const Pass& pass, std::span<const BufferBinding> buffers, st
                " bytes of push constants, not " + std::to_string(push.size()));
     }
     const std::size_t count = pass.bindings().size();
-    std::array<VkDescriptorBufferInfo, max_bindings> infos;
+    std::array<VkDescriptorBufferInfo, MAX_BINDINGS> infos;
     if (count > infos.size()) misuse("the pass " + pass.name() + " has too many bindings");
     for (std::size_t i = 0; i < count; ++i) infos[i] = descriptor(pass, pass.bindings()[i], buffers);
     const VkDescriptorSet set = count == 0 ? VK_NULL_HANDLE : sets_.get(pass, std::span(infos).first(count));

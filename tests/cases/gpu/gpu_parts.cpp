@@ -166,8 +166,18 @@ TEST_SUITE("cases") {
         }
     }
 
-    TEST_CASE("gpu: a device without float64") {
-        test::Gpu gpu({.float64 = false});
+    TEST_CASE("gpu: the smallest device, without float64") {
+        test::Gpu gpu({.float64 = false}, [](VkPhysicalDeviceLimits& limits) {
+            limits.maxPerStageDescriptorStorageBuffers = 8;
+            // Vulkan's minimum.
+            limits.maxDescriptorSetStorageBuffers = 24;
+            limits.maxPushConstantsSize = 128;
+            limits.maxStorageBufferRange = 1u << 27;
+            limits.maxComputeSharedMemorySize = 16384;
+            limits.maxComputeWorkGroupInvocations = limits.maxComputeWorkGroupSize[0] = 128;
+            limits.minStorageBufferOffsetAlignment = 256;
+        });
+        CHECK(gpu.adapter.missing().empty());
         CHECK_FALSE(gpu.device->has_float64());
         test::GpuRunner runner(gpu);
         for (const auto kernel : {Kernel::invocation, test::by_subgroup()})

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 
 #include "gpu/cells/part_download.hpp"
 #include "gpu/chunk.hpp"
@@ -201,29 +202,34 @@ TEST_SUITE("stages") {
         });
     }
 
-    TEST_CASE("gpu clip: rows seen through windows") {
-        GpuStages gpu;
+    TEST_CASE("gpu clip: rows and areas seen through windows") {
+        PassSettings settings = test::pass_settings();
+        settings.areas = true;
+        settings.measure_float64 = false;
+        GpuStages gpu(settings);
         const PointSet set = test::uniform(400, 22);
         const auto cpu = test::run(set, test::all_options());
         gpu.upload_and_sort(set);
-        constexpr std::uint32_t window_bits = 11;  // four windows are too small for all rows
+        constexpr std::uint32_t window_bits = 10;
         const auto entries = static_cast<std::uint32_t>(cpu.indices().size());
-        REQUIRE(entries > 5u << (window_bits - 1));
-        for (const std::uint32_t capacity : {4u << window_bits, entries - 700, 3u << window_bits, 1000u}) {
+        REQUIRE(entries > 5u << window_bits);
+        for (const std::uint32_t capacity : {entries, entries - 700, 3u << window_bits, 1000u}) {
             votess::gpu::OwnBuffers buffers(gpu.memory);
             votess::gpu::DeviceCells cells;
             cells.reserve(buffers, 400, gpu.passes->settings);
             const test::vk::Buffer rows = gpu.memory.buffer(capacity * 4, test::vk::MemoryKind::download);
             std::ranges::fill(rows.as<std::int32_t>(), -77);
             rows.flush();
-            cells.set_rows_out(rows, rows, capacity, window_bits);
+            const test::vk::Buffer areas = gpu.memory.buffer(capacity * 8, test::vk::MemoryKind::download);
+            cells.set_rows_out(
+                {.rows = rows, .areas = areas, .shifts = {}, .capacity = capacity, .window_bits = window_bits});
             ChunkJob job;
             job.walls = true;
             job.own_count = 400;
             cells.set_job(gpu.seeds.on_device(), gpu.passes->settings, job, 0, 400);
             test::vk::Commands commands(*gpu.gpu.device);
             commands.begin();
-            commands.fill(cells.slice(BINDING_CHUNK_STATE), 0, sizeof(votess::gpu::ChunkState), 0);
+            commands.fill(cells.state(), 0, sizeof(votess::gpu::ChunkState), 0);
             commands.barrier();
             cells.record_knn(commands, *gpu.passes);
             cells.record_clip(commands, *gpu.passes, true);
@@ -233,17 +239,28 @@ TEST_SUITE("stages") {
             commands.submit();
             commands.wait();
             rows.invalidate();
-            const auto lengths = gpu.read<std::uint32_t>(cells.slice(BINDING_ROW_LENGTH), 400);
+            areas.invalidate();
+            const auto lengths = gpu.read<std::uint32_t>(cells.words_of(WORDS_ROW_LENGTH), 400);
+            const auto infos = gpu.read<std::uint32_t>(cells.words_of(WORDS_INFO), 400);
+            const int shift = gpu.seeds.on_device().units().shift;
+            const votess::gpu::Numbers of_areas{areas.mapped(), false};
             const auto found = rows.as<std::int32_t>().first(capacity);
             std::size_t at = 0;
             for (std::size_t c = 0; c < 400; at += lengths[c++]) {
                 if (lengths[c] == 0) continue;
-                if (at + lengths[c] <= capacity)
-                    REQUIRE(std::ranges::equal(found.subspan(at, lengths[c]),
-                                               cpu.neighbors(gpu.seeds.order()[c] & INDEX_MASK)));
-                else  // not in part
+                if (at + lengths[c] > capacity) {  // not in part
                     REQUIRE(std::ranges::all_of(found.subspan(std::min<std::size_t>(at, capacity)),
                                                 [](std::int32_t id) { return id == -77; }));
+                    continue;
+                }
+                const std::uint32_t seed = gpu.seeds.order()[c] & INDEX_MASK;
+                REQUIRE(std::ranges::equal(found.subspan(at, lengths[c]), cpu.neighbors(seed)));
+                const int exponent = static_cast<int>(infos[c] >> INFO_EXPONENT_SHIFT) - shift;
+                const auto of_cpu =
+                    cpu.face_areas().subspan(static_cast<std::size_t>(cpu.indptr()[seed]), lengths[c]);
+                const double surface = std::accumulate(of_cpu.begin(), of_cpu.end(), 0.0);
+                for (std::size_t i = 0; i < lengths[c]; ++i)
+                    REQUIRE(std::abs(std::ldexp(of_areas[at + i], 2 * exponent) - of_cpu[i]) <= 1e-5 * surface);
             }
         }
     }

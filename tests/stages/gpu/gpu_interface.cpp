@@ -154,8 +154,7 @@ TEST_SUITE("stages") {
         CHECK(*calls.all_bindings.rbegin() == BINDING_COUNT - 1);
         CHECK(calls.all_constants.size() == CONSTANT_COUNT);
         CHECK(*calls.all_constants.rbegin() == CONSTANT_COUNT - 1);
-        // Adapter::missing() requires this many.
-        CHECK(calls.max_bindings == 18);
+        CHECK(calls.max_bindings == MAX_BINDINGS);
     }
 
     TEST_CASE(

@@ -27,7 +27,7 @@ struct Node {
 constexpr Node no_seeds{{test::no_coordinate, test::no_coordinate, test::no_coordinate}, {0, 0, 0}};
 
 void check_boxes(GpuStages& gpu) {
-    const auto seeds = gpu.coordinates(BINDING_SEEDS_X);
+    const auto seeds = gpu.coordinates(BINDING_SEEDS);
     const std::size_t n = gpu.seeds.count();
     const auto first = gpu.seeds.on_device().level_first();
     const std::size_t levels = gpu.seeds.on_device().level_first().size();
@@ -58,13 +58,13 @@ Squared square(std::uint64_t a, std::uint64_t b) {
 // Finished lists of a chunk, and the checks on them.
 struct Lists {
     std::uint32_t k, cells;
-    std::vector<std::uint32_t> list;
-    std::vector<votess::gpu::ListInfo> info;
+    std::vector<std::uint32_t> list, lengths;
+    std::vector<float> reaches;
     std::vector<Integers> seeds;
 
-    [[nodiscard]] std::uint32_t length(std::size_t cell) const { return info[cell].lengths & 0xffff; }
-    [[nodiscard]] std::uint32_t unsorted(std::size_t cell) const { return info[cell].lengths >> 16; }
-    [[nodiscard]] float reach(std::size_t cell) const { return info[cell].reach; }
+    [[nodiscard]] std::uint32_t length(std::size_t cell) const { return lengths[cell] & 0xffff; }
+    [[nodiscard]] std::uint32_t unsorted(std::size_t cell) const { return lengths[cell] >> 16; }
+    [[nodiscard]] float reach(std::size_t cell) const { return reaches[cell]; }
     [[nodiscard]] std::uint32_t neighbor(std::size_t cell, std::size_t i) const { return list[i * cells + cell]; }
     [[nodiscard]] Squared distance(std::size_t s, std::size_t q) const {
         return square(seeds[0][s], seeds[0][q]) + square(seeds[1][s], seeds[1][q]) + square(seeds[2][s], seeds[2][q]);
@@ -120,9 +120,15 @@ Lists search(GpuStages& gpu, std::uint32_t k, const ChunkJob& job, std::uint32_t
     chunk.start(gpu.seeds, *gpu.passes, job, {.first = first, .count = count, .second_tier = false},
                 download.on_device());
     chunk.wait();
-    return {k, count, gpu.read<std::uint32_t>(chunk.on_device().slice(BINDING_LIST), std::size_t{k} * count),
-            gpu.read<votess::gpu::ListInfo>(chunk.on_device().slice(BINDING_LIST_INFO), count),
-            gpu.coordinates(BINDING_SEEDS_X)};
+    const votess::gpu::DeviceCells& cells = chunk.on_device();
+    test::vk::Slice lists = cells.words_of(WORDS_LIST);
+    lists.size *= k;
+    return {k,
+            count,
+            gpu.read<std::uint32_t>(lists, std::size_t{k} * count),
+            gpu.read<std::uint32_t>(cells.words_of(WORDS_LIST_LENGTHS), count),
+            gpu.read<float>(cells.words_of(WORDS_LIST_REACH), count),
+            gpu.coordinates(BINDING_SEEDS)};
 }
 
 struct Reached {

@@ -100,15 +100,15 @@ TEST_SUITE("stages") {
         const auto upload = filled<UploadPush>();
         check("UploadPush", shaders::test_layout_upload, upload,
               words_of(upload.origin, upload.first, upload.count, upload.shift, upload.format, upload.lower,
-                       upload.upper, upload.stride, upload.check, upload.begin));
+                       upload.upper, upload.stride, upload.check, upload.begin, upload.total));
         const auto images = filled<ImagesPush>();
         check("ImagesPush", shaders::test_layout_images, images,
-              words_of(images.lower, images.side, images.extent, images.periodic, images.count, images.capacity));
+              words_of(images.lower, images.side, images.extent, images.periodic, images.count, images.total));
         const auto sort = filled<SortPush>();
         check("SortPush", shaders::test_layout_sort, sort,
               words_of(sort.count, sort.tiles, sort.shift, sort.high_word));
         const auto key = filled<KeyPush>();
-        check("KeyPush", shaders::test_layout_key, key, words_of(key.count, key.bits, key.blocks_per_unit));
+        check("KeyPush", shaders::test_layout_key, key, words_of(key.total, key.bits, key.blocks_per_unit));
         const auto scan = filled<ScanPush>();
         check("ScanPush", shaders::test_layout_scan, scan, words_of(scan.count));
         const auto boxes = filled<BoxesPush>();
@@ -121,12 +121,12 @@ TEST_SUITE("stages") {
         const auto knn = filled<KnnPush>();
         check("KnnPush", shaders::test_layout_knn, knn,
               words_of(knn.lower, knn.upper, knn.bounded, knn.first_cell, knn.cell_count, knn.seed_count, knn.own_count,
-                       knn.level_count, knn.max_visits, knn.stride, knn.level_first));
+                       knn.level_count, knn.max_visits, knn.level_first));
         const auto clip = filled<ClipPush>();
         check("ClipPush", shaders::test_layout_clip, clip,
-              words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.list_stride,
-                       clip.row_stride, clip.walls, clip.neighbors, clip.volume_tolerance, clip.max_visits,
-                       clip.bounded, clip.level_count, clip.level_first));
+              words_of(clip.extent, clip.first_cell, clip.cell_count, clip.seed_count, clip.own_count, clip.row_stride,
+                       clip.walls, clip.neighbors, clip.volume_tolerance, clip.max_visits, clip.bounded,
+                       clip.level_count, clip.level_first));
         const auto cells = filled<CellsPush>();
         check("CellsPush", shaders::test_layout_cells, cells,
               words_of(cells.extent, cells.lower, cells.upper, cells.bounded, cells.first_cell, cells.cell_count,
@@ -137,19 +137,19 @@ TEST_SUITE("stages") {
               words_of(todo.cell_count, todo.max_of_tile, todo.group, todo.places));
         const auto rows = filled<RowsPush>();
         check("RowsPush", shaders::test_layout_rows, rows,
-              words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.capacity,
-                       rows.window_bits, rows.named_from, rows.shifts, rows.shift));
+              words_of(rows.first_cell, rows.cell_count, rows.row_stride, rows.second_row_stride, rows.second_first,
+                       rows.capacity, rows.window, rows.window_bits, rows.named_from, rows.shifts, rows.shift));
         const auto gather = filled<GatherPush>();
         check("GatherPush", shaders::test_layout_gather, gather,
-              words_of(gather.first_cell, gather.cell_count, gather.first_entry, gather.entry_count, gather.window_bits,
-                       gather.areas, gather.shifts));
+              words_of(gather.first_cell, gather.cell_count, gather.first_entry, gather.entry_count, gather.areas,
+                       gather.shifts));
     }
 
     TEST_CASE("gpu layout: of recorded frames") {
         Reader reader;
         const auto push = filled<FramePush>();
         const Words push_words = words_of(push.first_cell, push.cell_count, push.capacity, push.neighbors,
-                                          push.geometry, push.shift, push.own_count);
+                                          push.geometry, push.shift, push.seed_count, push.own_count);
         CHECK(sizeof push == 4 * push_words.size());
         CHECK(reader.push(shaders::test_layout_frame, push) == push_words);
         const auto header = filled<FrameHeader>();
@@ -173,18 +173,9 @@ TEST_SUITE("stages") {
         const auto chunk = filled<ChunkState>();
         const Words chunk_words =
             words_of(chunk.todo_count, chunk.groups_x, chunk.groups_y, chunk.groups_z, chunk.subgroups_x,
-                     chunk.subgroups_y, chunk.subgroups_z, chunk.left_count, chunk.row_base);
+                     chunk.subgroups_y, chunk.subgroups_z, chunk.left_count, chunk.row_base, chunk.unused);
         CHECK(sizeof chunk == 4 * chunk_words.size());
         CHECK(reader.buffer(shaders::test_layout_chunk, push_bytes(chunk)) == chunk_words);
-        const auto list = filled<ListInfo>();
-        const Words list_words = words_of(list.lengths, list.reach, list.bound);
-        CHECK(sizeof list == 4 * list_words.size());
-        CHECK(reader.buffer(shaders::test_layout_list, push_bytes(list)) == list_words);
-        const auto weights = filled<NodeWeights>();
-        const Words weights_words =
-            words_of(weights.largest, weights.tilt, weights.drop, weights.image_reach, weights.stretch);
-        CHECK(sizeof weights == 4 * weights_words.size());
-        CHECK(reader.buffer(shaders::test_layout_weights, push_bytes(weights)) == weights_words);
         const auto wall = filled<WallPlane>();
         const Words wall_words = words_of(wall.normal, wall.offset, wall.rough);
         CHECK(sizeof wall == 4 * wall_words.size());
@@ -196,13 +187,5 @@ TEST_SUITE("stages") {
         static_assert(offsetof(ChunkState, groups_z) == offsetof(ChunkState, groups_x) + 8);
         static_assert(offsetof(ChunkState, subgroups_y) == offsetof(ChunkState, subgroups_x) + 4);
         static_assert(offsetof(ChunkState, subgroups_z) == offsetof(ChunkState, subgroups_x) + 8);
-    }
-
-    TEST_CASE("gpu layout: nodes of the hierarchy are 48 bytes, one after the other") {
-        Reader reader;
-        static_assert(sizeof(Node) == 48);
-        Words words(3 * sizeof(Node) / 4);
-        for (std::size_t i = 0; i < words.size(); ++i) words[i] = word(i);
-        CHECK(reader.buffer(shaders::test_layout_node, std::as_bytes(std::span(words))) == words);
     }
 }

@@ -50,7 +50,7 @@ void check_upload(GpuStages& gpu, const votess::Job& job) {
     }
     CHECK(std::ldexp(longest, shift) >= 0x1p61l * (1 - 0x1p-50l));
     CHECK(std::ldexp(longest, shift) <= 0x1p62l);
-    const auto units = gpu.coordinates(BINDING_POINTS_X);
+    const auto units = gpu.coordinates(BINDING_POINTS);
     for (std::size_t i = 0; i < job.points.coordinates(); ++i) {
         const auto [value, lost] = exact_units(job.points[i], shift);
         points_lost = points_lost || lost;
@@ -150,7 +150,7 @@ void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     const bool lossy = (gpu.run_state().lossy & LOSSY_POINTS) != 0;
     gpu.seeds.sort(*gpu.passes, bits);
     const std::size_t n = set.size();
-    const auto points = gpu.coordinates(BINDING_POINTS_X);
+    const auto points = gpu.coordinates(BINDING_POINTS);
     constexpr std::uint32_t coarse = votess::gpu::DeviceSeeds::coarse_bits;
     Integers keys = keys_of(gpu, points, std::min(bits, coarse));
     if (bits > coarse && is_crowded(keys)) keys = keys_of(gpu, points, bits);
@@ -165,7 +165,7 @@ void check_sort(GpuStages& gpu, const PointSet& set, std::uint32_t bits) {
     const auto same = [&](std::uint32_t i, std::uint32_t j) {
         return points[0][i] == points[0][j] && points[1][i] == points[1][j] && points[2][i] == points[2][j];
     };
-    const auto seeds = gpu.coordinates(BINDING_SEEDS_X);
+    const auto seeds = gpu.coordinates(BINDING_SEEDS);
     const auto input = gpu.read<std::uint32_t>(BINDING_SEED_INPUT, n);
     std::uint32_t duplicates = 0;
     bool suspects = false;
@@ -253,7 +253,7 @@ TEST_SUITE("stages") {
         members.resize(333);
         gpu.seeds.upload(job, members, job.box, *gpu.passes, gpu.pool);
         REQUIRE(gpu.seeds.count() == 333);
-        const auto units = gpu.coordinates(BINDING_POINTS_X);
+        const auto units = gpu.coordinates(BINDING_POINTS);
         for (std::size_t m = 0; m < members.size(); ++m)
             for (std::size_t a = 0; a < 3; ++a)
                 REQUIRE(units[a][m] == exact_units(set.points[3 * static_cast<std::size_t>(members[m]) + a],

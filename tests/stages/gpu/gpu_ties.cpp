@@ -80,14 +80,12 @@ std::vector<std::int32_t> sides_on(test::Gpu& gpu, const std::vector<Case>& case
     info.local_size = 64;
     info.constants = {{CONSTANT_UNIT_ROUNDOFF, 0}, {CONSTANT_WEIGHTS, 0}};
     const Pass pass(*gpu.device, info);
-    std::vector<Buffer> in;
-    for (std::size_t k = 0; k < 3; ++k) {
-        in.push_back(memory.buffer(VkDeviceSize{count} * 40, MemoryKind::upload, "coordinates"));
-        auto at = in[k].as<std::uint64_t>().begin();
+    const Buffer in = memory.buffer(VkDeviceSize{count} * 120, MemoryKind::upload, "coordinates");
+    auto coordinate = in.as<std::uint64_t>().begin();
+    for (std::size_t k = 0; k < 3; ++k)
         for (const Case& c : cases)
-            for (const auto& seed : c.seeds) *at++ = static_cast<std::uint64_t>(seed[k]) << zeros;
-        in[k].flush();
-    }
+            for (const auto& seed : c.seeds) *coordinate++ = static_cast<std::uint64_t>(seed[k]) << zeros;
+    in.flush();
     const Buffer planes = memory.buffer(VkDeviceSize{count} * 16, MemoryKind::upload, "planes");
     const Buffer out = memory.buffer(VkDeviceSize{count} * 4, MemoryKind::download, "sides");
     auto at = planes.as<std::int32_t>().begin();
@@ -95,16 +93,12 @@ std::vector<std::int32_t> sides_on(test::Gpu& gpu, const std::vector<Case>& case
         for (std::size_t k = 0; k < 4; ++k)
             *at++ = cases[i].walls[k] < 0 ? cases[i].walls[k] : static_cast<std::int32_t>(5 * i + 1 + k);
     planes.flush();
-    TiesPush push{{}, count};
+    TiesPush push{{}, 5 * count};
     for (auto& words : push.extent) {
         const auto w = votess::gpu::words(static_cast<std::uint64_t>(extent) << zeros);
         words = {w.x, w.y};
     }
-    const BufferBinding bindings[] = {{BINDING_SEEDS_X, &in[0]},
-                                      {BINDING_SEEDS_Y, &in[1]},
-                                      {BINDING_SEEDS_Z, &in[2]},
-                                      {BINDING_SEED_INPUT, &planes},
-                                      {BINDING_INFO, &out}};
+    const BufferBinding bindings[] = {{BINDING_SEEDS, &in}, {BINDING_SEED_INPUT, &planes}, {BINDING_CHUNK, &out}};
     gpu.run(pass, bindings, push_bytes(push), count);
     out.invalidate();
     const auto found = out.as<std::int32_t>();

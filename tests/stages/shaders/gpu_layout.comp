@@ -10,9 +10,6 @@ layout(std430, binding = 1) writeonly buffer Words { uint words[]; };
 #if defined(STATE)
 layout(push_constant) uniform Push { uint unused; };
 layout(std430, binding = 0) readonly buffer Source { STATE state; };
-#elif defined(NODE)
-layout(push_constant) uniform Push { uint unused; };
-layout(std430, binding = 0) readonly buffer Source { Node nodes[]; };
 #else
 layout(push_constant) uniform Push { PUSH push; };
 layout(std430, binding = 0) readonly buffer Source { uint unused[]; };
@@ -50,20 +47,21 @@ void main() {
     put(push.stride);
     put(push.check);
     put(push.begin);
+    put(push.total);
 #elif defined(IMAGES)
     put(push.lower);
     put(push.side);
     put(push.extent);
     put(push.periodic);
     put(push.count);
-    put(push.capacity);
+    put(push.total);
 #elif defined(SORT)
     put(push.count);
     put(push.tiles);
     put(push.shift);
     put(push.high_word);
 #elif defined(KEY)
-    put(push.count);
+    put(push.total);
     put(push.bits);
     put(push.blocks_per_unit);
 #elif defined(SCAN)
@@ -96,7 +94,6 @@ void main() {
     put(push.own_count);
     put(push.level_count);
     put(push.max_visits);
-    put(push.stride);
     for (int i = 0; i < MAX_LEVELS; ++i) put(push.level_first[i]);
 #elif defined(CLIP)
     put(push.extent);
@@ -104,7 +101,6 @@ void main() {
     put(push.cell_count);
     put(push.seed_count);
     put(push.own_count);
-    put(push.list_stride);
     put(push.row_stride);
     put(push.walls);
     put(push.neighbors);
@@ -138,7 +134,9 @@ void main() {
     put(push.cell_count);
     put(push.row_stride);
     put(push.second_row_stride);
+    put(push.second_first);
     put(push.capacity);
+    put(push.window);
     put(push.window_bits);
     put(push.named_from);
     put(push.shifts);
@@ -148,7 +146,6 @@ void main() {
     put(push.cell_count);
     put(push.first_entry);
     put(push.entry_count);
-    put(push.window_bits);
     put(push.areas);
     put(push.shifts);
 #elif defined(FRAME)
@@ -158,6 +155,7 @@ void main() {
     put(push.neighbors);
     put(push.geometry);
     put(push.shift);
+    put(push.seed_count);
     put(push.own_count);
 #elif defined(RUN)
     put(state.lossy);
@@ -179,6 +177,7 @@ void main() {
     put(state.subgroups_z);
     put(state.left_count);
     put(state.row_base);
+    for (int i = 0; i < state.unused.length(); ++i) put(state.unused[i]);
 #elif defined(HEADER)
     put(state.seeds);
     put(state.certified);
@@ -194,25 +193,10 @@ void main() {
     put(state.row_begin);
     put(state.row_length);
     put(state.faces);
-#elif defined(LIST)
-    put(state.lengths);
-    put(state.reach);
-    put(state.bound);
-#elif defined(WEIGHTS)
-    put(state.largest);
-    for (int i = 0; i < 3; ++i) put(state.tilt[i]);
-    put(state.drop);
-    put(state.image_reach);
-    put(state.stretch);
 #elif defined(WALL)
     for (int k = 0; k < 3; ++k) put(state.normal[k]);
     for (int k = 0; k < 2; ++k) put(state.offset[k]);
     for (int k = 0; k < 4; ++k) put(state.rough[k]);
-#elif defined(NODE)
-    for (int i = 0; i < 3; ++i) {
-        put(nodes[i].lower);
-        put(nodes[i].upper);
-    }
 #endif
     words[0] = written;
 }

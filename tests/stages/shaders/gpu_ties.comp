@@ -5,7 +5,7 @@
 
 struct TiesPush {
     uvec2 extent[3];
-    uint count;
+    uint seed_count;  // five a case
 };
 layout(push_constant) uniform Push { TiesPush push; };
 
@@ -13,14 +13,14 @@ layout(push_constant) uniform Push { TiesPush push; };
 #include "invocations/index.glsl"
 
 layout(std430, binding = BINDING_SEED_INPUT) readonly buffer Planes { ivec4 planes[]; };
-layout(std430, binding = BINDING_INFO) writeonly buffer Sides { int sides[]; };
+layout(std430, binding = BINDING_CHUNK) writeonly buffer Sides { int sides[]; };
 
 void main() {
     const uint number = linear_invocation();
-    if (number >= push.count) return;
-    px = seeds_x[5u * number];
-    py = seeds_y[5u * number];
-    pz = seeds_z[5u * number];
+    if (5u * number >= push.seed_count) return;
+    px = seed_x(5u * number);
+    py = seed_y(5u * number);
+    pz = seed_z(5u * number);
     quantum = real(0);
     const ivec4 ids = planes[number];
     sides[number] = exact_side(ids.x, ids.y, ids.z, ids.w);

@@ -82,10 +82,14 @@ struct GpuStages {
         FAIL("no such binding");
         return {};
     }
-    // Returns coordinates in units, of points (BINDING_POINTS_X) or seeds (BINDING_SEEDS_X), axis by axis.
-    std::vector<Integers> coordinates(std::uint32_t binding_of_x) {
+    // Returns coordinates in units, of points (BINDING_POINTS) or seeds (BINDING_SEEDS), axis by axis.
+    std::vector<Integers> coordinates(std::uint32_t binding) {
+        const std::size_t n = seeds.count();
+        const auto numbers = read<std::uint64_t>(binding, 3 * n);
         std::vector<Integers> all;
-        for (std::uint32_t a = 0; a < 3; ++a) all.push_back(read<std::uint64_t>(binding_of_x + a, seeds.count()));
+        for (std::size_t a = 0; a < 3; ++a)
+            all.emplace_back(numbers.begin() + static_cast<std::ptrdiff_t>(a * n),
+                             numbers.begin() + static_cast<std::ptrdiff_t>((a + 1) * n));
         return all;
     }
     votess::gpu::RunState run_state() { return read<votess::gpu::RunState>(BINDING_RUN_STATE, 1)[0]; }

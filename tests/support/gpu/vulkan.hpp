@@ -43,8 +43,10 @@ struct Gpu {
     std::shared_ptr<vk::Device> device;
     const VolkDeviceTable original;  // before a test replaced entries
 
-    explicit Gpu(const vk::DeviceOptions& options = {})
-        : device(vk::Device::create(instance, adapter, options)), original(device->table()) {}
+    explicit Gpu(const vk::DeviceOptions& options = {}) : Gpu(options, [](VkPhysicalDeviceLimits&) {}) {}
+    // lower(limits) lowers limits of the device.
+    Gpu(const vk::DeviceOptions& options, const auto& lower)
+        : device(vk::Device::create(instance, with_lower(adapter, lower), options)), original(device->table()) {}
     ~Gpu() {
         device->table() = original;
         device.reset();
@@ -65,6 +67,11 @@ struct Gpu {
         commands.end();
         commands.submit();
         commands.wait();
+    }
+
+    static const vk::Adapter& with_lower(vk::Adapter& adapter, const auto& lower) {
+        lower(adapter.limits);
+        return adapter;
     }
 
     static vk::Adapter first(const vk::Instance& instance) {
