@@ -256,8 +256,7 @@ TEST_SUITE("stages") {
                 const std::uint32_t seed = gpu.seeds.order()[c] & INDEX_MASK;
                 REQUIRE(std::ranges::equal(found.subspan(at, lengths[c]), cpu.neighbors(seed)));
                 const int exponent = static_cast<int>(infos[c] >> INFO_EXPONENT_SHIFT) - shift;
-                const auto of_cpu =
-                    cpu.face_areas().subspan(static_cast<std::size_t>(cpu.indptr()[seed]), lengths[c]);
+                const auto of_cpu = cpu.face_areas().subspan(static_cast<std::size_t>(cpu.indptr()[seed]), lengths[c]);
                 const double surface = std::accumulate(of_cpu.begin(), of_cpu.end(), 0.0);
                 for (std::size_t i = 0; i < lengths[c]; ++i)
                     REQUIRE(std::abs(std::ldexp(of_areas[at + i], 2 * exponent) - of_cpu[i]) <= 1e-5 * surface);
