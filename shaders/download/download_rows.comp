@@ -1,6 +1,7 @@
-// download: packs the rows of a chunk one after the other, each in ascending order.
+// download: packs the rows of a chunk one after the other, each in ascending order. A dispatch writes those entries that are
+// in its window.
 //
-// Variants: AREAS packs areas too, in one window; a Number of either kind moves as two words. NAMES replaces ids by
+// Variants: AREAS packs areas too; a Number of either kind moves as two words. NAMES replaces ids by
 // their names and packs shifts too; rows are in the order of both. FRAME, with AREAS, converts areas to float32, in
 // units of length as given; GEOMETRY_FLOAT64 as in download_cells.comp.
 #version 450

@@ -83,9 +83,9 @@ void DeviceCells::reserve(Workspace& workspace, std::uint32_t cells, const PassS
     more_planes_ = settings.tiers[1].planes - planes_;
 }
 
-std::uint32_t DeviceCells::window_bits(const vulkan::Device& device, VkDeviceSize bytes_per_area) {
-    const VkDeviceSize entries =
-        device.adapter().limits.maxStorageBufferRange / std::max(bytes_per_area, bytes_per_entry);
+std::uint32_t DeviceCells::window_bits(const vulkan::Device& device) {
+    static_assert(area_bytes_of_frames == bytes_per_entry);
+    const VkDeviceSize entries = device.adapter().limits.maxStorageBufferRange / bytes_per_entry;
     return std::min<std::uint32_t>(static_cast<std::uint32_t>(std::bit_width(entries)) - 1, max_window_bits);
 }
 

@@ -42,8 +42,8 @@ public:
         std::uint32_t window_bits = max_window_bits;
     };
     static constexpr std::uint32_t max_window_bits = 31;
-    // Returns the largest that the device can bind, where an area has this many bytes.
-    [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device, VkDeviceSize bytes_per_area);
+    // Returns the largest that the device can bind, in frames.
+    [[nodiscard]] static std::uint32_t window_bits(const vulkan::Device& device);
     void set_rows_out(const RowsOut& rows);
 
     // Sets the sorted seeds first .. first + count - 1.

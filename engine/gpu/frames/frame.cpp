@@ -58,12 +58,11 @@ detail::FrameState::FrameState(std::shared_ptr<const detail::PlanState> of, cons
                    plan->passes->settings.weights);
     seeds_.set_walls(plan->walls);
     cells_.reserve(workspace, plan->chunk_cells, plan->passes->settings);
-    cells_.set_rows_out(
-        {.rows = slice(buffers.indices, sizes.indices, "indices"),
-         .areas = slice(buffers.areas, sizes.areas, "areas"),
-         .shifts = slice(buffers.shifts, sizes.shifts, "shifts"),
-         .capacity = plan->entries,
-         .window_bits = gpu::DeviceCells::window_bits(*plan->device, gpu::DeviceCells::area_bytes_of_frames)});
+    cells_.set_rows_out({.rows = slice(buffers.indices, sizes.indices, "indices"),
+                         .areas = slice(buffers.areas, sizes.areas, "areas"),
+                         .shifts = slice(buffers.shifts, sizes.shifts, "shifts"),
+                         .capacity = plan->entries,
+                         .window_bits = gpu::DeviceCells::window_bits(*plan->device)});
     outputs_.set(BINDING_HEADER, header_);
     outputs_.set(BINDING_CELLS, slice(buffers.cells, sizes.cells, "cells"));
     // The pass binds the header in place of an array that is not requested.
