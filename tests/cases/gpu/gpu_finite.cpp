@@ -9,6 +9,12 @@ namespace {
 using test::Instead;
 using test::PointSet;
 
+struct Variant {
+    Instead number;
+    votess::gpu::Kernel kernel;
+    const char* measure;
+};
+
 PFN_vkCreateShaderModule real_create = nullptr;
 Instead instead;
 
@@ -42,26 +48,23 @@ std::vector<PointSet> samples() {
 
 TEST_SUITE("cases") {
     TEST_CASE("gpu finite: infinities and NaN may become any number") {
-        for (const Instead number : {Instead::largest, Instead::zero}) {
+        for (const auto& [number, kernel, measure] :
+             {Variant{Instead::largest, votess::gpu::Kernel::invocation, "float64"},
+              {Instead::zero, test::by_subgroup(), "float32"}}) {
             instead = number;
+            const test::UseKernel chosen(kernel);
+            const test::Environment numbers("VOTESS_VULKAN_MEASURE", measure);
             test::Gpu gpu;
             real_create = gpu.device->table().vkCreateShaderModule;
             gpu.device->table().vkCreateShaderModule = create_finite;
-            for (const auto kernel : {votess::gpu::Kernel::invocation, test::by_subgroup()})
-                for (const char* const measure : {"float32", "float64"}) {
-                    const test::UseKernel chosen(kernel);
-                    const test::Environment numbers("VOTESS_VULKAN_MEASURE", measure);
-                    test::GpuRunner runner(gpu);
-                    for (const PointSet& set : samples()) {
-                        CAPTURE(static_cast<int>(instead));
-                        CAPTURE(static_cast<int>(kernel));
-                        CAPTURE(measure);
-                        CAPTURE(set.name);
-                        const votess::Options options = test::all_options(set.box);
-                        CHECK(test::check_same(runner.run(set, options), votess::tessellate(set.points, options),
-                                               set.points, test::single_tolerance) == "");
-                    }
-                }
+            test::GpuRunner runner(gpu);
+            for (const PointSet& set : samples()) {
+                CAPTURE(measure);
+                CAPTURE(set.name);
+                const votess::Options options = test::all_options(set.box);
+                CHECK(test::check_same(runner.run(set, options), votess::tessellate(set.points, options), set.points,
+                                       test::single_tolerance) == "");
+            }
         }
     }
 }
