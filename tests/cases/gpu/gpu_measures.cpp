@@ -34,7 +34,7 @@ Set box_of(const std::string& name, std::array<double, 3> size, std::uint64_t se
 // Returns seeds in a thin shell: their cells are needles.
 Set shell(double thickness, std::uint64_t seed) {
     Random random(seed);
-    Set set{"a shell", {}};
+    Set set{"a shell of " + std::to_string(thickness), {}};
     while (set.points.size() < 3 * count) {
         const std::array<double, 3> x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
         const double length = std::hypot(x[0], x[1], x[2]), radius = 0.4 + random.uniform(0, thickness);
@@ -62,7 +62,7 @@ std::vector<Set> sets() {
     }
     all.push_back(box_of("a plate", {1, 1, 1e-3}, 5));
     all.push_back(box_of("a column", {1e-4, 1e-4, 1}, 6));
-    all.push_back(shell(1e-2, 7));
+    for (const double thickness : {1e-2, 1e-3}) all.push_back(shell(thickness, 7));
     for (const double radius : {0.05, 1.0}) all.push_back(in_octahedron(radius, 8));
     return all;
 }
@@ -125,7 +125,7 @@ TEST_SUITE("cases") {
             set.options.weights = set.weights;
             const Tessellation cpu = votess::tessellate(set.points, set.options);
             const std::vector<double> sizes = diagonals(set);
-            for (const double tolerance : {1e-7, 2e-6, 3e-6, 5e-6, 1e-3}) {
+            for (const double tolerance : {1e-7, 2e-6, 3e-6, 5e-6, 1e-5, 2e-5, 4e-5, 1e-3}) {
                 CAPTURE(tolerance);
                 test::GpuRunner runner(gpu, {.volume_tolerance = tolerance});
                 const Tessellation t = runner.run({set.name, set.points, set.options.box}, set.options);
@@ -135,7 +135,7 @@ TEST_SUITE("cases") {
                 CHECK(largest.areas <= tolerance);
                 if (tolerance < 1e-3) continue;
                 // The device measured most cells, in float32.
-                CHECK(t.stats().fallback_cells < cpu.size() / 4);
+                CHECK(t.stats().fallback_cells < cpu.size() / 3);
                 CHECK(largest.volume > 1e-8);
             }
         }
