@@ -59,7 +59,7 @@ TEST_SUITE("cases") {
             gpu.device->table().vkCreateShaderModule = create_finite;
             test::GpuRunner runner(gpu);
             for (const PointSet& set : samples()) {
-                CAPTURE(measure);
+                CAPTURE(std::string(measure));
                 CAPTURE(set.name);
                 const votess::Options options = test::all_options(set.box);
                 const votess::Tessellation t = runner.run(set, options);
