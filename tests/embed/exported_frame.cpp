@@ -1,6 +1,6 @@
-// The half of the example cuda_frames that needs no CUDA: another Vulkan device imports the exported memory, writes the
-// seeds there, and reads rows that equal those of the CPU. The host sets the values of the semaphore that CUDA would.
-// Returns 0, 1 on a failure, 77 without a device that exports memory.
+// The half of the example cuda_frames that needs no CUDA. Another Vulkan device imports the exported memory and writes
+// the seeds there. The rows that it reads must equal the CPU's. The host sets the values of the semaphore that CUDA
+// would. Returns 0, 1 on a failure, 77 without a device that exports memory.
 #include "../../bindings/examples/cuda_frames/exported_frame.hpp"
 
 #include <unistd.h>
@@ -136,13 +136,20 @@ std::uint32_t compare(std::span<const std::byte> buffer, const ExportedFrame::Pl
     return certified;
 }
 
-void require_descriptor_of_semaphore(const ExportedFrame& frame) {
+void report_semaphore(const ExportedFrame& frame) {
     try {
         close(frame.semaphore_descriptor());
         std::printf("the semaphore is exported\n");
     } catch (const std::runtime_error& error) {
         std::printf("%s\n", error.what());  // lavapipe
     }
+}
+
+// Waits until the frame's semaphore has a value. Returns false after some nanoseconds.
+bool reaches(const ExportedFrame& frame, std::uint64_t value, std::uint64_t nanoseconds) {
+    const vk::Semaphore semaphore = frame.semaphore();
+    return frame.device().waitSemaphores(vk::SemaphoreWaitInfo{}.setSemaphores(semaphore).setValues(value),
+                                         nanoseconds) == vk::Result::eSuccess;
 }
 
 int run() {
@@ -153,21 +160,19 @@ int run() {
     constexpr std::uint32_t count = 2000;
     const votess::Box box{{0, 0, 0}, {1, 1, 1}};
     const ExportedFrame frame(count, box, {});
-    require_descriptor_of_semaphore(frame);
+    report_semaphore(frame);
     Importer importer(frame);
     std::mt19937 random(7);
     std::uniform_real_distribution<float> uniform(0, 1);
     std::vector<float> seeds(std::size_t{4} * count);
     for (std::uint64_t step = 0; step < 2; ++step) {
         for (float& x : seeds) x = uniform(random);
-        frame.submit(2 * step + 1, 2 * step + 2);  // begins later, when the seeds are there
+        const std::uint64_t written = 2 * step + 1, done = 2 * step + 2;
+        frame.submit(written, done);
+        if (reaches(frame, done, 300'000'000)) throw std::runtime_error("the frame did not wait for the seeds");
         importer.write(std::as_bytes(std::span(seeds)));
-        frame.device().signalSemaphore({.semaphore = frame.semaphore(), .value = 2 * step + 1});
-        const std::uint64_t done = 2 * step + 2;
-        const vk::Semaphore semaphore = frame.semaphore();
-        if (frame.device().waitSemaphores(vk::SemaphoreWaitInfo{}.setSemaphores(semaphore).setValues(done),
-                                          60'000'000'000) != vk::Result::eSuccess)
-            throw std::runtime_error("the frame did not signal");
+        frame.device().signalSemaphore({.semaphore = frame.semaphore(), .value = written});
+        if (!reaches(frame, done, 60'000'000'000)) throw std::runtime_error("the frame did not signal");
         const std::uint32_t certified = compare(importer.read(), frame.places(), seeds, box);
         std::printf("%u of %u rows in imported memory equal those of the CPU\n", certified, count);
         if (certified < 0.9 * count) return 1;

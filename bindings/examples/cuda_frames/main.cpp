@@ -1,5 +1,5 @@
-// Voronoi cells by Vulkan for a program in CUDA, without a copy. votess makes the cells of a frame, and a kernel of
-// CUDA reads their rows in the same memory and moves each seed to the centroid of its cell. A timeline semaphore orders
+// Voronoi cells by Vulkan for a program in CUDA, without a copy. votess makes the cells of a frame. A kernel of CUDA
+// reads their rows in the same memory, and moves each seed to the centroid of its cell. A timeline semaphore orders
 // both, so the host submits step after step without a wait.
 //
 // Returns 0; 1 on an error; 77 without a device of CUDA. CMakeLists.txt says how to build it.

@@ -88,7 +88,8 @@ std::vector<double> diagonals(const Set& set) {
     return all;
 }
 
-// Largest errors over what the header of polyhedron.glsl allows where the volume errs by all of itself.
+// Largest relative errors. Those of centroids and areas are in the units of the header of polyhedron.glsl, so that one
+// tolerance bounds all three.
 struct Errors {
     double volume = 0, centroid = 0, areas = 0;
 };
