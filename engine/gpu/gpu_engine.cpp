@@ -200,6 +200,7 @@ void GpuEngine::clip_part(std::size_t index) {
     job.neighbors = options.want.neighbors || lists_only_;
     job.walls = options.list_walls;
     job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
+    if (limits_.volume_tolerance != 0) job.volume_tolerance = limits_.volume_tolerance;
     static_cast<KnownSeeds&>(job) = part_;
     if (!part_.members.empty()) job.named_from = named_from();
     const auto max_entries = [&](std::uint32_t count) { return chunks_[0]->on_device().max_entries(count); };

@@ -28,7 +28,8 @@ struct EngineLimits {
     std::uint32_t max_entries = 0;  // of rows, on the device at once
     std::uint32_t local_size = 0;
     std::uint32_t max_walk_visits = 0;
-    double chunk_seconds = 0;  // the device may take for a chunk; sets the cells of the next one
+    double chunk_seconds = 0;     // the device may take for a chunk; sets the cells of the next one
+    double volume_tolerance = 0;  // relative error that the device may prove; 0: by Options::precision
 };
 
 class GpuEngine {

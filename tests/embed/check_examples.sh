@@ -50,6 +50,10 @@ vulkan=$(cached VOTESS_BUILD_VULKAN)
 if [[ $vulkan == ON ]]; then
     build "$examples/vulkan_frames" "$work/frames" &
     frames=$!
+    if command -v nvcc >/dev/null; then
+        build "$examples/cuda_frames" "$work/cuda" &
+        cuda=$!
+    fi
 fi
 
 echo "== C and C++ by CMake"
@@ -115,6 +119,20 @@ else
         echo "$output" >&2
         exit 1
     fi
+fi
+
+echo "== CUDA"
+if [[ -z ${cuda:-} ]]; then
+    skip "no CUDA toolkit, or votess is built without Vulkan"
+else
+    built "$cuda" "$work/cuda"
+    status=0
+    "$work/cuda/cuda_frames" || status=$?
+    case $status in
+        0) ;;
+        77) skip "running cuda_frames: no device of CUDA" ;;
+        *) exit 1 ;;
+    esac
 fi
 
 echo "== Python"

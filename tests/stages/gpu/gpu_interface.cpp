@@ -10,6 +10,7 @@
 #include "gpu/vulkan/spirv.hpp"
 #include "shaders.hpp"
 #include "shared/interface.h"
+#include "support/gpu/finite.hpp"
 #include "support/gpu/gpu_stages.hpp"
 
 using test::Gpu;
@@ -85,6 +86,7 @@ VKAPI_ATTR VkResult VKAPI_CALL note_layout(VkDevice, const VkPipelineLayoutCreat
 VKAPI_ATTR VkResult VKAPI_CALL note_module(VkDevice, const VkShaderModuleCreateInfo* info, const VkAllocationCallbacks*,
                                            VkShaderModule* module) {
     declared = read_spirv({info->pCode, info->codeSize / 4});
+    CHECK_FALSE(test::mentions_infinity({info->pCode, info->codeSize / 4}));
     *module = VK_NULL_HANDLE;
     return VK_SUCCESS;
 }
