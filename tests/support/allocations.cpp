@@ -1,5 +1,6 @@
 #include "support/allocations.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -34,8 +35,8 @@ void* operator new(std::size_t bytes) {
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
     // Not every system has aligned_alloc(). The word before the memory is where malloc() began: both are multiples
-    // of 16.
-    const auto step = static_cast<std::size_t>(alignment);
+    // of 16, also where a caller such as LLVM 22 requests less.
+    const std::size_t step = std::max(static_cast<std::size_t>(alignment), std::size_t{16});
     auto* const begin = static_cast<std::byte*>(counted(std::malloc(bytes + step)));
     auto* const memory = begin + (step - reinterpret_cast<std::uintptr_t>(begin) % step);
     reinterpret_cast<void**>(memory)[-1] = begin;

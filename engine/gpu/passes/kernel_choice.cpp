@@ -74,7 +74,7 @@ std::uint32_t choose_subgroup_size(const vulkan::Adapter& adapter, Kernel kernel
     if (kernel == Kernel::invocation) return 0;
     const std::string missing = missing_for_subgroups(adapter);
     if (missing.empty()) {
-        // On a CPU lanes are not threads, and one invocation per cell is faster.
+        // On a CPU lanes are not threads. Subgroups are slower, or as fast and slower to compile (README.md).
         return kernel == Kernel::automatic && adapter.software() ? 0 : lanes_of(adapter);
     }
     if (kernel == Kernel::automatic) return 0;
