@@ -20,7 +20,7 @@ struct Set {
     std::string name;
     Coordinates points;
     Options options = test::domain_options();
-    std::vector<double> weights;
+    std::vector<double> weights{};
 };
 
 // Returns uniform seeds in a box of this size.
