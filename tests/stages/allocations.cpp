@@ -17,12 +17,12 @@ TEST_SUITE("stages") {
                 CAPTURE(bytes);
                 void* blocks[count];
                 for (void*& block : blocks) {
-                    block = ::operator new(bytes, std::align_val_t{alignment});
+                    block = ::operator new (bytes, std::align_val_t{alignment});
                     CHECK(reinterpret_cast<std::uintptr_t>(block) % alignment == 0);
                     std::memset(block, 0xff, bytes);
                 }
                 // A damaged block ends the process here.
-                for (void* block : blocks) ::operator delete(block, bytes, std::align_val_t{alignment});
+                for (void* block : blocks) ::operator delete (block, bytes, std::align_val_t{alignment});
             }
     }
 }
