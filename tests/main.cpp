@@ -4,8 +4,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "polytope/cell_kernels.hpp"
+#include "support/at_end.hpp"
 
 namespace {
 
@@ -16,7 +19,16 @@ bool limit_instructions(const std::string& name) {
     return kernels != nullptr;
 }
 
+std::vector<std::function<void()>>& calls_at_end() {
+    static std::vector<std::function<void()>> calls;
+    return calls;
+}
+
 }  // namespace
+
+void test::at_end(std::function<void()> call) {
+    calls_at_end().push_back(std::move(call));
+}
 
 // VOTESS_TEST_BEST limits the vector instructions of all tests: avx512, avx2 or baseline.
 int main(int count, char** values) {
@@ -26,5 +38,7 @@ int main(int count, char** values) {
                     best);
         return 2;
     }
-    return doctest::Context(count, values).run();
+    const int result = doctest::Context(count, values).run();
+    for (const auto& call : calls_at_end()) call();
+    return result;
 }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "input/options.hpp"
+#include "support/at_end.hpp"
 #include "support/text.hpp"
 
 namespace test {
@@ -137,8 +139,13 @@ votess::Precision double_precision() {
 }
 
 votess::Tessellator& shared_tessellator() {
-    static votess::Tessellator tessellator;
-    return tessellator;
+    // It must not live until the program ends: validation layers 1.4.363 destroy their globals before.
+    static std::optional<votess::Tessellator> tessellator;
+    if (!tessellator) {
+        tessellator.emplace();
+        at_end([] { tessellator.reset(); });
+    }
+    return *tessellator;
 }
 
 votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options) {
