@@ -146,7 +146,8 @@ void PipelineCache::save() const noexcept {
         std::vector<std::byte> data(size);
         if (table_.vkGetPipelineCacheData(device_, handle_, &size, data.data()) != VK_SUCCESS) return;
         data.resize(size);
-        write_cache(file_, data);
+        // lavapipe (Mesa 26.2) returns 20 bytes, which read_cache() refuses.
+        if (size >= sizeof(VkPipelineCacheHeaderVersionOne)) write_cache(file_, data);
     } catch (...) {
     }
 }

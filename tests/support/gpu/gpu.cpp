@@ -139,7 +139,6 @@ votess::Precision double_precision() {
 }
 
 votess::Tessellator& shared_tessellator() {
-    // It must not live until the program ends: validation layers 1.4.363 destroy their globals before.
     static std::optional<votess::Tessellator> tessellator;
     if (!tessellator) {
         tessellator.emplace();

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "gpu/vulkan/commands.hpp"
+#include "support/at_end.hpp"
 #include "support/check.hpp"
 #include "test_shaders.hpp"
 
@@ -94,8 +95,13 @@ struct SharedGpu {
 
 private:
     static Gpu& shared() {
-        static Gpu gpu;
-        return gpu;
+        // Validation layers 1.4.363 destroy their globals before those of the tests.
+        static std::optional<Gpu> gpu;
+        if (!gpu) {
+            gpu.emplace();
+            at_end([] { gpu.reset(); });
+        }
+        return *gpu;
     }
 };
 
