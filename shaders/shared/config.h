@@ -95,10 +95,9 @@
 #define WORDS_TODO 4u          // cells that the first tier left to the second; not all are used
 #define WORDS_OF_CELLS 5u      // without lists
 #define WORDS_LIST_LENGTHS 5u  // of a list; in the high half, of its first bucket, which is not sorted
-#define WORDS_LIST_REACH \
-    6u  // float: squared distance in units up to which a list is complete; in a power diagram, rank
-#define WORDS_LIST_BOUND 7u  // float: squared distance beyond which seeds are unknown
-#define WORDS_LIST 8u        // k arrays: sorted seeds, nearest first
+#define WORDS_LIST_REACH 6u    // float: squared distance in units (weights: rank) up to which a list is complete
+#define WORDS_LIST_BOUND 7u    // float: squared distance beyond which seeds are unknown
+#define WORDS_LIST 8u          // k arrays: sorted seeds, nearest first
 
 // Statuses, equal to votess::CellStatus.
 #define STATUS_CERTIFIED 0u

@@ -222,7 +222,7 @@ struct ChunkState {
     uint subgroups_x, subgroups_y, subgroups_z;
     uint left_count;  // by the first tier; cells beyond todo_count go to the CPU
     uint row_base;    // first entry of the chunk's rows in the rows out
-    uint unused[55];  // CELL_WORDS follow, 256 bytes from the front, where any device can bind them
+    uint unused[55];  // arrays follow (WORDS_), 256 bytes from the front, where any device can bind them
 };
 
 // votess::vulkan::Header and Cell.

@@ -30,7 +30,7 @@ void put_weight(uint point, uvec2 weight) {
     points[3u * push.total + point] = weight;
 }
 
-// Leaves the place empty: there is no seed.
+// Leaves the place without a seed.
 void put_none(uint point) {
     put_point(point, uvec2(NO_COORDINATE), uvec2(NO_COORDINATE), uvec2(NO_COORDINATE));
 }

@@ -85,10 +85,10 @@ std::shared_ptr<const detail::PlanState> make_plan(std::shared_ptr<gpu::vulkan::
 
     const VkDeviceSize n = options.most_seeds;
     constexpr std::uint32_t usual_row = 20;
-    constexpr std::uint64_t most_entries = std::numeric_limits<std::uint32_t>::max();
+    constexpr std::uint64_t max_entries = std::numeric_limits<std::uint32_t>::max();
     state->entries = options.most_entries != 0
                          ? options.most_entries
-                         : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, most_entries));
+                         : static_cast<std::uint32_t>(std::min(usual_row * std::uint64_t{n}, max_entries));
     BufferSizes& sizes = state->sizes;
     const VkDeviceSize number_bytes = options.format == SeedFormat::float32 ? 4 : 8;
     sizes.seeds = ((n - 1) * options.stride + 3) * number_bytes;

@@ -117,7 +117,7 @@ std::string kernel_text(const vulkan::Adapter& adapter, std::uint32_t subgroup_s
         if (!missing.empty())
             text += ", as it lacks " + missing;
         else if (adapter.software())
-            text += ", which is faster on a CPU";
+            text += ", as suits a CPU";
     }
     return text + ", measured in " + (measure_float64 ? "float64" : "float32");
 }

@@ -121,8 +121,8 @@ TEST_SUITE("cases") {
         test::Gpu gpu({.float64 = false});
         for (Set& set : sets()) {
             CAPTURE(set.name);
-            set.points[0] += (set.points[3] - set.points[0]) * 0x1p-20 /
-                             3;  // rounded to units, so that no passes are made that decide ties
+            // A coordinate that is rounded to units, so that no passes are made that decide ties.
+            set.points[0] += (set.points[3] - set.points[0]) * 0x1p-20 / 3;
             set.options.weights = set.weights;
             const Tessellation cpu = votess::tessellate(set.points, set.options);
             const std::vector<double> sizes = diagonals(set);
