@@ -1,17 +1,15 @@
 #include "run/engines.hpp"
 
-#include <algorithm>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include "core/progress.hpp"
+#include "core/system.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
-#include "core/system.hpp"
 #include "gpu/device_choice.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif
@@ -135,7 +133,7 @@ void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
 #endif
 
 std::vector<DeviceInfo> Engines::devices() {
-    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = system::processors();
     std::vector<DeviceInfo> all{{"cpu", "CPU",
                                  std::to_string(threads) + (threads == 1 ? " thread, " : " threads, ") +
                                      cpu::best_kernels().name + " instructions, exact in double precision"}};

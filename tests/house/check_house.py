@@ -12,7 +12,6 @@ import argparse
 import ast
 import pathlib
 import re
-import subprocess
 import sys
 
 SOURCES = {".cpp", ".hpp", ".inl", ".h", ".c", ".glsl", ".comp", ".vert", ".frag", ".py", ".sh"}
@@ -79,8 +78,8 @@ def main():
     source = arguments.source
     table = rules(source / "engine/README.md")
     engine = source / "engine"
-    names = subprocess.check_output(["git", "-C", str(source), "ls-files", *TREES], text=True).split()
-    files = [pathlib.PurePosixPath(n) for n in names if pathlib.PurePosixPath(n).suffix in SOURCES]
+    files = [pathlib.PurePosixPath(p.relative_to(source)) for tree in TREES for p in sorted((source / tree).rglob("*"))
+             if p.suffix in SOURCES and p.is_file()]
     wrong = []
 
     if len(table) < 8:
