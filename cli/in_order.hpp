@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/system.hpp"
+#include "core/processors.hpp"
 
 namespace clvotess {
 

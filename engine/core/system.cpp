@@ -41,6 +41,8 @@
 #include <fstream>
 #include <thread>
 
+#include "core/processors.hpp"
+
 namespace votess::system {
 namespace {
 

@@ -1,5 +1,5 @@
-// All that differs between systems: files, shared libraries, signals, processors, memory. No other source file asks
-// which system it is on, except votess/export.hpp. clvotess compiles system.cpp too.
+// All that differs between systems: files, shared libraries, signals, memory. No other source file asks which system
+// it is on, except votess/export.hpp. clvotess compiles system.cpp too.
 //
 // Text is UTF-8. Functions for files set errno when they fail.
 #pragma once
@@ -121,9 +121,6 @@ inline constexpr int closed_pipe = 13;
 [[nodiscard]] std::filesystem::path program_path();
 
 [[nodiscard]] std::int64_t process_id();
-// Returns the number of logical processors that the calling thread may use, at least 1: those of its affinity mask
-// (taskset, cpusets of containers, MPI's binding).
-[[nodiscard]] unsigned processors();
 // In bytes, resident; 0 if unknown.
 [[nodiscard]] std::uint64_t peak_memory();
 [[nodiscard]] std::uint64_t resident_memory();

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/processors.hpp"
 #include "core/progress.hpp"
 
 namespace votess {

@@ -3,13 +3,14 @@
 #include <optional>
 #include <utility>
 
+#include "core/processors.hpp"
 #include "core/progress.hpp"
-#include "core/system.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
+#include "core/system.hpp"
 #include "gpu/device_choice.hpp"
 #include "gpu/gpu_engine.hpp"
 #endif

@@ -51,7 +51,7 @@ private:
 
     // Aligned as the compiler expects: Clang forgets a smaller alignment in parameters of templates.
     using Wide __attribute__((vector_size(32), may_alias)) = double;
-    static_assert(alignof(Wide) == alignof(Four));
+    static_assert(sizeof(Wide) == sizeof(Four) && sizeof(Wide) <= alignof(Four));
 
     // By reference, for processors without such registers.
     [[gnu::always_inline]] static const Wide& wide(const Four& four) { return reinterpret_cast<const Wide&>(four); }

@@ -22,7 +22,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "core/system.hpp"
+#include "core/processors.hpp"
 #include "fuzz/judge.hpp"
 #include "fuzz/kinds/kinds.hpp"
 #include "fuzz/tool/reduce.hpp"
