@@ -21,7 +21,7 @@ from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_pairs
 from .pieces import Pieces, make_pieces
-from .stats import VerifyReport, verify
+from .stats import VerifyReport, as_sample, verify
 from .zones import Zones, read_zones
 
 if TYPE_CHECKING:
@@ -280,6 +280,7 @@ class Tessellation(SeedCells):
         far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated
         again.
         """
+        drawn = as_sample(sample, rng_seed)
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         try:
             handle = self._handle()
@@ -288,7 +289,7 @@ class Tessellation(SeedCells):
                 raise
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
-        report = verify(lib.votess_verify, seeds, sample, rng_seed)
+        report = verify(lib.votess_verify, *seeds, *drawn)
         if self.planar or self.in_mesh:
             return report
         tiny = ctypes.c_uint64()
