@@ -7,7 +7,7 @@ import ctypes
 import importlib
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, List, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterator, List, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -51,12 +51,13 @@ class Handle:
     """Owns one object of the library."""
 
     def __init__(self, free: Callable[[ctypes.c_void_p], None]) -> None:
-        self.pointer = ctypes.c_void_p()
+        self.pointer: Any = ctypes.c_void_p()
         self._free = free  # kept here: module globals may be gone when the interpreter ends
 
     def free(self) -> None:
-        # Cleared first: a signal handler may raise right after the call, and free() may be called again.
-        pointer, self.pointer = self.pointer, ctypes.c_void_p()
+        # Cleared first: a signal handler may raise right after the call, and free() may be called again. None is NULL for
+        # ctypes, and no module is needed: all of them may be empty when the interpreter ends.
+        pointer, self.pointer = self.pointer, None
         if pointer:
             self._free(pointer)
 
@@ -65,6 +66,27 @@ class Handle:
 
     def __reduce__(self) -> Any:
         raise TypeError("an object of the library cannot be pickled or deep-copied")
+
+
+class WithHandle:
+    """An object with arrays, and the library's object for further computations. Pickles hold the arrays alone."""
+
+    _handle: Optional[Handle]
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return dict(self.__dict__, _handle=None)
+
+    def __copy__(self) -> Any:
+        """Returns a copy that shares everything."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
+
+    def _pointer(self, source: str) -> Any:
+        """Returns the library's object. ``source``: what made it, for the error."""
+        if self._handle is None:
+            raise ValueError(f"a pickle or deep copy holds no object of the library: use what {source} returned")
+        return self._handle.pointer
 
 
 class _Memory:

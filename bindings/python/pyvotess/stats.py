@@ -8,7 +8,7 @@ from typing import Any, Dict, Optional, Tuple
 
 from . import _c_api
 from ._call import Handle, raise_on_failure
-from ._input import as_count
+from ._arguments import as_count
 from ._library import lib
 
 

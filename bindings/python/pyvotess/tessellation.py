@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 
 import numpy as np
 
+from ._arguments import as_flag
 from ._c_api import CellStatus, ErrorCode
 from ._call import Handle, Progress, VotessError, array_of, raise_on_failure
 from ._input import as_one_each
@@ -155,9 +156,10 @@ class Tessellation(SeedCells):
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
         handle = Handle(lib.votess_zones_free)
-        arguments = (array.ctypes.data, len(array), bool(maxima), ctypes.byref(handle.pointer))
+        falls = as_flag(maxima, "maxima")
+        arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
         raise_on_failure(lib.votess_zones_new(self._handle().pointer, *arguments))
-        return read_zones(handle, self.lists_walls, bool(maxima))
+        return read_zones(handle, self.lists_walls, falls)
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.

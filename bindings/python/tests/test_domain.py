@@ -237,7 +237,7 @@ class Domains(unittest.TestCase):
         merged = vt.tessellate(p, mesh=corners, mesh_repair="merge", want=want, device="cpu")
         np.testing.assert_array_equal(merged.indices, t.indices)
         np.testing.assert_allclose(merged.volumes, t.volumes, rtol=1e-13)
-        for repair, message in ((None, "merge vertices at equal places"), ("holes", "'holes': give \"merge\"")):
+        for repair, message in ((None, "merge vertices at equal places"), ("holes", "mesh_repair is 'holes': the words are merge")):
             with self.assertRaisesRegex((ValueError, vt.VotessError), message):
                 vt.tessellate(p, mesh=corners, mesh_repair=repair)
         again = pickle.loads(pickle.dumps(t))

@@ -232,7 +232,7 @@ class Network(unittest.TestCase):
     def test_bad_input(self):
         t = vt.tessellate(uniform(20), box=UNIT_BOX, periodic=True, want="faces")
         n = t.network()
-        with self.assertRaisesRegex(ValueError, "axis 3"):
+        with self.assertRaisesRegex(ValueError, "axis is 3"):
             n.largest_free(3)
         with self.assertRaisesRegex(ValueError, "want.faces"):
             vt.tessellate(uniform(20)).network()

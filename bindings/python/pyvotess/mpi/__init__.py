@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, 
 import numpy as np
 
 from .. import _c_api
+from .._arguments import as_word
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from .._input import Domain, as_array, as_points, as_word
+from .._input import Domain, as_array, as_points
 from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
@@ -160,8 +161,6 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
 
 def _as_ids(ids: Any, count: int) -> Int64Array:
     array = as_array(ids, "ids")
-    if np.ma.is_masked(ids):
-        raise ValueError("ids has masked values: give an id for each point")
     if array.shape != (count,):
         raise ValueError(f"ids has shape {array.shape} for {count} points: it must be ({count},)")
     if count and (array.dtype.kind not in "iu" or (array.dtype.kind == "u" and int(array.max()) >= 2**63)):
