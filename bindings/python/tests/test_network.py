@@ -1,6 +1,7 @@
 """network(): Euler's formula, interstitial sites, radii by brute force, largest spheres, walls, other packages, bad input."""
 
 import itertools
+import copy
 import pickle
 import unittest
 
@@ -240,6 +241,7 @@ class Network(unittest.TestCase):
             vt.tessellate(uniform(5), weights=[0, 0, 0, 0, -0.01], want="faces").network()
         with self.assertRaisesRegex(ValueError, "three dimensions"):
             vt.tessellate(uniform(20)[:, :2], want="vertices").network()
+        self.assertEqual(copy.copy(n).largest_included(), n.largest_included())
         copied = pickle.loads(pickle.dumps(n))
         np.testing.assert_array_equal(copied.edge_radii, n.edge_radii)
         with self.assertRaisesRegex(ValueError, "pickle"):
