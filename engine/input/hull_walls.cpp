@@ -32,7 +32,8 @@ void check_no_domain(const Options& options) {
     refuse_if(options.cell.has_value(), "cell");
     refuse_if(options.periodic != std::array<bool, 3>{}, "periodic");
     refuse_if(!options.walls.empty(), "walls");
-    if (options.outside != Outside::error) refuse_hull("no point is outside of the convex hull: leave out `outside`");
+    if (options.outside != Outside::error)
+        refuse_hull("no point is outside of the convex hull: leave out Options::outside");
 }
 
 // Returns the points times scale, those of the plane with z = 0.

@@ -101,8 +101,8 @@ class Usage(CliTest):
                 "b": [0.5, 2, 0], "c": [0, 0, 2], "periodic": [axis in axes for axis in "xyz"], "from": "option",
                 "periodic_from": "option" if periodic else "default"})
         self.refuse("a.txt", *cell, "--periodic=none", "-o", "out.npz", says=["point", "outside of the cell"])
-        self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="box and cell")
-        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="walls and cell")
+        self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="--box and --cell")
+        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="--wall and --cell")
         round_walls = ["--wall-sphere=0.5,0.5,0.5,1,100", "--wall-cylinder=0.5,0.5,0.5,0,0,1,0.6,30",
                        "--wall-cone=0.5,0.5,-1,0,0,2,0.4,20"]
         summary = self.run_cli("--random", "60", *round_walls, "--wall", "1,1,1,2.5", "--outside", "drop", "--verify").stdout
@@ -111,7 +111,7 @@ class Usage(CliTest):
         self.refuse("a.txt", "--wall-sphere=0,0,0,1,2", says="2 faces")
         self.refuse("a.txt", "--wall-cone=0,0,0,1,2", says="x,y,z,ax,ay,az,ANGLE,FACES")
         for periodic in [["--periodic"], ["--periodic", "y"]]:
-            self.refuse("a.txt", *periodic, "-o", "out.npz", says="a periodic axis needs a box")
+            self.refuse("a.txt", *periodic, "-o", "out.npz", says="--periodic needs a box")
         self.refuse("a.txt", "--periodic", "abc", says=["--periodic", "none", "'abc'"])
         domain = self.json("a.txt", "--periodic=none")["domain"]
         self.assertEqual((domain["kind"], domain["from"], domain["a"]), ("box", "default", None))

@@ -209,7 +209,10 @@ void check_agreement(MPI_Comm comm, const std::vector<double>& points, const vot
         {"box", [](votess::Options& o) { o.box.reset(); }},
         {"cell", [](votess::Options& o) { o.cell.emplace(); }},
         {"periodic", [](votess::Options& o) { o.periodic[1] = true; }},
-        {"walls", [](votess::Options& o) { o.walls.push_back({{1, 0, 0}, 3}); }},
+        {"walls",
+         [](votess::Options& o) {
+             o.walls.push_back({{1, 0, 0}, 3});
+         }},
         {"outside", [](votess::Options& o) { o.outside = votess::Outside::keep; }},
         {"duplicates", [](votess::Options& o) { o.duplicates = votess::Duplicates::error; }},
         {"want", [](votess::Options& o) { o.want.volumes = false; }},
@@ -263,7 +266,7 @@ void check_errors(MPI_Comm comm) {
     refuses(comm,
             at_last +
                 "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop points "
-                "outside (outside = drop) or keep them (outside = keep)",
+                "outside (Options::outside = drop) or keep them (Options::outside = keep)",
             bad, ids, options);
     std::vector<std::int64_t> twice = ids;
     if (is_last) twice[1] = 0;
@@ -277,13 +280,11 @@ void check_errors(MPI_Comm comm) {
     votess::Options other = options;
     if (!is_last) other.weights = weights;
     refuses(comm,
-            at_last +
-                "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
+            at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
             points, ids, other);
     if (is_last) other.radii = weights;
     refuses(comm,
-            at_last +
-                "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
+            at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
             points, ids, other);
     check_agreement(comm, points, options);
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import importlib
+import re
 import sys
 import threading
 from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterator, List, Optional, Tuple, Type, Union
@@ -36,10 +37,31 @@ class VotessError(RuntimeError):
         return str(self.args[0])
 
 
+# An option in a message of the library, with its value: options.outside = drop. Arguments of other names follow.
+_OPTION = re.compile(r"\b(?:[a-z]+_)?options\.(want\.)?(\w+(?:\.\w+)?)( = [^\s:,)]+)?")
+_ARGUMENTS = {"planar": "points of shape (N, 2)", "cell.periodic": "periodic=", "cell.origin": "origin=",
+              "mesh.merge": 'mesh_repair="merge"', "mesh.tolerance": "mesh_tolerance="}  # fmt: skip
+
+
+def _argument(option: re.Match[str]) -> str:
+    want, name, value = option.groups()
+    if want:
+        return f'want="{name}"'
+    if value is None:
+        is_subject = option.string[option.end() :].startswith((":", " is ", " has ", " hold "))
+        return name if is_subject else _ARGUMENTS.get(name, name + "=")
+    return name + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
+
+
+def last_error() -> str:
+    """Returns the message of the library, with options as arguments of Python."""
+    return _OPTION.sub(_argument, lib.votess_last_error().decode("utf-8", "replace"))
+
+
 def raise_on_failure(status: int) -> None:
     if status == _c_api.OK:
         return
-    message = lib.votess_last_error().decode("utf-8", "replace")
+    message = last_error()
     if status == ErrorCode.INVALID_ARGUMENT:
         raise ValueError(message)
     if status == ErrorCode.OUT_OF_MEMORY:

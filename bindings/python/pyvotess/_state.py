@@ -447,7 +447,7 @@ class SeedCells(Cells):
 
     def _check_whole(self) -> None:
         if self.ids is not None:
-            raise ValueError("the cells of some points do not form a diagram: leave out `only`")
+            raise ValueError("the cells of some points do not form a diagram: leave out only=")
 
     @property
     def least_face(self) -> float:

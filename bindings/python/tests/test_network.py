@@ -235,7 +235,7 @@ class Network(unittest.TestCase):
         n = t.network()
         with self.assertRaisesRegex(ValueError, "axis is 3"):
             n.largest_free(3)
-        with self.assertRaisesRegex(ValueError, "want.faces"):
+        with self.assertRaisesRegex(ValueError, 'set want="faces"'):
             vt.tessellate(uniform(20)).network()
         with self.assertRaisesRegex(ValueError, "weight of seed 4 is negative"):
             vt.tessellate(uniform(5), weights=[0, 0, 0, 0, -0.01], want="faces").network()

@@ -158,8 +158,7 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
         return array == &out.status || (want.volumes && array == &out.volumes) ||
                (want.centroids && array == &out.centroids) || (want.surfaces && array == &out.surface_areas) ||
                (want.radii && array == &out.security_radii) ||
-               (want.counts &&
-                (array == &out.face_counts || array == &out.edge_counts || array == &out.vertex_counts));
+               (want.counts && (array == &out.face_counts || array == &out.edge_counts || array == &out.vertex_counts));
     };
     for_cell_arrays([&](auto member, std::size_t each) {
         if (!is_anywhere(member) && !is_wanted(&(out.*member))) return;

@@ -97,7 +97,9 @@ private:
         for (std::size_t i = 0; i < ids_.size(); ++i)
             if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
         if (!options_.weights.empty() && !options_.radii.empty())
-            refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+            refuse(
+                "Options::weights and Options::radii are both given: weights are the squares of radii, give one of "
+                "them");
     }
 
     // Checks that ids, weights and radii are given on all ranks that have points, or on none, and each id once. Without
@@ -108,10 +110,9 @@ private:
             const bool given = ranks_.maximum(std::uint64_t{own}) > 0;
             ranks_.together([&] {
                 if (given && own != count())
-                    throw Error(ErrorCode::invalid_argument, "it has " + std::to_string(own) + " " + name + " for " +
-                                                                 std::to_string(count()) +
-                                                                 " points, but another rank has " + name +
-                                                                 ": give them on all ranks or on none");
+                    throw Error(ErrorCode::invalid_argument,
+                                "it has " + std::to_string(own) + " " + name + " for " + std::to_string(count()) +
+                                    " points, but another rank has " + name + ": give them on all ranks or on none");
             });
             return given;
         };
