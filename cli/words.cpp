@@ -14,22 +14,24 @@ using Renamed = std::pair<std::string_view, std::string_view>;
 
 // Members that have another name here than "--" and their own.
 constexpr std::array<Renamed, 8> renamed_members{{{"planar", "--2d"},
-                                        {"walls", "--wall"},
-                                        {"cell.origin", "--origin"},
-                                        {"cell.periodic", "--periodic"},
-                                        {"mesh.merge", "--mesh-repair"},
-                                        {"mesh.tolerance", "--mesh-tolerance"},
-                                        {"method", "--to-grid"},
-                                        {"want", "--want"}}};
-constexpr std::array<Renamed, 9> renamed_functions{{{"alpha_complex", "--alpha"},
-                                          {"fit_volumes", "--volumes"},
-                                          {"merge", "--merge"},
+                                                  {"walls", "--wall"},
+                                                  {"cell.origin", "--origin"},
+                                                  {"cell.periodic", "--periodic"},
+                                                  {"mesh.merge", "--mesh-repair"},
+                                                  {"mesh.tolerance", "--mesh-tolerance"},
+                                                  {"method", "--to-grid"},
+                                                  {"want", "--want"}}};
+constexpr std::array<Renamed, 11> renamed_functions{{{"alpha_complex", "--alpha"},
+                                                    {"fit_volumes", "--volumes"},
+                                                    {"merge", "--merge"},
+                                                    {"picture", "--image"},
                                           {"pieces", "-o FILE in .glb, .obj, .stl or .3mf"},
-                                          {"probe", "--probe"},
-                                          {"tessellate", "clvotess"},
-                                          {"to_grid", "--to-grid"},
-                                          {"trace", "--trace"},
-                                          {"watershed", "--watershed"}}};
+                                                    {"probe", "--probe"},
+                                                    {"tessellate", "clvotess"},
+                                                    {"to_grid", "--to-grid"},
+                                                    {"trace", "--trace"},
+                                          {"verify", "--verify"},
+                                                    {"watershed", "--watershed"}}};
 
 template <std::size_t count>
 std::string_view word_for(const std::array<Renamed, count>& names, std::string_view name) {
@@ -79,7 +81,8 @@ std::string in_words_of_options(std::string_view message) {
         const std::string_view word = message.substr(0, length), rest = message.substr(length);
         if (word.ends_with("Options") && rest.starts_with("::")) {
             message = append_member(rest.substr(2), text);
-        } else if (const std::string_view option = word_for(renamed_functions, word); rest.starts_with(call) && !option.empty()) {
+        } else if (const std::string_view option = word_for(renamed_functions, word);
+                   rest.starts_with(call) && !option.empty()) {
             text += option;
             message = rest.substr(call.size());
         } else {

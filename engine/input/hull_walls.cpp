@@ -26,7 +26,7 @@ using exact::Point;
 
 void check_no_domain(const Options& options) {
     const auto refuse_if = [](bool given, const char* name) {
-        if (given) refuse_hull(std::string("the convex hull and ") + name + " are both given: leave one out");
+        if (given) refuse_hull(std::string("the convex hull and Options::") + name + " are both given: leave one out");
     };
     refuse_if(options.box.has_value(), "box");
     refuse_if(options.cell.has_value(), "cell");

@@ -313,3 +313,14 @@ class FramesOfHdf5(CliTest):
                                        rtol=1e-12)
         self.assertEqual(self.json("a.h5", "--frames", "all")["frames"], 3)
         self.assertEqual(self.json("a.h5", "--frames", "all")["domain"]["periodic_from"], "assumed")
+        # A cell with missing rows or without angles is not taken for none.
+        for name, values in (("cell_lengths", np.ones((2, 3))), ("cell_lengths", np.ones((3, 2))), ("cell_angles", None)):
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                kept = file[name][()]
+                del file[name]
+                if values is not None:
+                    file[name] = values
+            self.refuse("a.h5", "--frame", 0, says=name)
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                file.pop(name, None)
+                file[name] = kept

@@ -2,8 +2,10 @@
 
 import contextlib
 import dataclasses
+import functools
 import importlib.util
 import inspect
+import itertools
 import os
 import re
 import tempfile
@@ -223,6 +225,47 @@ class WrongValues(unittest.TestCase):
         self.assertFalse(wrong, f"{len(wrong)} wrong answers:\n" + "\n".join(wrong[:100]))
         self.assertEqual({label: repr(VALUES[label]) for label in before}, before, "arguments changed")
         self.assertLessEqual(set(os.listdir()), {"t.npz", "t.glb", "p.obj"})
+
+
+class Words(unittest.TestCase):
+    """Refusals name arguments of Python, whatever the library calls them."""
+
+    def test_pairs_of_options(self):
+        options = [
+            ("points", POINTS[:, :2]), ("box", UNIT_BOX), ("box", "none"), ("box", "hull"), ("box", (0, 0, 0, 1, 1, 0)), ("cell", CELL),
+            ("cell", np.ones((3, 3))), ("periodic", True), ("periodic", "x"), ("walls", [(1, 0, 0, 0.9)]), ("walls", [(0, 0, 0, 1)]),
+            ("mesh", CUBE), ("mesh", (CUBE[0], CUBE[1][:-1])), ("mesh", (CUBE[0] + 0.5, CUBE[1])), ("mesh", (CUBE[0] / 2, CUBE[1])),
+            ("outside", "drop"), ("outside", "keep"), ("only", [0]), ("only", [N]), ("min_face", 0.1), ("min_face", -1), ("min_area", 0.1),
+            ("weights", EACH), ("radii", -EACH), ("duplicates", "error"), ("want", "vertices"), ("want", "counts,radii"), ("want", "none"),
+            ("device", "none"), ("threads", 5000), ("instructions", "none"), ("precision", "double"),
+        ]  # fmt: skip
+        functions = {
+            vt.tessellate: {"points": 1.1 * POINTS, "device": "cpu", "threads": 1},
+            vt.Diagram: {"points": POINTS, "threads": 1},
+            vt.fit_volumes: {"points": POINTS, "volumes": EACH, "max_steps": 1, "device": "cpu", "threads": 1},
+            vt.tessellate_stream: {"pieces": [POINTS], "rows": list().append, "memory": 10**6, "threads": 1},
+        }
+        domains = ({}, {"only": [0]}, {"box": UNIT_BOX, "periodic": "x", "min_face": 0.5})
+        t = [vt.tessellate(POINTS, want=want, device="cpu", **domain) for want in ("neighbors", "faces") for domain in domains]
+        t += [vt.tessellate(POINTS, mesh=CUBE, device="cpu"), vt.tessellate(POINTS[:, :2], device="cpu")]
+        calls = [getattr(one, name) for one in t for name in ("delaunay", "network", "pieces", "alpha_complex", "pairs", "rows")]
+        calls += [lambda one=one: one.watershed(EACH) for one in t] + [lambda one=one: vt.transport_cost(one) for one in t]
+        for function, given in functions.items():
+            taken = inspect.signature(function).parameters
+            some = [option for option in options if option[0] in taken]
+            pairs = itertools.combinations(some, 2) if function is vt.tessellate else ([option] for option in some)
+            calls += [functools.partial(function, **{**given, **dict(pair)}) for pair in pairs]
+        names = "|".join(inspect.signature(vt.tessellate).parameters)
+        foreign = re.compile(rf"::|options\.|`|--|(leave out|set|raise|give|use|without) ({names})\b(?!=)")
+        refusals = set()
+        for call in calls:
+            try:
+                call()
+            except (ValueError, vt.VotessError) as error:
+                refusals.add(str(error))
+        self.assertGreater(len(refusals), 40)
+        wrong = [refusal for refusal in refusals if foreign.search(refusal) or "\n" in refusal]
+        self.assertFalse(wrong, "\n".join(wrong))
 
 
 if __name__ == "__main__":
