@@ -70,10 +70,10 @@ std::array<std::int32_t, 2> upper_edge(std::span<const std::int32_t> polygon, st
 Options sheet_options(const Options& planar, double height) {
     Options options = planar;
     options.planar = false;
-    if (planar.periodic[2]) refuse("periodic: z repeats, but points of the plane have none: leave it out");
+    if (planar.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
     if (options.box) {
-        check_flat(options.box->lower[2], "box");
-        check_flat(options.box->upper[2], "box");
+        check_flat(options.box->lower[2], "Options::box");
+        check_flat(options.box->upper[2], "Options::box");
         options.box->lower[2] = -height, options.box->upper[2] = height;
     }
     if (options.cell) {
@@ -82,7 +82,7 @@ Options sheet_options(const Options& planar, double height) {
         check_flat(cell.a[2], "cell: a");
         check_flat(cell.b[2], "cell: b");
         for (const double x : cell.c)
-            if (x != 0) refuse("cell: c is given: leave it 0 in two dimensions");
+            if (x != 0) refuse("Options::cell: c is given: leave it 0 in two dimensions");
         cell.origin[2] = -height;
         cell.c = {0, 0, 2 * height};
         cell.periodic[2] = false;

@@ -248,7 +248,7 @@ Want implied_want(const Options& options) {
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     if (!t.planar() && (!t.in_mesh() || t.is_subset())) require_whole_diagram(t, "wrapped_points");
-    require_points(t, points, "wrapped_points");
+    require_finite_points(t, points, "wrapped_points");
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, List
 
 import numpy as np
 
+from ._arguments import as_word
 from ._motion import blocks, motion_of
 
 if TYPE_CHECKING:
@@ -17,10 +18,8 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
 
     The change of a volume is the integral of the motion of its faces.
     """
-    if of not in ("volumes", "areas"):
-        raise ValueError(f"derivatives of {of!r} are not known: give 'volumes' or 'areas'")
-    if by not in ("points", "weights"):
-        raise ValueError(f"derivatives by {by!r} are not known: give 'points' or 'weights'")
+    as_word(of, "of", dict.fromkeys(("volumes", "areas")))
+    as_word(by, "by", dict.fromkeys(("points", "weights")))
     t._require_end("derivatives()")
     t._require_whole_faces("derivatives()")
     from scipy.sparse import coo_matrix, csr_matrix

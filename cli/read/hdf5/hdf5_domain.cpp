@@ -77,8 +77,14 @@ std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string
 
 // Reads the cell of MDTraj, by lengths and angles in degrees: a along x, b in the plane of x and y.
 std::optional<FileDomain> domain_of_mdtraj(const Hdf5File& file, const std::optional<FrameOfFile>& frame) {
-    const Numbers lengths = numbers_of(file, "cell_lengths", frame), angles = numbers_of(file, "cell_angles", frame);
-    if (lengths.size() != 3 || angles.size() != 3) return std::nullopt;
+    if (!file.has("cell_lengths") && !file.has("cell_angles")) return std::nullopt;
+    const auto three = [&](const char* name) {
+        Numbers numbers = numbers_of(file, name, frame);
+        if (numbers.size() == 3) return numbers;
+        const Hdf5Dataset set = file.open(name);  // throws if it is missing
+        throw set.error("has " + set.description() + ", expected three numbers for each frame");
+    };
+    const Numbers lengths = three("cell_lengths"), angles = three("cell_angles");
     std::array<double, 3> cosine{};
     for (std::size_t k = 0; k < 3; ++k)  // right angles have a cosine of 0, which radians would miss
         cosine[k] = angles[k] == 90 ? 0 : std::cos(angles[k] * std::numbers::pi / 180);
