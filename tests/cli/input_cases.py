@@ -27,6 +27,23 @@ class Source(CliTest):
         self.run_cli("a.npy", "--only", "ids.txt", "-o", "some.npz", "-q")
         with np.load(self.folder / "some.npz") as file:
             self.assertEqual(file["ids"].tolist(), [7, 3, 59])
+        indices = np.array([7, 3, 59])
+        flags = np.zeros(60, bool)
+        flags[[3, 7, 59]] = True
+        for k, some in enumerate([indices, indices.astype("u1"), indices.astype("i4"), flags, indices[:0], flags & False]):
+            self.put("some.npy", some)
+            self.assertEqual(self.rows("a.npy", "--format", "%i %v %n", "--only", "some.npy"), [every[i] for i in np.arange(60)[some]], k)
+        self.put("empty.txt", "\n")
+        self.assertEqual(self.rows("a.npy", "--only", "empty.txt"), [])
+        (self.folder / "folder.npy").mkdir()
+        self.put("bad.txt", "3\n4 x\n")
+        self.put("short.npy", flags[:-1])
+        self.put("two.npy", np.array([[1, 2]]))
+        self.put("float.npy", np.array([1.5]))
+        for name, says in ((".", "'.': Is a directory"), ("", "--only is empty"), ("bad.txt", "bad.txt:2: 'x'"), ("folder.npy", "folder.npy"),
+                           ("short.npy", ["(59,)", "60 points"]), ("two.npy", "(1, 2)"), ("float.npy", "(1,)"), ("/dev/zero", "1048576 bytes"),
+                           ("absent.npy", "No such file")):
+            self.refuse("a.npy", f"--only={name}", "-o", "out.csv", says=says)
         for arguments, says in ((["--only", "60"], "seed 60"), (["--only", "1:2:0"], "step"), (["--only", "no.txt"], "no.txt"),
                                 (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
             self.refuse("a.npy", *arguments, says=says)
