@@ -41,6 +41,10 @@ bool is_blank(char c) {
 bool is_mark(char c) {
     return c == ',' || c == ';';
 }
+// Returns whether a comment begins there, in a line whose fields may hold #.
+bool is_comment(std::string_view line, std::size_t at) {
+    return line[at] == '#' && (at == 0 || is_blank(line[at - 1]));
+}
 bool ends_field(char c) {
     return is_blank(c) || is_mark(c) || c == '#';
 }
@@ -176,7 +180,7 @@ private:
             while (at < line.size() && is_blank(line[at])) ++at;
         };
         const auto ended = [&] {
-            return at == line.size() || line[at] == marks.front() || line[at] == marks.back() || line[at] == '#';
+            return at == line.size() || line[at] == marks.front() || line[at] == marks.back() || is_comment(line, at);
         };
         for (;; ++at, ++column) {
             skip_blanks();
@@ -198,7 +202,7 @@ private:
                 while (end > begin && is_blank(line[end - 1])) --end;
             }
             field(line.substr(begin, end - begin), quoted);
-            if (at == line.size() || line[at] == '#') return;
+            if (at == line.size() || is_comment(line, at)) return;
         }
     }
 
@@ -234,10 +238,9 @@ private:
     static std::string marks_in(std::string_view line) {
         std::string marks;
         bool quoted = false;
-        for (const char c : line) {
-            if (c == '#' && !quoted) break;
-            quoted ^= c == '"';
-            if (!quoted && is_mark(c) && marks.find(c) == std::string::npos) marks += c;
+        for (std::size_t at = 0; at < line.size() && (quoted || !is_comment(line, at)); ++at) {
+            quoted ^= line[at] == '"';
+            if (!quoted && is_mark(line[at]) && marks.find(line[at]) == std::string::npos) marks += line[at];
         }
         return marks;
     }

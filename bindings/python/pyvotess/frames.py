@@ -133,7 +133,7 @@ _PYTHON = (
     (r"--copy", "columns"),
     (r"--wall", "walls"),
     (r"--frames?", "frames"),
-    (r"--([a-z0-9]+)", r"\1"),
+    (r"--(2d|box|cell|dataset|memory|origin|outside|periodic|radii|weights)\b", r"\1"),
 )
 
 
