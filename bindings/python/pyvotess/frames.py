@@ -20,6 +20,7 @@ import numpy as np
 from . import _library
 from ._call import VotessError
 from ._c_api import ErrorCode
+from ._frames_of_hdf5 import frames_of
 from .atoms import require_edges
 from .tessellator import Tessellator, tessellate
 
@@ -202,7 +203,8 @@ def read_frames(
     columns : names of the columns to read, or their numbers from 1; "all" with numbers that have a name.
     coordinates : names or numbers of the columns of x, y and perhaps z, in rows of text, .npz, .ply and LAMMPS dumps.
 
-    Raises ValueError for a file that cannot be read, FileNotFoundError without one, ImportError without ``clvotess``.
+    Raises ValueError for a file that cannot be read, FileNotFoundError without one, ImportError without ``clvotess``, or
+    without h5py for HDF5 where ``clvotess`` lacks it, as in a wheel.
     """
     file = os.fsdecode(path)
     if file.startswith("-"):  # not an option, nor the input of the program
@@ -216,5 +218,11 @@ def read_frames(
     if coordinates is not None:
         command.append("--columns=" + ",".join(coordinates))
     found = _frames(command, file)
-    first = next(found)  # errors of the file are raised here
+    try:
+        first = next(found)  # errors of the file are raised here
+    except ValueError as error:
+        if "the module for HDF5 cannot be loaded" not in str(error):  # as in a wheel
+            raise
+        found = (Frame(**parts) for parts in frames_of(file, frames, dataset, names))
+        first = next(found)
     return itertools.chain((first,), found)

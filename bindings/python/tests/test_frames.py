@@ -191,6 +191,87 @@ class Files(Folder):
         frame, = vt.read_frames(path, columns="species")
         self.assertEqual((frame.species, frame.columns["species"].tolist()), (["Cu", "Zr", "Cu"],) * 2)
 
+    def test_h5py_reads_what_clvotess_reads(self):
+        """A clvotess without HDF5, as in a wheel, leaves .h5 to h5py. Both readers give the same frames."""
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not installed")
+        rng = np.random.default_rng(5)
+        places = rng.random((4, 9, 3)) * 3
+        padded, absent = places.copy(), np.tile(np.arange(9), (4, 1))
+        padded[1, 5:] = np.nan
+        absent[2, ::2] = -1
+
+        def h5md(name, value, edges, boundary, step=(0, 10, 20, 30), box_step=None, pbc=None, ids=None, **attributes):
+            with h5py.File(self.folder / name, "w") as file:
+                group = file.create_group("particles/all")
+                group["position/value"], group["position/step"] = value, step
+                group["position/step"].attrs.update(attributes)
+                group["velocity/value"], group["mass"], group["charge/value"] = value, np.arange(9.0), rng.random((4, 9))
+                box = group.create_group("box")
+                box.attrs["boundary"] = boundary
+                if np.ndim(edges) == 1:
+                    box.attrs["edges"] = edges
+                else:
+                    box["edges/value"] = edges
+                if box_step is not None:
+                    box["edges/step"] = box_step
+                if pbc is not None:
+                    box["pbc/value"] = pbc
+                if ids is not None:
+                    group.create_dataset("id/value", data=ids, fillvalue=-1)
+            return name
+
+        words = np.array(["periodic", "none", "periodic"], "S8")
+        cells = np.array([EDGES * (1 + k / 10) for k in range(4)])
+        names = [h5md("a.h5", places, cells, words), h5md("b.h5md", padded, (4.0, 5.0, 6.0), [True, False, True], pbc=rng.random((4, 3)) < 0.5),
+                 h5md("c.h5", places, cells[:2], words, box_step=[0, 15], ids=absent), h5md("d.h5", places, cells[:, :1, 0][:, [0, 0, 0]] * 1.0, words, step=5, offset=3),
+                 h5md("e.h5", places[:, :, :2], (4.0, 5.0), words[:2], pbc=np.full((4, 2), np.nan))]
+        with h5py.File(self.folder / "f.h5", "w") as file:
+            file["coordinates"], file["cell_lengths"], file["cell_angles"] = places.astype("f4"), np.full((4, 3), 4.0), np.tile((90.0, 80, 60), (4, 1))
+        with h5py.File(self.folder / "g.h5", "w") as file:
+            file["PartType0/Coordinates"], file["PartType0/Masses"], file["PartType0/ParticleIDs"] = places[0], np.arange(9.0), np.arange(9, dtype="u8") + 7
+            file.create_group("Header").attrs.update(BoxSize=4.0, Time=0.5, UnitLength_in_cm=3e21)
+            file.create_group("RuntimePars").attrs["PeriodicBoundariesOn"] = 1
+        self.run_cli("--random", "50", "-o", "h.h5", "--want", "centroids")
+        self.run_cli("h.h5", "--dataset", "centroids", "--cell", "2,0,0,0.5,2,0,0,0.1,2", "--origin=-0.5,-0.5,-0.5", "--want", "centroids", "-o", "i.h5")
+        names += ["f.h5", "g.h5", "h.h5", "i.h5"]
+
+        def same(one, other):
+            self.assertEqual((one.number, one.timestep, one.units, sorted(one.domain), sorted(one.columns)),
+                             (other.number, other.timestep, other.units, sorted(other.domain), sorted(other.columns)))
+            np.testing.assert_array_equal(one.points, other.points)
+            np.testing.assert_array_equal(one.ids, other.ids)
+            for key in one.domain:
+                np.testing.assert_allclose(one.domain[key], other.domain[key], rtol=1e-15, atol=1e-15)
+            for key in one.columns:
+                np.testing.assert_array_equal(one.columns[key], other.columns[key])
+
+        try:
+            next(vt.read_frames(self.folder / "a.h5"))
+        except ValueError as error:
+            self.skipTest(str(error))
+        real = module._frames
+
+        def without_hdf5(command, path):
+            raise ValueError("cannot read 'a.h5': the module for HDF5 cannot be loaded: no such file")
+            yield
+
+        for name in names:
+            for options in ({}, {"frames": "last"}, {"frames": "1:4:2"} if name < "g" else {}, {"columns": "mass"} if name < "f" else {}):
+                answers = []
+                for frames in (real, without_hdf5):
+                    module._frames = frames
+                    try:
+                        answers.append(list(vt.read_frames(self.folder / name, **options)))
+                    finally:
+                        module._frames = real
+                self.assertEqual(len(answers[0]), len(answers[1]), name)
+                for one, other in zip(*answers):
+                    with self.subTest(name, frame=one.number):
+                        same(one, other)
+
     def test_cell_that_lacks_an_edge(self):
         path = self.put("a.xyz", '2\nLattice="4 0 0 0 4 0 0 0 0" pbc="T T F"\nCu 1 1 1\nCu 2 2 2\n')
         frame, = vt.read_frames(path)
