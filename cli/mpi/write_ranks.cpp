@@ -15,7 +15,7 @@ namespace {
 class RankArrays {
 public:
     RankArrays(const Ranks& ranks, const InputShare& share, const votess::BlockCells& cells, const OutputData& data) {
-        const std::uint64_t entries = cells.neighbors.size(), first_entry = ranks.sum_before(entries);
+        const std::uint64_t entries = cells.indices.size(), first_entry = ranks.sum_before(entries);
         const std::uint64_t all_entries = ranks.sum(entries);
         // The last rank also holds the end of the rows.
         const bool last = ranks.rank() + 1 == ranks.size();
@@ -29,10 +29,10 @@ public:
         piece.has_ids = share.has_ids;
         piece.wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
         piece.indptr = indptr_;
-        piece.wide_indices = cells.neighbors;
+        piece.wide_indices = cells.indices;
         piece.wide_duplicate_of = duplicate_of_;
         if (!piece.wide) {
-            narrow_indices_.assign(cells.neighbors.begin(), cells.neighbors.end());
+            narrow_indices_.assign(cells.indices.begin(), cells.indices.end());
             narrow_duplicate_of_.assign(duplicate_of_.begin(), duplicate_of_.end());
         }
         piece.indices = narrow_indices_;
@@ -40,8 +40,8 @@ public:
         piece.has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, [](auto of) { return of >= 0; }));
         piece.shifts = cells.shifts;
         piece.has_shifts = ranks.any(!cells.shifts.empty());
-        piece.face_areas = cells.areas;
-        piece.face_normals = cells.normals;
+        piece.face_areas = cells.face_areas;
+        piece.face_normals = cells.face_normals;
         piece.volumes = cells.volumes;
         piece.centroids = cells.centroids;
         piece.surface_areas = cells.surface_areas;

@@ -261,12 +261,12 @@ private:
         const auto entries = [&](const auto& all, std::size_t each = 1) {
             return all.empty() ? all : all.subspan(each * first, each * size);
         };
-        piece.wide_indices = entries(rows.neighbors);
+        piece.wide_indices = entries(rows.indices);
         if (!piece.wide) narrow_indices_.assign(piece.wide_indices.begin(), piece.wide_indices.end());
         piece.indices = narrow_indices_;
         piece.shifts = entries(rows.shifts, 3);
-        piece.face_areas = entries(rows.areas);
-        piece.face_normals = entries(rows.normals, 3);
+        piece.face_areas = entries(rows.face_areas);
+        piece.face_normals = entries(rows.face_normals, 3);
         return piece;
     }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 #include <votess/mpi.hpp>
 
@@ -33,9 +34,10 @@ const Element* expose(const votess_mpi_result* result, std::size_t* length,
         result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.*array), length);
 }
 
-template <typename Element>
+template <typename Element, typename Holder>
+requires std::is_base_of_v<Holder, BlockCells>
 const Element* expose(const votess_mpi_result* result, std::size_t* length,
-                      std::vector<Element> BlockCells::*array) noexcept {
+                      std::vector<Element> Holder::*array) noexcept {
     if (result == nullptr) set_last_error("result is NULL");
     return expose_span<Element>(
         result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.cells.*array), length);
@@ -91,12 +93,12 @@ const int64_t* votess_mpi_indptr(const votess_mpi_result* result, size_t* length
     return expose(result, length, &BlockCells::indptr);
 }
 
-const int64_t* votess_mpi_neighbors(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::neighbors);
+const int64_t* votess_mpi_indices(const votess_mpi_result* result, size_t* length) {
+    return expose(result, length, &BlockCells::indices);
 }
 
 const int32_t* votess_mpi_owners(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::tags);
+    return expose(result, length, &BlockCells::owners);
 }
 
 const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length) {
@@ -104,11 +106,11 @@ const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length)
 }
 
 const double* votess_mpi_face_areas(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::areas);
+    return expose(result, length, &BlockCells::face_areas);
 }
 
 const double* votess_mpi_face_normals(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::normals);
+    return expose(result, length, &BlockCells::face_normals);
 }
 
 const double* votess_mpi_volumes(const votess_mpi_result* result, size_t* length) {

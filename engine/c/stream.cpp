@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 #include <votess/stream.hpp>
 
 #include "c/handles.hpp"
+#include "result/arrays.hpp"
 
 using namespace votess::c;
 
@@ -60,21 +62,12 @@ public:
         votess_stream_rows c_rows{};
         c_rows.first = rows.first;
         c_rows.count = rows.status.size();
-        c_rows.entries = rows.neighbors.size();
-        c_rows.status = reinterpret_cast<const std::uint8_t*>(out(rows.status));
-        c_rows.duplicate_of = out(rows.duplicate_of);
+        c_rows.entries = rows.indices.size();
         c_rows.indptr = out(rows.indptr);
-        c_rows.neighbors = out(rows.neighbors);
-        c_rows.shifts = out(rows.shifts);
-        c_rows.areas = out(rows.areas);
-        c_rows.normals = out(rows.normals);
-        c_rows.volumes = out(rows.volumes);
-        c_rows.centroids = out(rows.centroids);
-        c_rows.surface_areas = out(rows.surface_areas);
-        c_rows.security_radii = out(rows.security_radii);
-        c_rows.face_counts = out(rows.face_counts);
-        c_rows.edge_counts = out(rows.edge_counts);
-        c_rows.vertex_counts = out(rows.vertex_counts);
+        votess::detail::for_row_arrays([&](const auto& array, std::size_t) {
+            auto& to = array.of(c_rows);
+            to = reinterpret_cast<std::remove_reference_t<decltype(to)>>(out(array.of(rows)));
+        });
         (void)continues("rows", [&] { return stream_.rows(&c_rows, stream_.user); });
     }
 

@@ -24,8 +24,8 @@ void keep_polygons(Result& r, const std::vector<bool>& stays) {
 }  // namespace
 
 void drop_third_components(Result& result) {
-    for_each_array([&](const auto& array) {
-        auto& values = result.*array.values;
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(result);
         if (array.components != 3 || values.empty()) return;
         const std::size_t count = values.size() / 3;
         for (std::size_t i = 0; i < count; ++i)
@@ -42,8 +42,8 @@ void keep_entries(Result& r, const std::vector<bool>& stays) {
         r.indptr[i + 1] = kept;
     }
     keep_polygons(r, stays);
-    for_each_array([&](const auto& array) {
-        auto& values = r.*array.values;
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(r);
         if (array.per != Per::entry || values.empty()) return;
         std::size_t to = 0;
         for (std::size_t from = 0; from < stays.size(); ++from)
@@ -54,8 +54,8 @@ void keep_entries(Result& r, const std::vector<bool>& stays) {
 }
 
 void keep_wanted(Result& r, const Want& want, bool list_walls) {
-    for_each_array([&](const auto& array) {
-        if (array.word != nullptr && !(want.*array.word)) (r.*array.values).resize_uninitialized(0);
+    for_arrays([&](const auto& array) {
+        if (array.word != nullptr && !(want.*array.word)) array.of(r).resize_uninitialized(0);
     });
     const bool drops = r.lists_walls && !list_walls;
     r.lists_walls = list_walls;

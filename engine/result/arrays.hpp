@@ -1,4 +1,4 @@
-// The arrays of a result, as one table. Code that copies, filters, joins, names or exposes arrays iterates over it, so
+// The arrays of results, as one table. Code that copies, filters, joins, names or exposes arrays iterates over it, so
 // that a new array needs a row here, its maker and its test.
 #pragma once
 
@@ -21,60 +21,91 @@ enum class Per : std::uint8_t {
     other,   // offsets, and the elements between them
 };
 
-template <class T>
+template <class Of>
 struct Array {
-    std::string_view name;  // empty: not public
-    Buffer<T> Result::*values;
+    std::string_view name;
+    Of of;  // of(rows): the array
     Per per = Per::other;
     std::size_t components = 1;  // 3: a vector, which has two components in the plane
     bool Want::*word = nullptr;  // the group that wants it; null: part of every result
 };
-template <class T>
-Array(std::string_view, Buffer<T> Result::*, Per, std::size_t, bool Want::*) -> Array<T>;
-template <class T>
-Array(std::string_view, Buffer<T> Result::*, Per, std::size_t) -> Array<T>;
+template <class Of>
+Array(std::string_view, Of, Per, std::size_t, bool Want::*) -> Array<Of>;
+template <class Of>
+Array(std::string_view, Of, Per, std::size_t) -> Array<Of>;
 
-inline constexpr std::tuple array_table{
-    Array{"indptr", &Result::indptr, Per::other, 1, &Want::neighbors},
-    Array{"indices", &Result::indices, Per::entry, 1, &Want::neighbors},
-    Array{"shifts", &Result::shifts, Per::entry, 3, &Want::neighbors},
-    Array{"volumes", &Result::volumes, Per::cell, 1, &Want::volumes},
-    Array{"centroids", &Result::centroids, Per::cell, 3, &Want::centroids},
-    Array{"face_areas", &Result::face_areas, Per::entry, 1, &Want::areas},
-    Array{"face_normals", &Result::face_normals, Per::entry, 3, &Want::normals},
-    Array{"surface_areas", &Result::surface_areas, Per::cell, 1, &Want::surfaces},
-    Array{"mesh_areas", &Result::mesh_areas, Per::cell, 1, &Want::surfaces},
-    Array{"security_radii", &Result::security_radii, Per::cell, 1, &Want::radii},
-    Array{"face_counts", &Result::face_counts, Per::cell, 1, &Want::counts},
-    Array{"edge_counts", &Result::edge_counts, Per::cell, 1, &Want::counts},
-    Array{"vertex_counts", &Result::vertex_counts, Per::cell, 1, &Want::counts},
-    Array{"vertices", &Result::vertices, Per::vertex, 3, &Want::vertices},
-    Array{"cell_vertex_indptr", &Result::cell_vertex_indptr, Per::other, 1, &Want::vertices},
-    Array{"cell_vertex_indices", &Result::cell_vertex_indices, Per::other, 1, &Want::vertices},
-    Array{"face_offsets", &Result::face_offsets, Per::other, 1, &Want::faces},
-    Array{"face_vertices", &Result::face_vertices, Per::other, 1, &Want::faces},
-    Array{"status", &Result::status, Per::cell, 1},
-    Array{"duplicate_of", &Result::duplicate_of, Per::cell, 1},
-    Array{"ids", &Result::ids, Per::cell, 1},
-    Array{"weights", &Result::weights, Per::other, 1},
-    Array{"", &Result::vertex_image_of, Per::vertex, 1, &Want::vertices},
-    Array{"", &Result::vertex_shifts, Per::vertex, 3, &Want::vertices},
-    Array{"", &Result::dropped_offsets, Per::other, 1, &Want::faces},
-    Array{"", &Result::dropped_vertices, Per::other, 1, &Want::faces},
+#define VOTESS_ARRAY(name, ...)          \
+    Array {                              \
+#name, [](auto& rows) -> auto& { \
+            return rows.name;            \
+        }                                \
+        , __VA_ARGS__                    \
+    }
+
+// Those of Result, BlockCells and StreamRows, except indptr.
+inline constexpr std::tuple row_arrays{
+    VOTESS_ARRAY(status, Per::cell, 1),
+    VOTESS_ARRAY(duplicate_of, Per::cell, 1),
+    VOTESS_ARRAY(volumes, Per::cell, 1, &Want::volumes),
+    VOTESS_ARRAY(centroids, Per::cell, 3, &Want::centroids),
+    VOTESS_ARRAY(surface_areas, Per::cell, 1, &Want::surfaces),
+    VOTESS_ARRAY(security_radii, Per::cell, 1, &Want::radii),
+    VOTESS_ARRAY(face_counts, Per::cell, 1, &Want::counts),
+    VOTESS_ARRAY(edge_counts, Per::cell, 1, &Want::counts),
+    VOTESS_ARRAY(vertex_counts, Per::cell, 1, &Want::counts),
+    VOTESS_ARRAY(indices, Per::entry, 1, &Want::neighbors),
+    VOTESS_ARRAY(shifts, Per::entry, 3, &Want::neighbors),
+    VOTESS_ARRAY(face_areas, Per::entry, 1, &Want::areas),
+    VOTESS_ARRAY(face_normals, Per::entry, 3, &Want::normals),
 };
+// Those of Result alone.
+inline constexpr std::tuple other_arrays{
+    VOTESS_ARRAY(indptr, Per::other, 1, &Want::neighbors),
+    VOTESS_ARRAY(mesh_areas, Per::cell, 1, &Want::surfaces),
+    VOTESS_ARRAY(vertices, Per::vertex, 3, &Want::vertices),
+    VOTESS_ARRAY(vertex_image_of, Per::vertex, 1, &Want::vertices),
+    VOTESS_ARRAY(vertex_shifts, Per::vertex, 3, &Want::vertices),
+    VOTESS_ARRAY(cell_vertex_indptr, Per::other, 1, &Want::vertices),
+    VOTESS_ARRAY(cell_vertex_indices, Per::other, 1, &Want::vertices),
+    VOTESS_ARRAY(face_offsets, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(face_vertices, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(dropped_offsets, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(dropped_vertices, Per::other, 1, &Want::faces),
+    VOTESS_ARRAY(ids, Per::cell, 1),
+    VOTESS_ARRAY(weights, Per::other, 1),
+};
+#undef VOTESS_ARRAY
 
-// Calls visit(array) for each row of the table.
+inline constexpr std::size_t row_array_count = std::tuple_size_v<decltype(row_arrays)>;
+
+// Calls visit(array, number) for each of row_arrays.
 template <class Visit>
-constexpr void for_each_array(Visit&& visit) {
-    std::apply([&](const auto&... array) { (visit(array), ...); }, array_table);
+constexpr void for_row_arrays(Visit&& visit) {
+    std::size_t number = 0;
+    std::apply([&](const auto&... array) { (visit(array, number++), ...); }, row_arrays);
+}
+// Calls visit(array) for all arrays of Result.
+template <class Visit>
+constexpr void for_arrays(Visit&& visit) {
+    std::apply([&](const auto&... array) { (visit(array), ...); }, std::tuple_cat(row_arrays, other_arrays));
+}
+
+// Returns the number of a row array.
+[[nodiscard]] constexpr std::size_t number_of(std::string_view name) {
+    std::size_t found = row_array_count;
+    for_row_arrays([&](const auto& array, std::size_t number) {
+        if (array.name == name) found = number;
+    });
+    return found;
 }
 
 // Returns an empty result that has the memory of an old one.
 [[nodiscard]] inline Result emptied(Result&& old) {
     Result empty;
-    for_each_array([&](const auto& array) {
-        empty.*array.values = std::move(old.*array.values);
-        (empty.*array.values).resize_uninitialized(0);
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(empty);
+        values = std::move(array.of(old));
+        values.resize_uninitialized(0);
     });
     return empty;
 }
@@ -84,9 +115,9 @@ void keep_wanted(Result& result, const Want& want, bool list_walls);
 
 // Copies the values of cell k of `from` to cell i, in the arrays that both have. The row stays.
 inline void copy_cell(Result& to, std::size_t i, const Result& from, std::size_t k) {
-    for_each_array([&](const auto& array) {
-        auto& values = to.*array.values;
-        const auto& others = from.*array.values;
+    for_arrays([&](const auto& array) {
+        auto& values = array.of(to);
+        const auto& others = array.of(from);
         if (array.per != Per::cell || values.empty() || others.empty()) return;
         for (std::size_t c = 0; c < array.components; ++c)
             values[array.components * i + c] = others[array.components * k + c];

@@ -56,14 +56,14 @@ std::int64_t id_of(const StreamRows& rows, std::size_t k, const RowNames& names)
 }
 
 ReportedFace face_at(const StreamRows& rows, std::size_t entry) {
-    ReportedFace face{rows.neighbors[entry], {}, rows.areas.empty() ? 0 : rows.areas[entry]};
+    ReportedFace face{rows.indices[entry], {}, rows.face_areas.empty() ? 0 : rows.face_areas[entry]};
     if (!rows.shifts.empty()) std::copy_n(&rows.shifts[3 * entry], 3, face.shift.begin());
     return face;
 }
 
 Entry entry_of(std::int64_t id, const ReportedFace& face, std::size_t entry, const RowNames& names) {
     Entry result{id, face.id, {face.shift[0], face.shift[1], face.shift[2]}, 0, 0};
-    if (!names.tags.empty()) result.tag_i = names.own_tag, result.tag_j = names.tags[entry];
+    if (!names.owners.empty()) result.tag_i = names.own_rank, result.tag_j = names.owners[entry];
     return result;
 }
 
@@ -72,8 +72,8 @@ void check_surface(const StreamRows& rows, std::size_t k, std::int64_t id, doubl
     std::array<double, 3> sum{};
     double surface = 0;
     for (std::size_t entry = begin_of(rows, k); entry < begin_of(rows, k + 1); ++entry) {
-        surface += rows.areas[entry];
-        for (std::size_t d = 0; d < 3; ++d) sum[d] += rows.areas[entry] * rows.normals[3 * entry + d];
+        surface += rows.face_areas[entry];
+        for (std::size_t d = 0; d < 3; ++d) sum[d] += rows.face_areas[entry] * rows.face_normals[3 * entry + d];
     }
     const double open = length3(sum[0], sum[1], sum[2]);
     if (std::isfinite(surface) && !(open <= tolerance * surface + 64 * smallest_double))
@@ -140,7 +140,8 @@ std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) 
 
 void RowChecker::take(const StreamRows& rows, const RowNames& names) {
     const bool faces = !rows.indptr.empty(), all_faces = run_.least_face == 0, counts = !rows.face_counts.empty();
-    const bool surfaces = !rows.areas.empty() && !rows.normals.empty() && run_.options.list_walls && all_faces;
+    const bool surfaces =
+        !rows.face_areas.empty() && !rows.face_normals.empty() && run_.options.list_walls && all_faces;
     sums_.rows |= faces;
     sums_.volumes |= !rows.volumes.empty();
     sums_.counts |= counts && all_faces;
@@ -176,7 +177,7 @@ void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
         std::ranges::pop_heap(kept_, before);
         kept_.pop_back();
     }
-    ReportedCell cell{id, rows.status[k] == CellStatus::empty, !rows.areas.empty(), {}, {}};
+    ReportedCell cell{id, rows.status[k] == CellStatus::empty, !rows.face_areas.empty(), {}, {}};
     if (!rows.volumes.empty()) cell.volume = rows.volumes[k];
     if (!rows.indptr.empty()) {
         cell.row.emplace();

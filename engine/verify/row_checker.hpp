@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "result/arrays.hpp"
 #include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
 #include "votess/stream.hpp"
@@ -30,23 +31,15 @@ inline constexpr std::size_t min_sample = 64;
 struct RowNames {
     std::span<const std::int64_t> ids;  // n
     // The ranks that handed in the neighbors (entries), and these seeds. They are checked with the pairs, if given.
-    std::span<const std::int32_t> tags;
-    std::int32_t own_tag = 0;
+    std::span<const std::int32_t> owners;
+    std::int32_t own_rank = 0;
 };
 
 // Views the cells of a block as rows from seed 0 on. The arrays stay with the cells.
 inline StreamRows rows_of(const BlockCells& cells) {
     StreamRows rows;
-    rows.status = cells.status;
     rows.indptr = cells.indptr;
-    rows.neighbors = cells.neighbors;
-    rows.shifts = cells.shifts;
-    rows.areas = cells.areas;
-    rows.normals = cells.normals;
-    rows.volumes = cells.volumes;
-    rows.face_counts = cells.face_counts;
-    rows.edge_counts = cells.edge_counts;
-    rows.vertex_counts = cells.vertex_counts;
+    detail::for_row_arrays([&](const auto& array, std::size_t) { array.of(rows) = array.of(cells); });
     return rows;
 }
 

@@ -6,7 +6,6 @@
 #include "core/text.hpp"
 #include "input/domain_of_result.hpp"
 #include "plane/sheet.hpp"
-#include "result/result.hpp"
 #include "result/rows.hpp"
 #include "solid/mesh_cells.hpp"
 #include "unbounded/endless_box.hpp"
@@ -30,29 +29,28 @@ public:
         : r_(result), points_(points.begin(), points.end()) {}  // read once, see input/snapshot.hpp
 
     bool for_rows(const Visit& visit) override {
-        std::vector<std::int64_t> neighbors;
+        std::vector<std::int64_t> ids;
         for (std::size_t begin = 0; begin < r_.status.size(); begin += rows_at_once) {
             const std::size_t size = std::min(rows_at_once, r_.status.size() - begin);
-            const auto piece = []<class T>(const Buffer<T>& all, std::size_t first, std::size_t count) {
-                return all.empty() ? std::span<const T>() : std::span<const T>(all).subspan(first, count);
-            };
             StreamRows rows;
             rows.first = begin;
-            rows.status = piece(r_.status, begin, size);
-            rows.volumes = piece(r_.volumes, begin, size);
-            rows.face_counts = piece(r_.face_counts, begin, size);
-            rows.edge_counts = piece(r_.edge_counts, begin, size);
-            rows.vertex_counts = piece(r_.vertex_counts, begin, size);
+            std::size_t first = 0, entries = 0;
             if (!r_.indptr.empty()) {
-                const std::size_t first = at(r_.indptr[begin]), count = at(r_.indptr[begin + size]) - first;
-                const auto narrow = piece(r_.indices, first, count);
-                neighbors.assign(narrow.begin(), narrow.end());
-                rows.indptr = piece(r_.indptr, begin, size + 1);
-                rows.neighbors = neighbors;
-                rows.shifts = piece(r_.shifts, 3 * first, 3 * count);
-                rows.areas = piece(r_.face_areas, first, count);
-                rows.normals = piece(r_.face_normals, 3 * first, 3 * count);
+                first = at(r_.indptr[begin]), entries = at(r_.indptr[begin + size]) - first;
+                rows.indptr = std::span<const std::int64_t>(r_.indptr).subspan(begin, size + 1);
+                ids.assign(r_.indices.data() + first, r_.indices.data() + first + entries);
+                rows.indices = ids;
             }
+            detail::for_row_arrays([&](const auto& array, std::size_t) {
+                const auto& all = array.of(r_);
+                if constexpr (std::is_assignable_v<decltype(array.of(rows)), decltype(std::span(all.data(), 1))>) {
+                    const bool of_cell = array.per == detail::Per::cell;
+                    if (!all.empty())
+                        array.of(rows) = std::span(all.data(), all.size())
+                                             .subspan(array.components * (of_cell ? begin : first),
+                                                      array.components * (of_cell ? size : entries));
+                }
+            });
             visit(rows, {});
         }
         return true;

@@ -35,14 +35,14 @@ VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* poin
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 
-// Arrays of a result, returned as those of votess_result. Shapes and orders as in Result and BlockCells of mpi.hpp.
-// owners are BlockCells::tags; face_areas and face_normals are its areas and normals.
+// Arrays of a result, returned as those of votess_result. Names, shapes and orders as in Result and BlockCells of
+// mpi.hpp.
 VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
 VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
 VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_duplicate_of(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int64_t* votess_mpi_indptr(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_neighbors(const votess_mpi_result* result, size_t* length);
+VOTESS_API const int64_t* votess_mpi_indices(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int32_t* votess_mpi_owners(const votess_mpi_result* result, size_t* length);
 VOTESS_API const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length);
 VOTESS_API const double* votess_mpi_face_areas(const votess_mpi_result* result, size_t* length);

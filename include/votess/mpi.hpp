@@ -31,8 +31,8 @@ struct Counts {
     double volume_sum = 0;            // of all cells; 0 when volumes were not requested
 };
 
-// BlockCells::tags are the ranks that handed the neighbors in. Dropped seeds have the status `outside` on the rank that
-// handed them in, and are on no rank with Cells::made.
+// BlockCells::owners are the ranks that handed the neighbors in. Dropped seeds have the status `outside` on the rank
+// that handed them in, and are on no rank with Cells::made.
 struct Result {
     std::vector<std::int64_t> ids;  // N
     std::vector<double> points;     // (N, 3), only for Cells::made

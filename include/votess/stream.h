@@ -34,10 +34,10 @@ typedef struct votess_stream_rows {
     const uint8_t* status;         // count
     const int64_t* duplicate_of;   // count; NULL in a run without duplicates
     const int64_t* indptr;         // count + 1 offsets, counted from the first seed of the run
-    const int64_t* neighbors;      // entries
+    const int64_t* indices;        // entries
     const int8_t* shifts;          // 3 * entries, in a periodic domain
-    const double* areas;           // entries
-    const double* normals;         // 3 * entries
+    const double* face_areas;      // entries
+    const double* face_normals;    // 3 * entries
     const double* volumes;         // count
     const double* centroids;       // 3 * count
     const double* surface_areas;   // count

@@ -16,7 +16,7 @@
 #include <span>
 #include <string>
 
-#include "votess/votess.hpp"
+#include "votess/row_arrays.hpp"
 
 namespace votess {
 
@@ -44,19 +44,10 @@ struct StreamHead {
     Options options;            // of the run, with the box that was used, without weights and radii
 };
 
-// The cells of the seeds first .. first + n - 1; pieces follow each other. Arrays as those of Tessellation, except that
-// ids have 64 bits. Arrays that were not requested are empty. All are valid until the sink returns.
-struct StreamRows {
+// The cells of the seeds first .. first + n - 1; pieces follow each other. Offsets count from the first seed of the
+// run. duplicate_of is there in a run with duplicates. All arrays are valid until the sink returns.
+struct StreamRows : RowArrays<detail::ConstSpan> {
     std::uint64_t first = 0;
-    std::span<const CellStatus> status;                     // n
-    std::span<const std::int64_t> duplicate_of;             // n in a run with duplicates
-    std::span<const std::int64_t> indptr;                   // n+1 offsets, counted from the first seed of the run
-    std::span<const std::int64_t> neighbors;                // entries
-    std::span<const std::int8_t> shifts;                    // (entries, 3), in a periodic domain
-    std::span<const double> areas, normals;                 // entries, (entries, 3)
-    std::span<const double> volumes, centroids;             // n, (n, 3)
-    std::span<const double> surface_areas, security_radii;  // n each
-    std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;  // n each
 };
 
 class VOTESS_API StreamSink {

@@ -113,29 +113,29 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
             const BlockCells& from = cells[b];
             for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]);
                  ++e) {
-                const std::int64_t id = from.neighbors[e];
-                out.neighbors.push_back(id);
-                if (from.tags[e] != (id < 0 ? -1 : id % 1000)) out.tags.push_back(from.tags[e]);  // wrong ones
+                const std::int64_t id = from.indices[e];
+                out.indices.push_back(id);
+                if (from.owners[e] != (id < 0 ? -1 : id % 1000)) out.owners.push_back(from.owners[e]);  // wrong ones
                 for (std::size_t k = 0; k < 3 && !from.shifts.empty(); ++k)
                     out.shifts.push_back(from.shifts[3 * e + k]);
-                if (!from.areas.empty()) out.areas.push_back(from.areas[e]);
-                for (std::size_t k = 0; k < 3 && !from.normals.empty(); ++k)
-                    out.normals.push_back(from.normals[3 * e + k]);
+                if (!from.face_areas.empty()) out.face_areas.push_back(from.face_areas[e]);
+                for (std::size_t k = 0; k < 3 && !from.face_normals.empty(); ++k)
+                    out.face_normals.push_back(from.face_normals[3 * e + k]);
             }
         }
-        out.indptr.push_back(static_cast<std::int64_t>(out.neighbors.size()));
+        out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
     }
     return result;
 }
 
 std::string difference(const InBlocks& found, const Tessellation& t) {
     const BlockCells& cells = found.cells;
-    if (!cells.tags.empty()) return "a tag is another seed's";
+    if (!cells.owners.empty()) return "a tag is another seed's";
     if (!std::ranges::equal(cells.status, t.status())) return "statuses differ";
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto begin = static_cast<std::size_t>(cells.indptr[i]),
                    end = static_cast<std::size_t>(cells.indptr[i + 1]);
-        const auto row = std::span(cells.neighbors).subspan(begin, end - begin);
+        const auto row = std::span(cells.indices).subspan(begin, end - begin);
         const std::string cell = "cell " + std::to_string(i) + ": ";
         if (!std::ranges::equal(row, t.neighbors(i))) {
             std::string text = cell + "neighbors";
@@ -149,8 +149,9 @@ std::string difference(const InBlocks& found, const Tessellation& t) {
     if (found.seeds == 0) return "";
     if (!std::ranges::equal(cells.face_counts, t.face_counts())) return "counts of faces differ";
     if (!std::ranges::equal(cells.edge_counts, t.edge_counts())) return "counts of edges differ";
-    if (!cells.areas.empty() && !std::ranges::equal(cells.areas, t.face_areas())) return "areas differ in last digits";
-    if (!std::ranges::equal(cells.normals, t.face_normals())) return "normals differ in last digits";
+    if (!cells.face_areas.empty() && !std::ranges::equal(cells.face_areas, t.face_areas()))
+        return "areas differ in last digits";
+    if (!std::ranges::equal(cells.face_normals, t.face_normals())) return "normals differ in last digits";
     if (!std::ranges::equal(cells.surface_areas, t.surface_areas())) return "surfaces differ in last digits";
     if (!std::ranges::equal(cells.security_radii, t.security_radii())) return "security radii differ in last digits";
     const auto same = [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); };

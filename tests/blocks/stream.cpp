@@ -164,10 +164,10 @@ TEST_CASE("stream: damaged rows are found") {
     const auto failure = [&](const auto& damage) {
         copy(whole.status(), cells.status);
         copy(whole.indptr(), cells.indptr);
-        copy(whole.indices(), cells.neighbors);
+        copy(whole.indices(), cells.indices);
         copy(whole.shifts(), cells.shifts);
-        copy(whole.face_areas(), cells.areas);
-        copy(whole.face_normals(), cells.normals);
+        copy(whole.face_areas(), cells.face_areas);
+        copy(whole.face_normals(), cells.face_normals);
         copy(whole.volumes(), cells.volumes);
         copy(whole.face_counts(), cells.face_counts);
         copy(whole.edge_counts(), cells.edge_counts);
@@ -188,24 +188,26 @@ TEST_CASE("stream: damaged rows are found") {
     CHECK(failure([&] { ++cells.edge_counts[9]; }).starts_with("cell 9 has "));
     const auto row = static_cast<std::size_t>(cells.indptr[100]), end = static_cast<std::size_t>(cells.indptr[101]);
     CHECK(failure([&] {
-              std::swap(cells.neighbors[row], cells.neighbors[row + 1]);
+              std::swap(cells.indices[row], cells.indices[row + 1]);
           }).starts_with("the row of seed 100 does not ascend at "));
-    CHECK(failure([&] { cells.neighbors[end - 1] = 299 - (cells.neighbors[end - 1] == 299); }) == asymmetric);
+    CHECK(failure([&] { cells.indices[end - 1] = 299 - (cells.indices[end - 1] == 299); }) == asymmetric);
     for (std::size_t entry = row; entry < end; ++entry)  // the last of several faces with one seed
-        if (entry + 1 == end || cells.neighbors[entry] != cells.neighbors[entry + 1]) {
+        if (entry + 1 == end || cells.indices[entry] != cells.indices[entry + 1]) {
             CHECK(failure([&] { ++cells.shifts[3 * entry]; }) == asymmetric);
-            CHECK(failure([&] { ++cells.neighbors[entry]; }) != "");
+            CHECK(failure([&] { ++cells.indices[entry]; }) != "");
         }
     CHECK(failure([&] { --cells.indptr[100]; }) != "");
-    CHECK(failure([&] { cells.normals[3 * row] += 0.001; }).starts_with("cell 100 is not closed: area times normal "));
+    CHECK(failure([&] {
+              cells.face_normals[3 * row] += 0.001;
+          }).starts_with("cell 100 is not closed: area times normal "));
     // Damage that keeps the sums is found by brute force.
     CHECK(failure([&] {
               cells.volumes[3] += 1e-6;
               cells.volumes[5] -= 1e-6;
           }).starts_with("cell 3 has volume "));
     CHECK(failure([&] {
-              cells.normals.clear();
-              cells.areas[row] *= 1.001;
+              cells.face_normals.clear();
+              cells.face_areas[row] *= 1.001;
           }).starts_with("the face of cell 100 with "));
 }
 

@@ -45,15 +45,15 @@ void StreamedRows::rows(const StreamRows& some) {
     ++pieces;
     if (!some.indptr.empty()) {
         if (some.indptr.size() != some.status.size() + 1) wrong = "an indptr has another length";
-        if (some.indptr[0] != static_cast<std::int64_t>(cells.neighbors.size())) wrong = "an indptr does not go on";
+        if (some.indptr[0] != static_cast<std::int64_t>(cells.indices.size())) wrong = "an indptr does not go on";
         add(cells.indptr, some.indptr.subspan(cells.indptr.empty() ? 0 : 1));
     }
     add(cells.status, some.status);
     add(cells.duplicate_of, some.duplicate_of);
-    add(cells.neighbors, some.neighbors);
+    add(cells.indices, some.indices);
     add(cells.shifts, some.shifts);
-    add(cells.areas, some.areas);
-    add(cells.normals, some.normals);
+    add(cells.face_areas, some.face_areas);
+    add(cells.face_normals, some.face_normals);
     add(cells.volumes, some.volumes);
     add(cells.centroids, some.centroids);
     add(cells.surface_areas, some.surface_areas);
@@ -79,7 +79,7 @@ std::string difference(const Streamed& found, const Tessellation& t) {
     if (!found.rows.wrong.empty()) return found.rows.wrong;
     if (!same(cells.status, t.status())) return "statuses differ";
     if (!same(cells.indptr, t.indptr())) return "lengths of rows differ";
-    if (!same(cells.neighbors, t.indices())) return "neighbors differ";
+    if (!same(cells.indices, t.indices())) return "neighbors differ";
     if (!same(cells.shifts, t.shifts())) return "shifts differ";
     if (!same(cells.duplicate_of, t.duplicate_of())) return "duplicates differ";
     if (!same(cells.face_counts, t.face_counts())) return "counts of faces differ";
@@ -95,8 +95,8 @@ std::string difference(const Streamed& found, const Tessellation& t) {
     if (stats.box_volume != whole.box_volume) return "the volume of the domain differs";
     if (!same_bits(cells.volumes, t.volumes())) return "volumes differ";
     if (!same_bits(cells.centroids, t.centroids())) return "centroids differ";
-    if (!same_bits(cells.areas, t.face_areas())) return "areas differ";
-    if (!same_bits(cells.normals, t.face_normals())) return "normals differ";
+    if (!same_bits(cells.face_areas, t.face_areas())) return "areas differ";
+    if (!same_bits(cells.face_normals, t.face_normals())) return "normals differ";
     if (!same_bits(cells.surface_areas, t.surface_areas())) return "surfaces differ";
     if (!same_bits(cells.security_radii, t.security_radii())) return "security radii differ";
     return "";

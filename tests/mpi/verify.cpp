@@ -70,18 +70,18 @@ void erase_entry(votess::BlockCells& cells, std::size_t row, std::size_t entry) 
         const auto at = values.begin() + static_cast<std::ptrdiff_t>(each * entry);
         values.erase(at, at + static_cast<std::ptrdiff_t>(each));
     };
-    erase(cells.neighbors, 1);
-    erase(cells.tags, 1);
+    erase(cells.indices, 1);
+    erase(cells.owners, 1);
     erase(cells.shifts, 3);
-    erase(cells.areas, 1);
-    erase(cells.normals, 3);
+    erase(cells.face_areas, 1);
+    erase(cells.face_normals, 3);
     for (std::size_t i = row + 1; i < cells.indptr.size(); ++i) --cells.indptr[i];
 }
 
 // The entry of this rank's first row that leads to a seed of the last rank, but not to its own seed.
 std::size_t entry_to_last(const World& world, const Result& result) {
-    for (auto e = static_cast<std::size_t>(result.cells.indptr[0]); e < result.cells.neighbors.size(); ++e)
-        if (result.cells.tags[e] == world.size - 1 && result.cells.neighbors[e] != result.ids[0]) return e;
+    for (auto e = static_cast<std::size_t>(result.cells.indptr[0]); e < result.cells.indices.size(); ++e)
+        if (result.cells.owners[e] == world.size - 1 && result.cells.indices[e] != result.ids[0]) return e;
     return 0;
 }
 
@@ -92,7 +92,7 @@ void erase_pair(const World& world, Result& result) {
         const std::size_t entry = entry_to_last(world, result);
         const auto row = static_cast<std::size_t>(
             std::ranges::upper_bound(cells.indptr, static_cast<std::int64_t>(entry)) - cells.indptr.begin() - 1);
-        pair = {result.ids[row], cells.neighbors[entry], cells.shifts[3 * entry], cells.shifts[3 * entry + 1],
+        pair = {result.ids[row], cells.indices[entry], cells.shifts[3 * entry], cells.shifts[3 * entry + 1],
                 cells.shifts[3 * entry + 2]};
         erase_entry(cells, row, entry);
     }
@@ -100,7 +100,7 @@ void erase_pair(const World& world, Result& result) {
     if (world.rank != world.size - 1) return;
     const auto row = static_cast<std::size_t>(std::ranges::find(result.ids, pair[1]) - result.ids.begin());
     for (auto e = static_cast<std::size_t>(cells.indptr[row]); e < static_cast<std::size_t>(cells.indptr[row + 1]); ++e)
-        if (cells.neighbors[e] == pair[0] && cells.shifts[3 * e] == -pair[2] && cells.shifts[3 * e + 1] == -pair[3] &&
+        if (cells.indices[e] == pair[0] && cells.shifts[3 * e] == -pair[2] && cells.shifts[3 * e + 1] == -pair[3] &&
             cells.shifts[3 * e + 2] == -pair[4])
             return erase_entry(cells, row, e);
 }
@@ -130,7 +130,7 @@ void finds_damage(World& world) {
         "two volumes", " has volume ");
     damaged(
         [&](Result& r) {
-            if (last) std::swap(r.cells.neighbors[0], r.cells.neighbors[1]);
+            if (last) std::swap(r.cells.indices[0], r.cells.indices[1]);
         },
         "the order", "does not ascend");
     damaged(
@@ -151,13 +151,13 @@ void finds_damage(World& world) {
         "a number of edges", "against Euler's formula");
     damaged(
         [&](Result& r) {
-            if (world.rank == 0) r.cells.areas[entry_to_last(world, r)] *= 1.001;
+            if (world.rank == 0) r.cells.face_areas[entry_to_last(world, r)] *= 1.001;
         },
         "an area", " has area ");
     if (world.size > 1)
         damaged(
             [&](Result& r) {
-                if (last) r.cells.tags[3] = (r.cells.tags[3] + 1) % world.size;
+                if (last) r.cells.owners[3] = (r.cells.owners[3] + 1) % world.size;
             },
             "an owner", "which is not among the seeds");
     // A seed that another one buries has no cell, whichever rank has which.

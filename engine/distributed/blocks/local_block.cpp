@@ -7,6 +7,7 @@
 #include "core/progress.hpp"
 #include "input/options.hpp"
 #include "query/locator.hpp"
+#include "result/arrays.hpp"
 #include "walk/star_bounds.hpp"
 
 namespace votess::blocks {
@@ -43,32 +44,32 @@ public:
 
     // from: the result of a run with these seeds.
     void add(const detail::Result& from, std::size_t i, const Seeds& seeds) {
-        append(out_.status, from.status, i, 1, cells_);
-        append(out_.volumes, from.volumes, i, 1, cells_);
-        append(out_.centroids, from.centroids, i, 3, cells_);
-        append(out_.surface_areas, from.surface_areas, i, 1, cells_);
-        append(out_.security_radii, from.security_radii, i, 1, cells_);
-        append(out_.face_counts, from.face_counts, i, 1, cells_);
-        append(out_.edge_counts, from.edge_counts, i, 1, cells_);
-        append(out_.vertex_counts, from.vertex_counts, i, 1, cells_);
-        for (auto e = static_cast<std::size_t>(from.indptr[i]); e < static_cast<std::size_t>(from.indptr[i + 1]); ++e) {
+        const auto begin = static_cast<std::size_t>(from.indptr[i]), end = static_cast<std::size_t>(from.indptr[i + 1]);
+        for (std::size_t e = begin; e < end; ++e) {
             const std::int32_t index = from.indices[e];
             const auto seed = static_cast<std::size_t>(index);
-            out_.neighbors.push_back(index < 0 ? index : seeds.ids[seed]);
-            out_.tags.push_back(index < 0 ? -1 : seeds.tags[seed]);
-            append(out_.shifts, from.shifts, e, 3, entries_);
-            append(out_.areas, from.face_areas, e, 1, entries_);
-            append(out_.normals, from.face_normals, e, 3, entries_);
+            out_.indices.push_back(index < 0 ? index : seeds.ids[seed]);
+            out_.owners.push_back(index < 0 ? -1 : seeds.tags[seed]);
         }
-        out_.indptr.push_back(static_cast<std::int64_t>(out_.neighbors.size()));
+        detail::for_row_arrays([&](const auto& array, std::size_t number) {
+            if (number == ids || number == duplicates) return;
+            const bool of_cell = array.per == detail::Per::cell;
+            append(array.of(out_), array.of(from), array.components * (of_cell ? i : begin),
+                   array.components * (of_cell ? i + 1 : end), array.components * (of_cell ? cells_ : entries_));
+        });
+        out_.indptr.push_back(static_cast<std::int64_t>(out_.indices.size()));
     }
 
 private:
-    template <class T>
-    static void append(std::vector<T>& to, const Buffer<T>& from, std::size_t i, std::size_t each, std::size_t count) {
+    // Ids of the seeds of the run: indices and duplicate_of name places among them.
+    static constexpr std::size_t ids = detail::number_of("indices"), duplicates = detail::number_of("duplicate_of");
+
+    template <class T, class U>
+    static void append(std::vector<T>& to, const Buffer<U>& from, std::size_t begin, std::size_t end,
+                       std::size_t room) {
         if (from.size() == 0) return;
-        if (to.empty()) to.reserve(each * count);
-        for (std::size_t k = each * i; k < each * (i + 1); ++k) to.push_back(from[k]);
+        if (to.empty()) to.reserve(room);
+        to.insert(to.end(), from.data() + begin, from.data() + end);
     }
 
     BlockCells& out_;
@@ -250,8 +251,8 @@ BlockCells LocalBlock::finish(const Seeds& replies) {
 
     BlockCells cells;
     const std::size_t entries = all_.result.indices.size() + pending_run.result.indices.size();
-    cells.neighbors.reserve(entries);
-    cells.tags.reserve(entries);
+    cells.indices.reserve(entries);
+    cells.owners.reserve(entries);
     Merger merger(cells, count_, entries);
     const std::span own_ids = std::span(all_.seeds.ids).first(count_);
     std::vector<std::int64_t> foreign_neighbors;

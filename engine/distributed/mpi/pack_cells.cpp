@@ -4,32 +4,28 @@
 #include <limits>
 #include <numeric>
 #include <string>
+#include <type_traits>
 #include <utility>
+
+#include "result/arrays.hpp"
 
 namespace votess::mpi {
 namespace {
 
-// Calls visit(member, numbers in each) for the arrays of cells, or of entries of rows.
+using detail::Per;
+
+// Calls visit(array) for all arrays of cells, or of entries of rows.
 template <class Visit>
-void for_cell_arrays(const Visit& visit) {
-    visit(&BlockCells::status, 1);
-    visit(&BlockCells::duplicate_of, 1);
-    visit(&BlockCells::volumes, 1);
-    visit(&BlockCells::centroids, 3);
-    visit(&BlockCells::surface_areas, 1);
-    visit(&BlockCells::security_radii, 1);
-    visit(&BlockCells::face_counts, 1);
-    visit(&BlockCells::edge_counts, 1);
-    visit(&BlockCells::vertex_counts, 1);
+void for_arrays(Per per, const Visit& visit) {
+    detail::for_row_arrays([&](const auto& array, std::size_t) {
+        if (array.per == per) visit(array);
+    });
+    if (per == Per::entry) visit(detail::Array{"owners", [](auto& cells) -> auto& { return cells.owners;
 }
-template <class Visit>
-void for_entry_arrays(const Visit& visit) {
-    visit(&BlockCells::neighbors, 1);
-    visit(&BlockCells::tags, 1);
-    visit(&BlockCells::shifts, 3);
-    visit(&BlockCells::areas, 1);
-    visit(&BlockCells::normals, 3);
-}
+, per, 1
+}  // namespace
+);
+}  // namespace votess::mpi
 
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from, std::size_t begin, std::size_t end) {
@@ -42,8 +38,8 @@ SomeCells read(const Message& message) {
     Reader reader(message);
     reader.get(arrived.ids);
     reader.get(arrived.cells.indptr);
-    for_cell_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
-    for_entry_arrays([&](auto member, std::size_t) { reader.get(arrived.cells.*member); });
+    for (const Per per : {Per::cell, Per::entry})
+        for_arrays(per, [&](const auto& array) { reader.get(array.of(arrived.cells)); });
     reader.end();
     arrived.places.resize(arrived.ids.size());
     std::iota(arrived.places.begin(), arrived.places.end(), std::size_t{0});
@@ -54,16 +50,13 @@ std::size_t begin_of(const BlockCells& cells, std::size_t i) {
     return static_cast<std::size_t>(cells.indptr[i]);
 }
 
-// The value for a seed that was dropped.
+// Returns the value of a seed that was dropped.
 template <class T>
-T none(std::vector<T> BlockCells::*) {
-    return {};
-}
-CellStatus none(std::vector<CellStatus> BlockCells::*) {
-    return CellStatus::outside;
-}
-std::int64_t none(std::vector<std::int64_t> BlockCells::*) {
-    return -1;
+T none() {
+    if constexpr (std::is_same_v<T, CellStatus>)
+        return CellStatus::outside;
+    else
+        return std::is_same_v<T, std::int64_t> ? T(-1) : T{};  // duplicate_of
 }
 
 }  // namespace
@@ -77,32 +70,28 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
     }
     const auto entries = static_cast<std::size_t>(indptr.back());
     std::size_t bytes = 0;
-    const auto count = [&](std::size_t rows) {
-        return [&bytes, &cells, rows](auto member, std::size_t each) {
-            using Number = std::decay_t<decltype((cells.*member)[0])>;
-            bytes += sizeof(std::uint64_t) + ((cells.*member).empty() ? 0 : each * rows * sizeof(Number));
-        };
+    const auto size_of = [&](const auto& array) {
+        return array.of(cells).empty() ? 0 : array.components * (array.per == Per::cell ? places.size() : entries);
     };
-    for_cell_arrays(count(places.size()));
-    for_entry_arrays(count(entries));
+    for (const Per per : {Per::cell, Per::entry})
+        for_arrays(per, [&](const auto& array) {
+            bytes += sizeof(std::uint64_t) + size_of(array) * sizeof(array.of(cells)[0]);
+        });
     Writer writer;
     writer.reserve(bytes + sizeof(std::int64_t) * (some_ids.size() + indptr.size() + 2));
     writer.put(some_ids);
     writer.put(indptr);
-    for_cell_arrays([&](auto member, std::size_t each) {
-        const std::span values(cells.*member);
-        writer.put(static_cast<std::uint64_t>(values.empty() ? 0 : each * places.size()));
-        if (values.empty()) return;
-        for (const std::size_t i : places) writer.append(values.subspan(each * i, each));
-    });
-    for_entry_arrays([&](auto member, std::size_t each) {
-        const std::span values(cells.*member);
-        writer.put(static_cast<std::uint64_t>(values.empty() ? 0 : each * entries));
-        if (values.empty()) return;
-        for (const std::size_t i : places)
-            writer.append(
-                values.subspan(each * begin_of(cells, i), each * (begin_of(cells, i + 1) - begin_of(cells, i))));
-    });
+    for (const Per per : {Per::cell, Per::entry})
+        for_arrays(per, [&](const auto& array) {
+            const std::span values(array.of(cells));
+            writer.put(static_cast<std::uint64_t>(size_of(array)));
+            if (values.empty()) return;
+            for (const std::size_t i : places) {
+                const std::size_t first = per == Per::cell ? i : begin_of(cells, i),
+                                  end = per == Per::cell ? i + 1 : begin_of(cells, i + 1);
+                writer.append(values.subspan(array.components * first, array.components * (end - first)));
+            }
+        });
     return writer.take();
 }
 
@@ -136,41 +125,38 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
         out.indptr.push_back(out.indptr.back() + static_cast<std::int64_t>(length));
     }
     // Array by array; each is freed after the copy.
-    const auto is_anywhere = [&](auto member) {
-        return std::ranges::any_of(all, [&](const SomeCells& one) { return !(one.cells.*member).empty(); });
+    const auto is_anywhere = [&](const auto& array) {
+        return std::ranges::any_of(all, [&](const SomeCells& one) { return !array.of(one.cells).empty(); });
     };
-    const auto drop = [&](auto member) {
-        for (SomeCells& one : all) one.cells.*member = {};
+    const auto drop = [&](const auto& array) {
+        for (SomeCells& one : all) array.of(one.cells) = {};
     };
-    for_entry_arrays([&](auto member, std::size_t each) {
-        if (!is_anywhere(member)) return;
-        auto& to = out.*member;
-        to.reserve(each * static_cast<std::size_t>(out.indptr.back()));
+    for_arrays(Per::entry, [&](const auto& array) {
+        if (!is_anywhere(array)) return;
+        auto& to = array.of(out);
+        to.reserve(array.components * static_cast<std::size_t>(out.indptr.back()));
         for (const auto& [source, k] : where) {
             if (source == nobody) continue;
             const BlockCells& cells = all[source].cells;
-            append(to, cells.*member, each * begin_of(cells, k), each * begin_of(cells, k + 1));
+            append(to, array.of(cells), array.components * begin_of(cells, k),
+                   array.components * begin_of(cells, k + 1));
         }
-        drop(member);
+        drop(array);
     });
     // A rank whose seeds were all dropped gets no cells, but all arrays.
-    const auto is_wanted = [&](const void* array) {
-        return array == &out.status || (want.volumes && array == &out.volumes) ||
-               (want.centroids && array == &out.centroids) || (want.surfaces && array == &out.surface_areas) ||
-               (want.radii && array == &out.security_radii) ||
-               (want.counts && (array == &out.face_counts || array == &out.edge_counts || array == &out.vertex_counts));
-    };
-    for_cell_arrays([&](auto member, std::size_t each) {
-        if (!is_anywhere(member) && !is_wanted(&(out.*member))) return;
-        auto& to = out.*member;
+    for_arrays(Per::cell, [&](const auto& array) {
+        auto& to = array.of(out);
+        const bool always = static_cast<const void*>(&to) == &out.status;
+        if (!always && !is_anywhere(array) && (array.word == nullptr || !(want.*array.word))) return;
+        const std::size_t each = array.components;
         to.reserve(each * ids.size());
         for (const auto& [source, k] : where) {
-            if (source == nobody || (all[source].cells.*member).empty())
-                to.insert(to.end(), each, none(member));
+            if (source == nobody || array.of(all[source].cells).empty())
+                to.insert(to.end(), each, none<std::decay_t<decltype(to[0])>>());
             else
-                append(to, all[source].cells.*member, each * k, each * (k + 1));
+                append(to, array.of(all[source].cells), each * k, each * (k + 1));
         }
-        drop(member);
+        drop(array);
     });
     if (!out.centroids.empty())
         for (std::size_t i = 0; i < ids.size(); ++i)

@@ -280,7 +280,7 @@ private:
             for (std::size_t i = 0; i + 1 < result.cells.indptr.size(); ++i)
                 for (auto e = static_cast<std::size_t>(result.cells.indptr[i]);
                      e < static_cast<std::size_t>(result.cells.indptr[i + 1]); ++e) {
-                    const std::int32_t owner = result.cells.tags[e];
+                    const std::int32_t owner = result.cells.owners[e];
                     if (owner < 0 || owner == ranks_.rank()) continue;
                     auto& list = lists[static_cast<std::size_t>(owner)];
                     if (list.empty() || list.back() != result.ids[i]) list.push_back(result.ids[i]);

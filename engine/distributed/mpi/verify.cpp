@@ -28,8 +28,8 @@ public:
                    std::to_string(count) + " cells");
         const BlockCells& cells = result.cells;
         if (cells.status.size() != count || cells.indptr.size() != count + 1 ||
-            cells.neighbors.size() != static_cast<std::size_t>(cells.indptr.back()) ||
-            cells.tags.size() != cells.neighbors.size())
+            cells.indices.size() != static_cast<std::size_t>(cells.indptr.back()) ||
+            cells.owners.size() != cells.indices.size())
             refuse("the arrays of the result do not fit its " + std::to_string(count) +
                    " ids: give what tessellate() returned");
         points_.assign(points.begin(), points.end());  // read once, see input/snapshot.hpp
@@ -39,7 +39,7 @@ public:
         const BlockCells& cells = result_.cells;
         const StreamRows rows = rows_of(cells);
         RowNames names{result_.ids, {}, ranks_.rank()};
-        if (!made_) names.tags = cells.tags;
+        if (!made_) names.owners = cells.owners;
         visit(rows, names);
         return true;
     }

@@ -34,29 +34,29 @@ void Assembler::find(Part& part, std::uint64_t end) {
          part.ids.pop(), id = part.ids.peek())
         part.places.push_back(static_cast<std::uint32_t>(static_cast<std::uint64_t>(*id) - first_));
     part.lengths.resize(layout_.rows() ? part.places.size() : 0);
-    part.store->of(Array::lengths).read(std::span(part.lengths));
+    part.store->lengths().read(std::span(part.lengths));
     for (std::size_t k = 0; k < part.lengths.size(); ++k) indptr_[part.places[k] + 1] = part.lengths[k];
     for (const auto* one = part.duplicates.peek(); one != nullptr && static_cast<std::uint64_t>(one->id) < end;
          part.duplicates.pop(), one = part.duplicates.peek())
         duplicate_of_[static_cast<std::uint64_t>(one->id) - first_] = one->of;
 }
 
-void Assembler::take_cells(Part& part, Array array) {
+void Assembler::take_cells(Part& part, std::size_t array) {
     const std::size_t each = layout_.bytes(array);
     std::vector<std::byte> some(each * part.places.size());
     part.store->of(array).read(std::span(some));
-    std::byte* const to = bytes_of(array);
+    std::byte* const to = arrays_[array].data();
     for (std::size_t k = 0; k < part.places.size(); ++k)
         std::memcpy(to + each * part.places[k], some.data() + each * k, each);
 }
 
-void Assembler::take_entries(Part& part, Array array) {
+void Assembler::take_entries(Part& part, std::size_t array) {
     const std::size_t each = layout_.bytes(array);
     std::size_t count = 0;
     for (const std::uint32_t length : part.lengths) count += length;
     std::vector<std::byte> some(each * count);
     part.store->of(array).read(std::span(some));
-    std::byte* const to = bytes_of(array);
+    std::byte* const to = arrays_[array].data();
     const std::byte* from = some.data();
     for (std::size_t k = 0; k < part.places.size(); ++k) {
         const std::size_t size = each * part.lengths[k];
@@ -66,8 +66,8 @@ void Assembler::take_entries(Part& part, Array array) {
 }
 
 template <class T>
-std::span<const T> Assembler::as(Array array) const {
-    const auto& bytes = arrays_[static_cast<std::size_t>(array)];
+std::span<const T> Assembler::as(std::size_t array) const {
+    const auto& bytes = arrays_[array];
     return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
 }
 
@@ -80,50 +80,41 @@ StreamRows Assembler::next(std::size_t max_cells) {
     for (std::size_t i = 0; i < count; ++i) indptr_[i + 1] += indptr_[i];
     const auto entries = static_cast<std::size_t>(indptr_[count] - entries_);
 
-    // Seeds in no block were dropped and have no cell.
-    for (const Array array : cell_arrays) {
-        if (layout_.bytes(array) == 0 || array == Array::lengths) continue;
-        const auto fill = array == Array::status ? static_cast<std::byte>(CellStatus::outside) : std::byte{0};
-        auto& bytes = arrays_[static_cast<std::size_t>(array)];
-        bytes.assign(layout_.bytes(array) * count, fill);
-        if (array == Array::centroids)
-            std::fill_n(reinterpret_cast<double*>(bytes.data()), 3 * count, std::numeric_limits<double>::quiet_NaN());
-        for_parts([&](Part& part) { take_cells(part, array); });
-    }
-    for (const Array array : entry_arrays) {
-        if (layout_.bytes(array) == 0) continue;
-        arrays_[static_cast<std::size_t>(array)].resize(layout_.bytes(array) * entries);
-        for_parts([&](Part& part) { take_entries(part, array); });
-    }
     StreamRows rows;
     rows.first = first_;
-    rows.status = as<CellStatus>(Array::status);
-    rows.duplicate_of = duplicate_of_;
-    if (layout_.rows()) {
-        rows.indptr = indptr_;
-        rows.neighbors = as<std::int64_t>(Array::neighbors);
-        if (layout_.bytes(Array::neighbors) == sizeof(std::int32_t)) {
-            neighbors_.resize(entries);
-            const auto narrow = as<std::int32_t>(Array::neighbors);
-            pool_.run(ceil_div(entries, widened_at_once), [&](std::size_t task, unsigned) {
-                const std::size_t begin = task * widened_at_once, end = std::min(entries, begin + widened_at_once);
-                std::copy(narrow.begin() + static_cast<std::ptrdiff_t>(begin),
-                          narrow.begin() + static_cast<std::ptrdiff_t>(end),
-                          neighbors_.begin() + static_cast<std::ptrdiff_t>(begin));
-            });
-            rows.neighbors = neighbors_;
+    detail::for_row_arrays([&](const auto& array, std::size_t number) {
+        const std::size_t each = layout_.bytes(number);
+        if (each == 0) return;
+        auto& bytes = arrays_[number];
+        auto& out = array.of(rows);
+        using Element = std::remove_cvref_t<decltype(out[0])>;
+        if (array.per == detail::Per::entry) {
+            bytes.resize(each * entries);
+            for_parts([&](Part& part) { take_entries(part, number); });
+        } else {
+            // Seeds in no block were dropped and have no cell.
+            const bool is_status = number == Layout::status;
+            bytes.assign(each * count, is_status ? static_cast<std::byte>(CellStatus::outside) : std::byte{0});
+            if (array.name == "centroids")
+                std::fill_n(reinterpret_cast<double*>(bytes.data()), 3 * count,
+                            std::numeric_limits<double>::quiet_NaN());
+            for_parts([&](Part& part) { take_cells(part, number); });
         }
+        out = as<Element>(number);
+    });
+    rows.duplicate_of = duplicate_of_;
+    if (layout_.rows()) rows.indptr = indptr_;
+    if (layout_.rows() && layout_.narrow()) {
+        indices_.resize(entries);
+        const auto narrow = as<std::int32_t>(Layout::indices);
+        pool_.run(ceil_div(entries, widened_at_once), [&](std::size_t task, unsigned) {
+            const std::size_t begin = task * widened_at_once, end = std::min(entries, begin + widened_at_once);
+            std::copy(narrow.begin() + static_cast<std::ptrdiff_t>(begin),
+                      narrow.begin() + static_cast<std::ptrdiff_t>(end),
+                      indices_.begin() + static_cast<std::ptrdiff_t>(begin));
+        });
+        rows.indices = indices_;
     }
-    rows.shifts = as<std::int8_t>(Array::shifts);
-    rows.areas = as<double>(Array::areas);
-    rows.normals = as<double>(Array::normals);
-    rows.volumes = as<double>(Array::volumes);
-    rows.centroids = as<double>(Array::centroids);
-    rows.surface_areas = as<double>(Array::surface_areas);
-    rows.security_radii = as<double>(Array::security_radii);
-    rows.face_counts = as<std::uint32_t>(Array::face_counts);
-    rows.edge_counts = as<std::uint32_t>(Array::edge_counts);
-    rows.vertex_counts = as<std::uint32_t>(Array::vertex_counts);
     entries_ += static_cast<std::int64_t>(entries);
     first_ += count;
     return rows;

@@ -28,11 +28,10 @@ private:
     template <class Task>
     void for_parts(const Task& task);
     void find(Part& part, std::uint64_t end);
-    void take_cells(Part& part, Array array);
-    void take_entries(Part& part, Array array);
-    [[nodiscard]] std::byte* bytes_of(Array array) { return arrays_[static_cast<std::size_t>(array)].data(); }
+    void take_cells(Part& part, std::size_t array);
+    void take_entries(Part& part, std::size_t array);
     template <class T>
-    [[nodiscard]] std::span<const T> as(Array array) const;
+    [[nodiscard]] std::span<const T> as(std::size_t array) const;
 
     const Layout& layout_;
     const StreamHead& head_;
@@ -41,8 +40,8 @@ private:
     ThreadPool& pool_;
     std::uint64_t first_ = 0;
     std::int64_t entries_ = 0;  // of the rows before first()
-    std::array<std::vector<std::byte>, array_count> arrays_;
-    std::vector<std::int64_t> indptr_, neighbors_, duplicate_of_;
+    std::array<std::vector<std::byte>, detail::row_array_count> arrays_;
+    std::vector<std::int64_t> indptr_, indices_, duplicate_of_;
 };
 
 }  // namespace votess::stream

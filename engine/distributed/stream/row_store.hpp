@@ -8,48 +8,30 @@
 #include "core/thread_pool.hpp"
 #include "distributed/blocks/local_block.hpp"
 #include "distributed/stream/spool.hpp"
+#include "result/arrays.hpp"
 #include "votess/stream.hpp"
 
 namespace votess::stream {
 
-// The arrays of a result: first those of cells, then those of entries of rows.
-enum class Array : std::uint8_t {
-    status,
-    lengths,
-    volumes,
-    centroids,
-    surface_areas,
-    security_radii,
-    face_counts,
-    edge_counts,
-    vertex_counts,
-    neighbors,
-    shifts,
-    areas,
-    normals
-};
-inline constexpr std::size_t array_count = 13;
-inline constexpr std::array cell_arrays{Array::status,      Array::lengths,       Array::volumes,
-                                        Array::centroids,   Array::surface_areas, Array::security_radii,
-                                        Array::face_counts, Array::edge_counts,   Array::vertex_counts};
-inline constexpr std::array entry_arrays{Array::neighbors, Array::shifts, Array::areas, Array::normals};
-
-// The bytes that each array takes for one cell or entry; 0 when it is not wanted.
+// The bytes that each of detail::row_arrays takes for one cell or entry; 0 when it is not wanted. duplicate_of has
+// none: a store keeps pairs instead.
 struct Layout {
     Layout(const Want& want, bool periodic, std::uint64_t seeds);
-    [[nodiscard]] std::size_t bytes(Array array) const { return bytes_[static_cast<std::size_t>(array)]; }
-    [[nodiscard]] bool rows() const { return bytes(Array::lengths) > 0; }
-    [[nodiscard]] std::size_t bytes_of_cell() const { return sum(cell_arrays); }
-    [[nodiscard]] std::size_t bytes_of_entry() const { return sum(entry_arrays); }
-
-private:
-    [[nodiscard]] std::size_t sum(std::span<const Array> arrays) const {
-        std::size_t sum = 0;
-        for (const Array array : arrays) sum += bytes(array);
+    [[nodiscard]] std::size_t bytes(std::size_t array) const { return bytes_[array]; }
+    [[nodiscard]] bool rows() const { return bytes(indices) > 0; }
+    [[nodiscard]] bool narrow() const { return bytes(indices) == sizeof(std::int32_t); }
+    [[nodiscard]] std::size_t bytes_of(detail::Per per) const {
+        std::size_t sum = per == detail::Per::cell && rows() ? sizeof(std::uint32_t) : 0;  // the length of the row
+        detail::for_row_arrays([&](const auto& array, std::size_t number) {
+            if (array.per == per) sum += bytes_[number];
+        });
         return sum;
     }
 
-    std::array<std::size_t, array_count> bytes_{};
+    static constexpr std::size_t indices = detail::number_of("indices"), status = detail::number_of("status");
+
+private:
+    std::array<std::size_t, detail::row_array_count> bytes_{};
 };
 
 // Cells in ascending order of ids.
@@ -68,7 +50,8 @@ public:
     [[nodiscard]] std::uint64_t entries() const { return entries_; }
     [[nodiscard]] bool has_duplicates() const { return duplicates_.size() > 0; }
     [[nodiscard]] Spool& ids() { return ids_; }
-    [[nodiscard]] Spool& of(Array array) { return arrays_[static_cast<std::size_t>(array)]; }
+    [[nodiscard]] Spool& lengths() { return lengths_; }  // of rows
+    [[nodiscard]] Spool& of(std::size_t array) { return arrays_[array]; }
     [[nodiscard]] const Spool& duplicates() const { return duplicates_; }
 
 private:
@@ -76,7 +59,7 @@ private:
     void add_rows(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped);
 
     const Layout& layout_;
-    Spool ids_, duplicates_;
+    Spool ids_, duplicates_, lengths_;
     std::vector<Spool> arrays_;
     std::uint64_t entries_ = 0;
 };

@@ -284,10 +284,10 @@ private:
             head.duplicates |= store->has_duplicates();
         }
         // Bytes of a cell in memory: its arrays as read and in order, and ids in 64 bits.
-        double bytes = 2 * static_cast<double>(layout_->bytes_of_cell()) + 24;
+        double bytes = 2 * static_cast<double>(layout_->bytes_of(detail::Per::cell)) + 24;
         if (head.seeds > 0)
-            bytes += (2 * static_cast<double>(layout_->bytes_of_entry()) + 8) * static_cast<double>(head.entries) /
-                     static_cast<double>(head.seeds);
+            bytes += (2 * static_cast<double>(layout_->bytes_of(detail::Per::entry)) + 8) *
+                     static_cast<double>(head.entries) / static_cast<double>(head.seeds);
         const auto max_cells =
             static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
         ThreadPool pool(options_.threads);
@@ -335,7 +335,7 @@ private:
             stages_.at(blocks_checked_++, 2 * count_);
             system::give_back_memory();
             const Seeds all = seeds_of(b);
-            Spool& spool = blocks_[b].rows.of(Array::status);
+            Spool& spool = blocks_[b].rows.of(Layout::status);
             spool.rewind();
             const auto status = spool.read_rest<CellStatus>();
             Seeds seeds;

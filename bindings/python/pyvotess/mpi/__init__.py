@@ -146,13 +146,15 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
             arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
-    rows = len(arrays["neighbors"])
+    rows = len(arrays["indices"])
     for name, needed in (("duplicate_of", len(arrays["ids"])), ("shifts", rows)):
         if len(arrays[name]) != needed or needed == 0:
             arrays[name] = None
-    for name in ("neighbors", "send", "receive"):
-        indptr = arrays.pop("indptr" if name == "neighbors" else name + "_indptr")
-        arrays[name] = Lists(indptr if len(indptr) else np.zeros(1, np.int64), arrays[name])
+    for name, indptr_name, indices_name in (
+        ("neighbors", "indptr", "indices"), ("send", "send_indptr", "send"), ("receive", "receive_indptr", "receive"),
+    ):  # fmt: skip
+        indptr, indices = arrays.pop(indptr_name), arrays.pop(indices_name)
+        arrays[name] = Lists(indptr if len(indptr) else np.zeros(1, np.int64), indices)
     c_counts = Counts(struct_size=ctypes.sizeof(Counts))
     raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})

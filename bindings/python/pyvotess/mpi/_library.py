@@ -47,7 +47,7 @@ ARRAYS: Dict[str, Tuple[Any, int]] = {
     "status": (np.uint8, 0),
     "duplicate_of": (np.int64, 0),
     "indptr": (np.int64, 0),
-    "neighbors": (np.int64, 0),
+    "indices": (np.int64, 0),
     "owners": (np.int32, 0),
     "shifts": (np.int8, 3),
     "face_areas": (np.float64, 0),

@@ -139,14 +139,13 @@ class _Source:
             dtype, columns, of = _stream.ARRAYS[name]
             address = getattr(some, name)
             if not address:
-                empty = name == "status" or (name == "neighbors" and some.indptr)
+                empty = name == "status" or (name == "indices" and some.indptr)
                 return np.empty(0, dtype) if empty else None
             shape = (counts[of], columns) if columns else (counts[of],)
             size = counts[of] * (columns or 1) * np.dtype(dtype).itemsize
             return np.frombuffer(ctypes.string_at(address, size), dtype).reshape(shape)
 
         arrays = {name: array(name) for name in _stream.ARRAYS}
-        arrays["indices"] = arrays.pop("neighbors")
         self._rows(StreamRows(some.first, **arrays))
         return _stream.GO_ON
 

@@ -38,7 +38,7 @@ ARRAYS: Dict[str, Tuple[Any, int, str]] = {
     "status": (np.uint8, 0, "count"),
     "duplicate_of": (np.int64, 0, "count"),
     "indptr": (np.int64, 0, "more"),
-    "neighbors": (np.int64, 0, "entries"),
+    "indices": (np.int64, 0, "entries"),
     "shifts": (np.int8, 3, "entries"),
     "face_areas": (np.float64, 0, "entries"),
     "face_normals": (np.float64, 3, "entries"),
