@@ -125,6 +125,7 @@ int run(Arguments& arguments) {
     Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
+    drop_upper_walls(arguments, input);
 
     votess::Options options = arguments.options;
     complete_columns(arguments, input);
@@ -135,6 +136,7 @@ int run(Arguments& arguments) {
     choose_dimensions(input, options);
     summary.set_dimensions(options.planar, arguments.read.dimensions);
     const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options, arguments.hull);
+    check_corner(input, options, domain_from);
     if (arguments.hull) {
         Progress progress(!arguments.quiet, run_began);
         run_stoppable(progress, [&](const votess::ProgressCallback& callback) {

@@ -22,16 +22,16 @@ constexpr std::array<Renamed, 8> renamed_members{{{"planar", "--2d"},
                                                   {"method", "--to-grid"},
                                                   {"want", "--want"}}};
 constexpr std::array<Renamed, 11> renamed_functions{{{"alpha_complex", "--alpha"},
-                                                    {"fit_volumes", "--volumes"},
-                                                    {"merge", "--merge"},
-                                                    {"picture", "--image"},
-                                          {"pieces", "-o FILE in .glb, .obj, .stl or .3mf"},
-                                                    {"probe", "--probe"},
-                                                    {"tessellate", "clvotess"},
-                                                    {"to_grid", "--to-grid"},
-                                                    {"trace", "--trace"},
-                                          {"verify", "--verify"},
-                                                    {"watershed", "--watershed"}}};
+                                                     {"fit_volumes", "--volumes"},
+                                                     {"merge", "--merge"},
+                                                     {"picture", "--image"},
+                                                     {"pieces", "-o FILE in .glb, .obj, .stl or .3mf"},
+                                                     {"probe", "--probe"},
+                                                     {"tessellate", "clvotess"},
+                                                     {"to_grid", "--to-grid"},
+                                                     {"trace", "--trace"},
+                                                     {"verify", "--verify"},
+                                                     {"watershed", "--watershed"}}};
 
 template <std::size_t count>
 std::string_view word_for(const std::array<Renamed, count>& names, std::string_view name) {

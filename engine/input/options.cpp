@@ -172,8 +172,18 @@ void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
     outside[i] = CellStatus::outside;
 }
 
-constexpr const char* outside_remedy =
-    ": move it, or drop points outside (Options::outside = drop) or keep them (Options::outside = keep)";
+// Returns what to do about a seed that lies so far outside of a domain of that size. Files round coordinates: those
+// with eight decimals put an atom on a wall up to 5e-9 beyond it.
+std::string outside_remedy(double distance, double size) {
+    constexpr double rounding = 1e-6;
+    return distance <= rounding * size
+               ? ": its coordinates may be rounded: keep points outside (Options::outside = keep)"
+               : ": move it, or drop points outside (Options::outside = drop) or keep them (Options::outside = keep)";
+}
+
+double largest_side(const Box& box) {
+    return std::max({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
+}
 // A seed that is kept may lie this many times the largest coordinate of the domain away from 0, so that no product of
 // lengths leaves the range of double.
 constexpr double farthest_kept = 0x1p40;
@@ -238,14 +248,15 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
                        " is not finite");
             const bool beyond = options.box && !options.periodic[k] &&
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
-            if (beyond && options.outside == Outside::drop)
+            if (beyond && options.outside == Outside::drop) {
                 drop_seed(i, points.count(), outside);
-            else if (beyond && options.outside == Outside::error)
+            } else if (beyond && options.outside == Outside::error) {
+                const double lower = options.box->lower[k], upper = options.box->upper[k];
+                const double distance = std::max(lower - value, value - upper);
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
-                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
-                       number(options.box->upper[k]) +
-                       distance_text(std::max(options.box->lower[k] - value, value - options.box->upper[k]), 0) +
-                       outside_remedy);
+                       " is outside the box, which spans " + number(lower) + " to " + number(upper) +
+                       distance_text(distance, 0) + outside_remedy(distance, largest_side(*options.box)));
+            }
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
         }
@@ -266,8 +277,9 @@ void set_weights(const Job& job, Domain& domain) {
     }
 }
 
-// Returns which wall x is beyond, and how far.
-std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x) {
+// Returns which wall x is beyond, how far, and what to do. side: of the domain.
+std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x,
+                        double side) {
     double excess = -plane.wall, size = std::abs(plane.wall);
     for (int k = 0; k < 3; ++k) {
         excess += plane.seed[k] * x[k];
@@ -277,7 +289,8 @@ std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact:
     const auto& n = walls[w].normal;
     return " is outside wall " + std::to_string(w) + " (" + number(n[0]) + " x + " + number(n[1]) + " y + " +
            number(n[2]) + " z <= " + number(walls[w].offset) + ", " + std::to_string(-7 - static_cast<int>(w)) +
-           " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length);
+           " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length) +
+           outside_remedy(excess / length, side);
 }
 
 // Returns the first wall that x is outside of, or their number. at: x, scaled as the domain.
@@ -322,7 +335,7 @@ void set_walls(Job& job, Domain& domain) {
         }
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_wall(walls, wall, as_given[wall], x) + outside_remedy);
+                   beyond_wall(walls, wall, as_given[wall], x, largest_side(*job.options.box)));
         if (keep)
             keep_seed(job, i, at, largest);
         else
@@ -338,11 +351,11 @@ void set_walls(Job& job, Domain& domain) {
     if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
 }
 
-// Returns the wall of a triclinic box that x is farthest beyond, and how far.
+// Returns the wall of a triclinic box that x is farthest beyond, how far, and what to do.
 std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
     const std::array edges{cell.a, cell.b, cell.c};
-    double farthest = -infinity, size = 0;
-    int edge = 0, side = 0;
+    double farthest = -infinity, size = 0, side = 0;
+    int edge = 0, upper = 0;
     for (int k = 0; k < 3; ++k) {
         if (cell.periodic[k]) continue;
         const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
@@ -357,10 +370,11 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
         if (height < 0) place = -place, height = -height;
         const double beyond = std::max(-place, place - height);
         if (beyond <= farthest) continue;
-        farthest = beyond, edge = k, side = place > 0 ? 1 : 0;
+        farthest = beyond, edge = k, upper = place > 0 ? 1 : 0, side = height;
     }
     return " is outside of the cell, whose edge " + std::string(1, "abc"[edge]) + " is not periodic (wall " +
-           std::to_string(-1 - 2 * edge - side) + ")" + distance_text(farthest, 0x1p-48 * size);
+           std::to_string(-1 - 2 * edge - upper) + ")" + distance_text(farthest, 0x1p-48 * size) +
+           outside_remedy(farthest, side);
 }
 
 // Refuses, drops or keeps seeds beyond the walls of a triclinic box.
@@ -373,7 +387,7 @@ void check_inside_cell(Job& job, const Domain& domain) {
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_cell(*job.options.cell, x) + outside_remedy);
+                   beyond_cell(*job.options.cell, x));
         if (job.options.outside == Outside::keep)
             keep_seed(job, i, at, largest_coordinate(domain.box));
         else

@@ -123,7 +123,7 @@ std::span<const Wall> Tessellation::walls() const noexcept {
     return result_->walls;
 }
 std::span<const double> Tessellation::weights() const noexcept {
-    return result_->weights;
+    return view(result_->weights);
 }
 bool Tessellation::planar() const noexcept {
     return result_->planar;
@@ -138,7 +138,7 @@ bool Tessellation::is_subset() const noexcept {
     return result_->is_subset;
 }
 std::span<const std::int32_t> Tessellation::ids() const noexcept {
-    return result_->ids;
+    return view(result_->ids);
 }
 bool Tessellation::probed() const noexcept {
     return result_->probed;

@@ -196,7 +196,7 @@ private:
         cells_->scale = job_.scale;
         cells_->seeds.resize(points_.coordinates());
         for (std::size_t i = 0; i < points_.coordinates(); ++i) cells_->seeds[i] = points_[i] * job_.scale;
-        cells_->ids = result_.ids;
+        cells_->ids.assign(result_.ids.begin(), result_.ids.end());
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
         cells_->shifts = std::move(result_.shifts);

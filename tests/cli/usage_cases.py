@@ -1,10 +1,12 @@
 """Options, domain, duplicates, help, summary and verification."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
 import time
+import unittest
 
 import numpy as np
 
@@ -158,6 +160,14 @@ class Usage(CliTest):
                        ["--precision", "single"], ["--precision=double"], ["--instructions", "baseline"]]:
             self.assertEqual(self.rows(*arguments, *option), expected, option)
         self.assertEqual(self.json("--random", "3000", "-t", "1")["threads"], 1)
+
+    @unittest.skipUnless(hasattr(os, "sched_setaffinity"), "needs affinity masks")
+    def test_threads_are_those_of_the_affinity_mask(self):
+        processors = sorted(os.sched_getaffinity(0))
+        for mask in (processors[:1], processors[-1:], processors[:2], processors):
+            limited = {"preexec_fn": lambda mask=mask: os.sched_setaffinity(0, mask)}
+            self.assertEqual(self.json("--random", "3000", **limited)["threads"], min(len(mask), 1024))
+            self.assertRegex(self.run_cli("--list-devices", **limited).stdout, rf"\b{len(mask)} threads?,")
 
     def test_help_is_true_and_complete(self):
         for option in ["-h", "--help"]:

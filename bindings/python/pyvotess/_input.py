@@ -23,10 +23,30 @@ if TYPE_CHECKING:
 _HOST = (1, 3, 11, 13)
 
 
+def _of_pandas(values: Any) -> Any:
+    """Returns an array of a frame or column of pandas with nullable or Arrow types, other values as they are.
+
+    NumPy would make objects of them. Missing numbers become NaN.
+    """
+    if not type(values).__module__.startswith("pandas") or not hasattr(values, "to_numpy"):
+        return values
+    types = list(values.dtypes) if values.ndim == 2 else [values.dtype]
+    kinds = {kind.kind for kind in types}
+    if all(isinstance(kind, np.dtype) for kind in types) or not kinds:
+        return values
+    missing = bool(np.any(values.isna()))
+    if not missing and (kinds <= {"i"} or kinds == {"u"} or kinds == {"b"}):
+        return values.to_numpy(dtype={"i": np.int64, "u": np.uint64, "b": np.bool_}[kinds.pop()])
+    if kinds <= set("fiu"):
+        return values.to_numpy(dtype=np.float64, na_value=np.nan)
+    return values
+
+
 def as_array(values: Any, name: str) -> npt.NDArray[Any]:
     """Returns an array, without a copy of one that has the interface of NumPy or DLPack. Refuses masked values."""
     if np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
+    values = _of_pandas(values)
     known = ("__array__", "__array_interface__", "__array_struct__")
     if not hasattr(values, "__dlpack__") or any(hasattr(values, attribute) for attribute in known):
         try:
@@ -84,8 +104,18 @@ def as_box(box: Any, planar: bool = False) -> Float64Array:
     array = as_float64_or_float32(box, "box").astype(np.float64)
     if planar:
         if array.shape not in ((4,), (2, 2)):
-            raise ValueError(f"box has shape {array.shape}: give (x0, y0, x1, y1) or ((x0, y0), (x1, y1))")
-        return _with_zero(array.reshape(2, 2), 2)
+            raise ValueError(
+                f"box has shape {array.shape}: give (x0, y0, x1, y1), ((x0, y0), (x1, y1)) or ((x0, x1), (y0, y1))"
+            )
+        corners = array.reshape(2, 2)
+        if array.ndim == 2 and np.all(corners[:, 0] < corners[:, 1]):  # limits of x and y
+            if np.all(corners[0] < corners[1]) and corners[0, 1] != corners[1, 0]:
+                raise ValueError(
+                    f"box is {corners.tolist()}, which may be two corners or the limits of x and of y: give "
+                    "(x0, y0, x1, y1)"
+                )
+            corners = corners.T
+        return _with_zero(corners, 2)
     if array.shape not in ((6,), (2, 3), (3, 2)):
         raise ValueError(
             f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or "
