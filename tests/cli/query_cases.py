@@ -283,6 +283,8 @@ class Trace(CliTest):
         self.put("short.txt", "0.5 0.5 0.5 1 0 0\n")
         self.refuse("p.txt", "--trace", "short.txt", "-o", "a.txt", says="no column '7'")
         self.put("short.npy", np.ones((2, 6)))
+        self.put("long.txt", "0 0 0 1 0 0 1 1\n")
+        self.refuse("p.txt", "--trace", "long.txt", "-o", "a.txt", says="this row has 8 columns, expected 7")
         self.refuse("p.txt", "--trace", "short.npy", "-o", "a.txt", says="expected (N, 7)")
         self.put("still.txt", "0.5 0.5 0.5 0 0 0 1\n")
         self.refuse("p.txt", "--trace", "still.txt", "-o", "a.txt", says="direction is 0")

@@ -6,7 +6,7 @@ import ctypes
 import numbers
 import operator
 import os
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Union
 
 import numpy as np
 
@@ -95,11 +95,10 @@ def as_word(word: Any, name: str, words: Dict[str, Any]) -> Any:
     return words[word]
 
 
-def as_one_of(word: Any, name: str, words: Iterable[str]) -> Optional[str]:
-    """Returns one of the words, or None."""
+def require_one_of(word: Any, name: str, words: Iterable[str]) -> None:
+    """Refuses all except these words and None."""
     if word is not None:
         as_word(word, name, dict.fromkeys(words))
-    return word
 
 
 def as_text(text: Any, name: str) -> bytes:

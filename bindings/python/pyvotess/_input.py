@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_flag, as_one_of, shown
+from ._arguments import as_flag, require_one_of
 from ._call import Handle, array_of, run
 from ._library import lib
 
@@ -285,7 +285,7 @@ class Domain:
             walls = np.ascontiguousarray(_with_zero(rows, 2) if planar else rows)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)
-        as_one_of(self.mesh_repair, "mesh_repair", ("merge",))
+        require_one_of(self.mesh_repair, "mesh_repair", ("merge",))
         if self.mesh_repair is not None and self.mesh is None:
             raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
         if self.mesh is not None:

@@ -133,7 +133,7 @@ class AlphaComplex(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "at least 1"):
                 small.alpha_complex(replicate)
         for replicate in (1.5, (2, 2), "2"):
-            with self.assertRaisesRegex(ValueError, "replicate must be"):
+            with self.assertRaisesRegex(ValueError, "replicate is"):
                 small.alpha_complex(replicate)
         with self.assertRaisesRegex(ValueError, "not periodic"):
             vt.tessellate(uniform(12)).alpha_complex(2)

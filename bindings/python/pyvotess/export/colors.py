@@ -48,7 +48,7 @@ def cell_colors(t: SeedCells, color: Any, colormap: str) -> UInt8Array:
         if given.shape != (len(t), 3) or given.dtype.kind not in "uif":
             raise ValueError(f"color has shape {given.shape}: give ({len(t)},) values, or ({len(t)}, 3) red, green and blue")
         if given.dtype == np.uint8:
-            return given
+            return np.asarray(given, np.uint8)
         if given.dtype.kind != "f" or not ((given >= 0) & (given <= 1)).all():
             raise ValueError("color has red, green and blue outside of 0 to 1: give uint8, or numbers from 0 to 1")
         return np.asarray(np.rint(255 * given), np.uint8)

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple, Unio
 import numpy as np
 
 from .. import _c_api
-from .._arguments import as_count, as_flag, as_one_of, as_path, shown
+from .._arguments import as_count, as_flag, require_one_of, as_path, shown
 from .._c_api import OutsideWord, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
 from .._input import Domain, as_one_each, as_points
@@ -191,7 +191,7 @@ def tessellate_stream(
     ValueError : bad input; the message names the first offending index among all points, and the value.
     MemoryError, VotessError : the run failed; ``VotessError.code`` is STORAGE when temporary files cannot be written.
     """
-    as_one_of(beside, "beside", ("weights", "radii"))
+    require_one_of(beside, "beside", ("weights", "radii"))
     if not callable(rows):
         raise TypeError(f"rows must be callable, not {type(rows).__name__}")
     is_one = isinstance(pieces, (str, bytes, Mapping)) or getattr(pieces, "ndim", 1) == 0
