@@ -188,6 +188,12 @@ detail::Result run_in_space(Engines& engines, const Points& points, const Option
     return options.mesh ? solid::run_in_mesh({copy, {}}, options, run) : run_endless({copy, {}}, options, run);
 }
 
+[[noreturn]] void throw_out_of_memory(const Points& points, const Options& options) {
+    throw Error(ErrorCode::out_of_memory, "out of memory while tessellating " +
+                                              std::to_string(points.coordinates() / (options.planar ? 2 : 3)) +
+                                              " seeds");
+}
+
 // shared: outlives a Tessellator that a callback destroys, and is not destroyed in a child that fork() makes meanwhile.
 Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
@@ -208,11 +214,9 @@ Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points&
                          std::to_string(s.seconds.total) + " s");
         return Tessellation(std::move(result));
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+        throw_out_of_memory(points, options);
     } catch (const std::length_error&) {
-        throw Error(ErrorCode::out_of_memory,
-                    "out of memory while tessellating " + std::to_string(points.count()) + " seeds");
+        throw_out_of_memory(points, options);
     }
 }
 
