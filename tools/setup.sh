@@ -47,6 +47,9 @@ for part in "$@"; do
             tools/python.sh -c '' 2>/dev/null || wanted+=(python3-numpy)
             tools/python.sh -c 'import h5py' 2>/dev/null || need python3-h5py
             [[ $part == test ]] || continue
+            if ! command -v clang++-16 clang++ >/dev/null; then
+                if grep -qs '^VERSION_ID="12"' /etc/os-release; then need clang-16; else need clang; fi
+            fi
             need voro++
             need vulkan-validationlayers
             need spirv-tools
