@@ -80,7 +80,7 @@ class FrameFiles(ReaderTest):
         comment = '50\nTimestep=0 {}pbc="{}" Lattice="4 0 0 0 4 0 0 0 8" Properties=species:S:1:pos:R:3\n' + atoms
         self.put("a.xyz", comment.format("", "T T F"))
         self.put("q.xyz", "1\n\nH 0 0 0\n")
-        for options in ([], ["--frames", "all"], ["--locate", "q.xyz"]):
+        for options in ([], ["--frames", "all"], ["--locate", "q.xyz", "-o", "out.npy"]):
             self.refuse("a.xyz", *options, says=["of edge c", "no Origin", "dump extxyz", "Origin="])
         self.put("b.xyz", comment.format('Origin="-2 -2 -3" ', "T T F"))
         self.assertAlmostEqual(self.json("b.xyz")["volume_sum"], 128, 9)
