@@ -123,9 +123,9 @@ private:
     // Returns whether the names have x and y, or those of --columns.
     [[nodiscard]] bool names_coordinates(const std::vector<std::string>& names) const {
         const std::vector<std::string> usual{"x", "y"};
-        return std::ranges::all_of(request_.coordinates.empty() ? usual : request_.coordinates, [&](const std::string& axis) {
-            return std::ranges::count(names, axis) > 0 || read_uint64(axis);
-        });
+        return std::ranges::all_of(
+            request_.coordinates.empty() ? usual : request_.coordinates,
+            [&](const std::string& axis) { return std::ranges::count(names, axis) > 0 || read_uint64(axis); });
     }
 
     // Keeps the names in a comment. They count if they fit the row after it.

@@ -169,12 +169,13 @@ void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
     outside[i] = CellStatus::outside;
 }
 
-// Returns what to do about a seed that lies so far outside of a domain of that size. Files round coordinates: those with
-// eight decimals put an atom on a wall up to 5e-9 beyond it.
+// Returns what to do about a seed that lies so far outside of a domain of that size. Files round coordinates: those
+// with eight decimals put an atom on a wall up to 5e-9 beyond it.
 std::string outside_remedy(double distance, double size) {
     constexpr double rounding = 1e-6;
-    return distance <= rounding * size ? ": its coordinates may be rounded: keep points outside (outside = keep)"
-                                       : ": move it, or drop points outside (outside = drop) or keep them (outside = keep)";
+    return distance <= rounding * size
+               ? ": its coordinates may be rounded: keep points outside (outside = keep)"
+               : ": move it, or drop points outside (outside = drop) or keep them (outside = keep)";
 }
 
 double largest_side(const Box& box) {
