@@ -217,8 +217,18 @@ int run(Arguments& arguments) {
     return exit_code::done;
 }
 
+// Prints one line of UTF-8. Names in files and paths may hold other bytes, which become \xNN.
 int complain(int code, const std::string& message) {
-    std::fprintf(stderr, "clvotess: %s\n", one_line(message).c_str());
+    std::string line = "clvotess: ";
+    const std::string whole = one_line(message);
+    for (std::string_view rest = whole; !rest.empty();) {
+        const std::size_t length = utf8_length(rest);
+        char byte[8];
+        std::snprintf(byte, sizeof byte, "\\x%02x", static_cast<unsigned>(static_cast<unsigned char>(rest[0])));
+        line += length > 0 ? rest.substr(0, length) : std::string_view(byte);
+        rest.remove_prefix(std::max<std::size_t>(length, 1));
+    }
+    std::fprintf(stderr, "%s\n", line.c_str());
     return code;
 }
 

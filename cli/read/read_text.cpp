@@ -101,29 +101,48 @@ private:
 
     // Takes the line as the names of the columns. Returns false for a row of numbers.
     bool take_names() {
-        std::string marks;
-        std::vector<std::string> names = names_of(line_, marks);
-        if (names.empty()) return false;
-        names_ = std::move(names);
-        marks_ = marks;
+        marks_ = marks_in(line_);
+        names_ = names_of(line_, marks_);
+        if (names_.empty()) marks_.clear();
+        if (names_.empty()) return false;
+        // Where both marks occur, one may belong to names.
+        for (const char mark : marks_.size() > 1 ? marks_ : std::string()) {
+            std::vector<std::string> names;
+            try {
+                names = names_of(line_, std::string(1, mark));
+            } catch (const Failure&) {
+                continue;
+            }
+            if (!names_coordinates(names)) continue;
+            names_ = std::move(names);
+            marks_ = mark;
+        }
         check_names();
         return true;
+    }
+    // Returns whether the names have x and y, or those of --columns.
+    [[nodiscard]] bool names_coordinates(const std::vector<std::string>& names) const {
+        const std::vector<std::string> usual{"x", "y"};
+        return std::ranges::all_of(
+            request_.coordinates.empty() ? usual : request_.coordinates,
+            [&](const std::string& axis) { return std::ranges::count(names, axis) > 0 || read_uint64(axis); });
     }
 
     // Keeps the names in a comment. They count if they fit the row after it.
     void note_comment() {
-        std::string marks;
         const auto begin = line_.find_first_not_of("# \t");
         const bool quoted = line_.find('"') != std::string_view::npos;
         comment_.clear();
-        if (begin != std::string_view::npos && !quoted) comment_ = names_of(line_.substr(begin), marks);
+        if (begin == std::string_view::npos || quoted) return;
+        const std::string_view text = line_.substr(begin);
+        comment_ = names_of(text, marks_in(text));
     }
 
     // Takes the names of a comment such as `# x y z mass`, if it names a coordinate for each that is wanted and has as
     // many words as the row has columns. A first column before the coordinates is the id, as without names.
     void take_comment(std::size_t columns) {
-        const auto holds = [&](std::string_view name) { return std::ranges::count(comment_, name) > 0; };
-        if (!names_.empty() || comment_.size() != columns || !holds("x") || !holds("y")) return;
+        const bool numbered = !request_.coordinates.empty() && read_uint64(request_.coordinates[0]);
+        if (!names_.empty() || numbered || comment_.size() != columns || !names_coordinates(comment_)) return;
         names_ = std::move(comment_);
         const bool may_be_id = !request_.all_columns && !is_requested(names_[0]) && !is_requested("1");
         if (!named("id") && may_be_id && columns == axis_names().size() + 1 && named("x") == 1u) names_[0] = "id";
@@ -245,13 +264,11 @@ private:
         return marks;
     }
 
-    // Returns the names in a line, and the marks between them; nothing if one is a number. Names may contain blanks if
-    // marks separate them.
-    std::vector<std::string> names_of(std::string_view line, std::string& marks) const {
+    // Returns the names in a line, which these marks separate, or blanks without any; nothing if one is a number.
+    [[nodiscard]] std::vector<std::string> names_of(std::string_view line, const std::string& marks) const {
         std::vector<std::string> names;
         Words words;
         bool numbers = false;
-        marks = marks_in(line);
         if (marks.empty()) {
             split_words(line.substr(0, line.find('#')), words);
             for (const std::string_view word : words) names.push_back(plain_name(word));

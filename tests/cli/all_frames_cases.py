@@ -337,13 +337,14 @@ class FramesOfHdf5(CliTest):
                 if pbc is not None:
                     element(box, "pbc", pbc)
 
-        def check(name, axes, row_of=range(frames), gone=None, steps=range(0, 60, 10)):
+        def check(name, axes, row_of=range(frames), gone=None, steps=range(0, 60, 10), ids=False):
             kept = [np.flatnonzero(~gone[k]) if gone is not None else np.arange(count) for k in range(frames)]
             self.put("t.xyz", "".join(
                 f'{len(kept[k])}\nLattice="{" ".join(map(repr, edges[row_of[k]].ravel().tolist()))}" '
-                f'pbc="{" ".join("T" if axis else "F" for axis in axes[k])}" step={steps[k]} Properties=species:S:1:pos:R:3:mass:R:1\n'
-                + "".join(f"X {' '.join(map(repr, places[k][i].tolist()))} {mass[k][i]!r}\n" for i in kept[k]) for k in range(frames)))
-            options = ["--frames", "all", "--copy", "mass", "--list-walls", "--format", "%q %v %n"]
+                f'pbc="{" ".join("T" if axis else "F" for axis in axes[k])}" step={steps[k]} '
+                f"Properties={'id:I:1' if ids else 'n:I:1'}:pos:R:3:mass:R:1\n"
+                + "".join(f"{i} {' '.join(map(repr, places[k][i].tolist()))} {mass[k][i]!r}\n" for i in kept[k]) for k in range(frames)))
+            options = ["--frames", "all", "--copy", "mass", "--list-walls", "--format", "%i %q %v %n"]
             self.assertEqual(self.rows(name, *options), self.rows("t.xyz", *options))
 
         both = np.tile([True, False, True], (frames, 1))
@@ -359,7 +360,7 @@ class FramesOfHdf5(CliTest):
         check("a.h5", both, gone=padding)
         for ids in (-1, 99):
             write("a.h5", gone=absent, ids=ids)
-            check("a.h5", both, gone=absent)
+            check("a.h5", both, gone=absent, ids=True)
         write("a.h5", step=4, offset=7)
         check("a.h5", both, steps=range(7, 31, 4))
         write("a.h5", step=1)

@@ -44,7 +44,7 @@ class Source(CliTest):
         for name, says in ((".", "'.': Is a directory"), ("", "--only is empty"), ("bad.txt", "bad.txt:2: 'x'"), ("folder.npy", "folder.npy"),
                            ("short.npy", ["(59,)", "60 points"]), ("two.npy", "(1, 2)"), ("float.npy", "(1,)"), ("/dev/zero", "1048576 bytes"),
                            ("absent.npy", "No such file")):
-            self.refuse("a.npy", f"--only={name}", "-o", "out.csv", says=says)
+            self.refuse("a.npy", "--only", name, "-o", "out.csv", says=says)
         for arguments, says in ((["--only", "60"], "seed 60"), (["--only", "1:2:0"], "step"), (["--only", "no.txt"], "no.txt"),
                                 (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
             self.refuse("a.npy", *arguments, says=says)

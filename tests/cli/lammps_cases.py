@@ -255,7 +255,7 @@ class LammpsFiles(ReaderTest):
                               (whole.replace("0 1 ylo yhi", ""), "ylo yhi"),
                               (whole.replace("0 1 ylo", "1 1 ylo"), "along y"),
                               (whole.replace("1.5 0.5", "1.5 q"), "'q'"),
-                              (whole.replace("Atoms", "Atoms # oxdna").replace(" 1 0.5", " 1"), ["4 columns", "Atoms # sphere"]),
+                              (whole.replace("Atoms", "Atoms # unheard-of").replace(" 1 0.5", " 1"), ["4 columns", "Atoms # sphere"]),
                               (whole.replace(" 1 0.5", " 1 1 1 1 1 1 1 0.5"), ["11 columns", "Atoms # sphere"]),
                               (whole.replace("Atoms", "Atoms # full"), ["full", "5 columns"]),
                               (whole.replace("2 1 1.5", "2.5 1 1.5"), "'2.5'")]:

@@ -209,14 +209,16 @@ def read_frames(
     file = os.fsdecode(path)
     if file.startswith("-"):  # not an option, nor the input of the program
         file = os.path.join(os.curdir, file)
-    command = [_program(), file, f"--frames={frames}", "--points"]
-    if dataset is not None:
-        command.append(f"--dataset={dataset}")
     names = [columns] if isinstance(columns, str) else list(columns)
-    if names:
-        command.append("--copy=" + ",".join(names))
-    if coordinates is not None:
-        command.append("--columns=" + ",".join(coordinates))
+    command = [_program(), file, "--points"]
+    for option, value in (
+        ("--frames", frames),
+        ("--dataset", dataset),
+        ("--copy", ",".join(names) if names else None),
+        ("--columns", None if coordinates is None else ",".join(coordinates)),
+    ):
+        if value is not None:  # joined, for it may begin with a minus sign
+            command += [f"{option}={value}"] if value else [option, value]
     found = _frames(command, file)
     try:
         first = next(found)  # errors of the file are raised here

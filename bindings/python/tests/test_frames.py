@@ -141,7 +141,7 @@ class Files(Folder):
     def test_words_of_python(self):
         """Messages name arguments of read_frames(), never options of the command line."""
         for name, text, options, says in (
-            ("a.csv", "a,b,c\n1,2,3\n", {}, "lacks 'x': name the columns of the coordinates by coordinates, or give"),
+            ("a.csv", "a,b,c\n1,2,3\n", {}, "lacks 'x': name the columns of the coordinates by coordinates; there are"),
             ("a.csv", "x,y,m\n1,2,3\n", {}, r'or give coordinates=\("x", "y"\) for these alone'),
             ("a.csv", "x,y,m\n1,2,3\n", {"coordinates": ("x", "m", "z")}, "lacks 'z' of coordinates"),
             ("a.txt", "1 2 3 4 5\n", {}, 'name it with columns="5", or remove it'),
