@@ -21,13 +21,6 @@ double length_of(const Vector3& x) {
     return length3(x[0], x[1], x[2]);
 }
 
-Vector3 on_segment(const Vector3& a, const Vector3& b, double t) {
-    if (t == 1) return b;
-    Vector3 x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
-    return x;
-}
-
 // Returns the distance of a corner from the sides of a loop, negative outside.
 double depth(const FlatCorner& p, const std::vector<FlatCorner>& loop) {
     double square = infinity;
@@ -100,7 +93,7 @@ void CellPieces::add_triangles() {
         for (Id i = begin; i < end; ++i) {
             const CutCell::Side before = given[at(i == begin ? end - 1 : i - 1)].side, here = given[at(i)].side;
             Side made{static_cast<Id>(p), i + 1 == end ? begin : i + 1};
-            made.corner = given[at(i)].corner;
+            made.corner = cut_->at(given[at(i)].place);
             if (before < 0 && here < 0) made.mesh_vertex = triangle.vertex[at(-1 - here)];
             sides_.push_back(made);
             previous_.push_back(i == begin ? end - 1 : i - 1);
@@ -244,9 +237,7 @@ void CellPieces::add_strands() {
 void CellPieces::add_strand(const CutCell::Edge& edge, const Strand& strand) {
     const cpu::CellFaces& faces = cut_->faces_;
     const auto place = [&](const End& end) {
-        const Vector3 &from = cut_->at_[at(edge.from)], &to = cut_->at_[at(edge.to)];
-        if (end.crossing < 0) return cut_->at_[at(end.slot)];
-        return on_segment(from, to, cut_->crossings_[at(end.crossing)].at);
+        return cut_->at(end.crossing < 0 ? cut_->at_slot_[at(end.slot)] : cut_->crossings_[at(end.crossing)].place);
     };
     const auto copy = [&](const End& end, Id face) {
         Id c = faces.offsets[at(face)];
@@ -488,7 +479,7 @@ CellPieces::Id CellPieces::on_surface(const Polygon& polygon, const Triangle& tr
         if (on.face != polygon.face || on.in_cell || !on.faces_out) continue;
         bool inside = true;
         for (std::size_t i = 0; i < 3 && inside; ++i) {
-            const Vector3 &a = on.corners[i], &b = on.corners[(i + 1) % 3];
+            const Vector3 &a = cut_->at(on.places[i]), &b = cut_->at(on.places[(i + 1) % 3]);
             inside = dot(normal, cross(minus(b, a), minus(middle, a))) >= 0;
         }
         if (inside) return on.given;

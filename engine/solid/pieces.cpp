@@ -92,7 +92,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
             Pieces& out = last - first > 1 ? of_images : parts[index];
             for (std::size_t i = first; i < last; ++i) {
                 if (cells->winding[i] == 0) continue;
-                cells->make(r, i, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
+                cells->make(r, i, cell, options.gap * cells->scale);
                 if (cell.empty()) continue;
                 if (cells->winding[i] == solid::MeshCells::cut) {
                     const solid::CutMeasures& m = cell.measure();
