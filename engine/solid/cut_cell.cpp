@@ -16,6 +16,7 @@ constexpr double unit = 0x1p-53;
 constexpr double sum_rounding = 4 * unit;
 constexpr double place_rounding = 0x1p-42;   // of the extent of a part
 constexpr double volume_rounding = 0x1p-36;  // of a volume; half of it is for the centroid
+constexpr double surface_rounding = 0x1p-36;
 constexpr double overlay_rounding = 0x1p-38;  // of the extent; triangles in a plane may reach far
 constexpr double quad_rounding = 0x1p-114;   // of a cone's terms, and of the extent
 constexpr std::size_t word_bits = 64;
@@ -620,6 +621,7 @@ void CutCell::measure_in_double() {
     Sum volume, surface;
     std::array<Sum, 3> moment;
     sum_area_ = sum_terms_ = 0;
+    double surface_error = 0, volume_error = 0;
     area_error_.assign(faces_.size(), 0);
     for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t face) {
         const Vector3 &a = at(first), &b = at(second), &c = at(third), ab = minus(b, a), bc = minus(c, b),
@@ -631,15 +633,19 @@ void CutCell::measure_in_double() {
             for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]) / 4;
         sum_area_ += std::abs(weight) * area;
         sum_terms_ += size * largest(a);
-        if (face == -1) surface += area;
+        const auto error_at = [&](std::int32_t place) { return place_[index(place)].error; };
+        const double shift = std::abs(weight) * std::max({error_at(first), error_at(second), error_at(third)});
+        volume_error += 4 * (area * shift + 16 * unit * size * largest(a));
+        const double error = 16 * unit * size + 4 * std::max(largest(ab), largest(bc)) * shift;
+        if (face == -1) surface += area, surface_error += error;
         if (face < 0) return;
         out_.faces[index(face)].area += 0.5 * weight * dot(unit_[index(face)], n);
-        area_error_[index(face)] += 16 * unit * size + 4 * std::abs(weight) * largest(bc) * place_error_;
+        area_error_[index(face)] += error;
     });
     sum_surface_ = surface;
     out_.volume = volume.value();
-    const double error = 4 * (sum_area_ * place_error_ + 16 * unit * sum_terms_);
-    if (!(error < volume_rounding * std::abs(out_.volume))) return measure_in_quad();
+    if (!(volume_error < volume_rounding * std::abs(out_.volume)) || !(surface_error <= surface_rounding * surface.value()))
+        return measure_in_quad();
     if (!centroids_) return;
     for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + moment[k].value() / out_.volume;
 }
@@ -661,13 +667,24 @@ void CutCell::measure_in_quad() {
     }
     Quad volume;
     std::array<Quad, 3> moment;
-    for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t) {
-        const std::array<Quad, 3>&a = x[index(first)], &b = x[index(second)], &c = x[index(third)];
-        const Quad part = Quad(weight) * dot(a, cross(difference(b, a), difference(c, b)));
+    std::vector<Quad> areas(faces_.size());
+    sum_surface_ = {};
+    for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t face) {
+        const std::array<Quad, 3>&a = x[index(first)], &b = x[index(second)], &c = x[index(third)],
+            n = cross(difference(b, a), difference(c, b));
+        const Quad part = Quad(weight) * dot(a, n);
         volume += part;
         if (centroids_)
             for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]);
+        if (face == -1)
+            sum_surface_ +=
+                0.5 * length3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        if (face >= 0) areas[index(face)] += Quad(weight) * dot(unit_[index(face)], n);
     });
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        out_.faces[f].area = 0.5 * static_cast<double>(areas[f]);
+        area_error_[f] *= quad_rounding / unit;
+    }
     const double bound = quad_rounding * (extent_ * sum_area_ + sum_terms_);
     out_.volume = static_cast<double>(volume) / 6;
     if (!(bound <= volume_rounding * std::abs(out_.volume)) || volume == Quad()) return measure_in_fractions();

@@ -145,6 +145,7 @@ public:
         cut_cells();
         fill_plain();
         decide_faces();
+        share_areas();
         write_rows();
         finish();
         return std::move(result_);
@@ -475,6 +476,25 @@ private:
         for (const auto& [e, area] : found) add_area(e, area);
         for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
             if (dropped_[e] == unsure) dropped_[e] = 1;
+    }
+
+    // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
+    void share_areas() {
+        auto& areas = result_.face_areas;
+        for (std::size_t k = 0; has_areas_ && k < rows(); ++k) {
+            const std::uint32_t r = order_[k];  // the rows of neighbors are then near in memory
+            for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
+                const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
+                const exact::Shift shift = cells_->shift(e);
+                if (neighbor < seed || (neighbor == seed && shift < exact::Shift{})) continue;  // set from there
+                const std::int64_t other = row_of(neighbor);
+                if (other < 0 || dropped_[e] != 0) continue;
+                const std::size_t o = to_index(other), back = entry(o, seed, opposite(shift));
+                if (back == no_entry) continue;
+                const bool from_other = plain_[r] != 0 && plain_[o] == 0;
+                areas[from_other ? e : back] = areas[from_other ? back : e];
+            }
+        }
     }
 
     // Drops faces outside, and empties the cells outside.
