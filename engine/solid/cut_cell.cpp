@@ -81,7 +81,7 @@ const CutMeasures& CutCell::measure(bool decide_faces) {
     faces.clear();
     out_ = {};
     out_.faces = std::move(faces);
-    find_faces();
+    make_faces();
     find_candidates();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
@@ -94,12 +94,23 @@ const CutMeasures& CutCell::measure(bool decide_faces) {
     if (!out_.meets_surface) return out_;
     find_places();
     find_segments();
-    measure_in_double();
+    find_cones();
+    const ConeSum part = sum(cones_);
+    out_.empty = part.empty;
+    out_.volume = part.volume;
+    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + part.centroid[k];
+    measure_areas();
     measure_faces(decide_faces);
     return out_;
 }
 
 void CutCell::find_faces() {
+    make_faces();
+    for (Place& place : place_) place.is_used = true;
+    measure_places();
+}
+
+void CutCell::make_faces() {
     out_.faces.clear();
     cell_.canonical_faces(faces_);
     read_faces();
@@ -109,6 +120,7 @@ void CutCell::find_faces() {
     polygon_sides_.clear();
     on_faces_.clear();
     exact_is_ready_ = false;
+    quads_.clear();
 }
 
 // Makes the edges, and their planes' bisectors.
@@ -419,20 +431,24 @@ void CutCell::find_places() {
     for (const OnFace& on : on_faces_)
         for (std::int32_t c = faces_.offsets[index(on.face)]; c < faces_.offsets[index(on.face) + 1]; ++c)
             use(faces_.corners[index(c)]);
-    extent_ = place_error_ = 0;
-    for (const Place& place : place_)
-        if (place.is_used) extent_ = std::max(extent_, largest(place.x) - place.error);
+    measure_places();
     for (Place& place : place_) {
+        if (!place.is_used || place.error <= place_rounding * extent_) continue;
+        if (!exact_is_ready_) prepare_exact(apex_);
+        place.x = rounded(exact_place(place));
+        place.error = 2 * unit * largest(place.x);
+    }
+    measure_places();
+}
+
+// Finds the extent of the part, and the largest error.
+void CutCell::measure_places() {
+    extent_ = place_error_ = 0;
+    for (const Place& place : place_) {
         if (!place.is_used) continue;
-        if (!(place.error <= place_rounding * extent_)) {
-            if (!exact_is_ready_) prepare_exact(apex_);
-            place.x = rounded(exact_place(place));
-            place.error = 2 * unit * largest(place.x);
-        }
+        extent_ = std::max(extent_, largest(place.x) - place.error);
         place_error_ = std::max(place_error_, place.error);
     }
-    for (const Place& place : place_)
-        if (place.is_used) extent_ = std::max(extent_, largest(place.x));
 }
 
 void CutCell::find_apex() {
@@ -467,6 +483,7 @@ void CutCell::prepare_exact(const Vector3& origin) {
         for (const std::int32_t v : on.places) exact_.include(mesh_.vertex(place_[index(v)].of[0]));
     exact_.prepare();
     exact_is_ready_ = true;
+    quads_.clear();
 }
 
 ExactPlace CutCell::exact_place(const Place& place) const {
@@ -605,110 +622,139 @@ void CutCell::find_segments() {
     }
 }
 
-template <class Visit>
-void CutCell::for_each_cone(Visit visit) const {
+void CutCell::find_cones() {
+    cones_.clear();
     for (std::size_t p = 0; p < polygons_.size(); ++p) {
         const std::size_t begin = index(polygons_[p].begin),
                           end = p + 1 < polygons_.size() ? index(polygons_[p + 1].begin) : polygon_sides_.size();
         for (std::size_t i = begin + 2; i < end; ++i)
-            visit(polygon_sides_[begin].place, polygon_sides_[i - 1].place, polygon_sides_[i].place, 1,
-                  polygons_[p].on_face ? absent : -1);
+            cones_.push_back({polygon_sides_[begin].place, polygon_sides_[i - 1].place, polygon_sides_[i].place, 1,
+                              polygons_[p].on_face ? absent : -1});
     }
-    for (const Segment& s : segments_) visit(base_[index(s.face)], s.from, s.to, s.weight, s.face);
+    for (const Segment& s : segments_) cones_.push_back({base_[index(s.face)], s.from, s.to, s.weight, s.face});
 }
 
-void CutCell::measure_in_double() {
-    Sum volume, surface;
+CutCell::ConeSum CutCell::sum(std::span<const Cone> cones) {
+    Sum volume;
     std::array<Sum, 3> moment;
-    sum_area_ = sum_terms_ = 0;
-    double surface_error = 0, volume_error = 0;
-    area_error_.assign(faces_.size(), 0);
-    for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t face) {
-        const Vector3 &a = at(first), &b = at(second), &c = at(third), ab = minus(b, a), bc = minus(c, b),
+    double error = 0;
+    for (const Cone& cone : cones) {
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c), ab = minus(b, a), bc = minus(c, b),
                       n = cross(ab, bc);
-        const double part = weight * dot(a, n) / 6, area = 0.5 * length3(n[0], n[1], n[2]);
-        const double size = std::abs(weight) * largest(ab) * largest(bc);
+        const double part = cone.weight * dot(a, n) / 6;
         volume += part;
         if (centroids_)
             for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]) / 4;
-        sum_area_ += std::abs(weight) * area;
-        sum_terms_ += size * largest(a);
-        const auto error_at = [&](std::int32_t place) { return place_[index(place)].error; };
-        const double shift = std::abs(weight) * std::max({error_at(first), error_at(second), error_at(third)});
-        volume_error += 4 * (area * shift + 16 * unit * size * largest(a));
-        const double error = 16 * unit * size + 4 * std::max(largest(ab), largest(bc)) * shift;
-        if (face == -1) surface += area, surface_error += error;
-        if (face < 0) return;
-        out_.faces[index(face)].area += 0.5 * weight * dot(unit_[index(face)], n);
-        area_error_[index(face)] += error;
-    });
-    sum_surface_ = surface;
-    out_.volume = volume.value();
-    if (!(volume_error < volume_rounding * std::abs(out_.volume)) || !(surface_error <= surface_rounding * surface.value()))
-        return measure_in_quad();
-    if (!centroids_) return;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + moment[k].value() / out_.volume;
+        const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
+        error += std::abs(cone.weight) * (4 * largest(n) * shift + 64 * unit * largest(ab) * largest(bc) * largest(a));
+    }
+    ConeSum sum{false, volume.value(), {}};
+    if (!(error < volume_rounding * std::abs(sum.volume))) return sum_exactly(cones);
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) sum.centroid[k] = moment[k].value() / sum.volume;
+    return sum;
 }
 
-void CutCell::measure_in_quad() {
-    using exact::Quad;
-    if (segments_.empty() && polygons_.empty()) {
-        out_.empty = true;
-        return;
+// Measures the parts of faces, and the surface.
+void CutCell::measure_areas() {
+    Sum surface;
+    double surface_error = 0;
+    area_error_.assign(faces_.size(), 0);
+    for (const Cone& cone : cones_) {
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c), ab = minus(b, a), bc = minus(c, b),
+                      n = cross(ab, bc);
+        const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
+        const double error = std::abs(cone.weight) * (16 * unit * largest(ab) * largest(bc) +
+                                                      4 * std::max(largest(ab), largest(bc)) * shift);
+        if (cone.face == -1) surface += 0.5 * length3(n[0], n[1], n[2]), surface_error += error;
+        if (cone.face < 0) continue;
+        out_.faces[index(cone.face)].area += 0.5 * cone.weight * dot(unit_[index(cone.face)], n);
+        area_error_[index(cone.face)] += error;
     }
+    sum_surface_ = surface;
+    if (!quads_.empty() || !(surface_error <= surface_rounding * surface.value())) measure_areas_in_quad();
+}
+
+void CutCell::measure_areas_in_quad() {
+    using exact::Quad;
+    if (quads_.empty()) find_quads();
+    std::vector<Quad> areas(faces_.size());
+    sum_surface_ = {};
+    for (const Cone& cone : cones_) {
+        const auto &a = quads_[index(cone.a)], &b = quads_[index(cone.b)], &c = quads_[index(cone.c)];
+        const auto n = cross(difference(b, a), difference(c, b));
+        if (cone.face == -1)
+            sum_surface_ +=
+                0.5 * length3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        if (cone.face >= 0) areas[index(cone.face)] += Quad(cone.weight) * dot(unit_[index(cone.face)], n);
+    }
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        out_.faces[f].area = 0.5 * static_cast<double>(areas[f]);
+        area_error_[f] = 0;
+    }
+    for (const Cone& cone : cones_) {
+        if (cone.face < 0) continue;
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c);
+        const double length = std::max({largest(minus(b, a)), largest(minus(c, b)), place_error_});
+        area_error_[index(cone.face)] += quad_rounding * std::abs(cone.weight) * extent_ * length;
+    }
+}
+
+void CutCell::find_quads() {
     if (!exact_is_ready_) prepare_exact(apex_);
-    std::vector<std::array<Quad, 3>> x(place_.size());
+    quads_.resize(place_.size());
     for (std::size_t i = 0; i < place_.size(); ++i) {
         if (!place_[i].is_used) continue;
         const ExactPlace place = exact_place(place_[i]);
-        const auto w = static_cast<Quad>(place.w);
+        const auto w = static_cast<exact::Quad>(place.w);
         for (std::size_t k = 0; k < 3; ++k)
-            x[i][k] = ldexp(static_cast<Quad>(place.x[k]) / w, exact_.quantum());
+            quads_[i][k] = ldexp(static_cast<exact::Quad>(place.x[k]) / w, exact_.quantum());
     }
+}
+
+CutCell::ConeSum CutCell::sum_exactly(std::span<const Cone> cones) {
+    using exact::Quad;
+    if (cones.empty()) return {true, 0, {}};
+    if (quads_.empty()) find_quads();
     Quad volume;
     std::array<Quad, 3> moment;
-    std::vector<Quad> areas(faces_.size());
-    sum_surface_ = {};
-    for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t face) {
-        const std::array<Quad, 3>&a = x[index(first)], &b = x[index(second)], &c = x[index(third)],
-            n = cross(difference(b, a), difference(c, b));
-        const Quad part = Quad(weight) * dot(a, n);
+    double bound = 0;
+    for (const Cone& cone : cones) {
+        const auto &a = quads_[index(cone.a)], &b = quads_[index(cone.b)], &c = quads_[index(cone.c)],
+                   ab = difference(b, a), bc = difference(c, b);
+        const Quad part = Quad(cone.weight) * dot(a, cross(ab, bc));
         volume += part;
         if (centroids_)
             for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]);
-        if (face == -1)
-            sum_surface_ +=
-                0.5 * length3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
-        if (face >= 0) areas[index(face)] += Quad(weight) * dot(unit_[index(face)], n);
-    });
-    for (std::size_t f = 0; f < faces_.size(); ++f) {
-        out_.faces[f].area = 0.5 * static_cast<double>(areas[f]);
-        area_error_[f] *= quad_rounding / unit;
+        const auto size = [](const std::array<Quad, 3>& x) {
+            return largest({static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])});
+        };
+        bound += quad_rounding * std::abs(cone.weight) * std::max(size(a), extent_) * size(ab) * size(bc);
     }
-    const double bound = quad_rounding * (extent_ * sum_area_ + sum_terms_);
-    out_.volume = static_cast<double>(volume) / 6;
-    if (!(bound <= volume_rounding * std::abs(out_.volume)) || volume == Quad()) return measure_in_fractions();
-    if (!centroids_) return;
-    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + ratio(moment[k], volume) / 4;
+    ConeSum sum{false, static_cast<double>(volume) / 6, {}};
+    if (!(bound <= volume_rounding * std::abs(sum.volume)) || volume == Quad()) return sum_in_fractions(cones);
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) sum.centroid[k] = ratio(moment[k], volume) / 4;
+    return sum;
 }
 
-void CutCell::measure_in_fractions() {
+CutCell::ConeSum CutCell::sum_in_fractions(std::span<const Cone> cones) const {
     using exact::BigInt;
     using exact::Fraction;
     using exact::Quad;
     std::vector<ExactPlace> x(place_.size());
     for (std::size_t i = 0; i < place_.size(); ++i)
         if (place_[i].is_used) x[i] = exact_place(place_[i]);
-    std::array<std::vector<Fraction>, 4> terms;  // 6 times the volume, 24 times the moments
-    for_each_cone([&](std::int32_t first, std::int32_t second, std::int32_t third, int weight, std::int32_t) {
-        const ExactPlace &a = x[index(first)], &b = x[index(second)], &c = x[index(third)];
-        const Fraction volume(dot(a.x, cross(b.x, c.x)) * BigInt(weight), a.w * b.w * c.w);
-        if (volume.sign() == 0) return;
+    std::array<std::vector<Fraction>, 4> terms;  // 24 times the moments, 6 times the volume
+    for (const Cone& cone : cones) {
+        const ExactPlace &a = x[index(cone.a)], &b = x[index(cone.b)], &c = x[index(cone.c)];
+        const Fraction volume(dot(a.x, cross(b.x, c.x)) * BigInt(cone.weight), a.w * b.w * c.w);
+        if (volume.sign() == 0) continue;
         terms[3].push_back(volume);
         for (std::size_t k = 0; k < 3 && centroids_; ++k)
             terms[k].push_back(volume * Fraction(a.x[k] * b.w * c.w + b.x[k] * a.w * c.w + c.x[k] * a.w * b.w,
                                                  a.w * b.w * c.w));
-    });
+    }
     const auto sum = [](std::vector<Fraction>& all) {
         for (; all.size() > 1; all.resize((all.size() + 1) / 2)) {
             check_stop();
@@ -720,12 +766,12 @@ void CutCell::measure_in_fractions() {
         return all.empty() ? Fraction() : std::move(all[0]);
     };
     const Fraction volume = sum(terms[3]);
-    out_.empty = volume.sign() == 0;
-    out_.volume = static_cast<double>(ldexp(static_cast<Quad>(volume), 3 * exact_.quantum())) / 6;
-    if (!centroids_ || out_.empty) return;
-    for (std::size_t k = 0; k < 3; ++k)
-        out_.centroid[k] = apex_[k] + ratio(ldexp(static_cast<Quad>(sum(terms[k])), exact_.quantum()),
-                                            static_cast<Quad>(volume)) / 4;
+    if (volume.sign() == 0) return {true, 0, {}};
+    ConeSum result{false, static_cast<double>(ldexp(static_cast<Quad>(volume), 3 * exact_.quantum())) / 6, {}};
+    for (std::size_t k = 0; k < 3 && centroids_; ++k)
+        result.centroid[k] =
+            ratio(ldexp(static_cast<Quad>(sum(terms[k])), exact_.quantum()), static_cast<Quad>(volume)) / 4;
+    return result;
 }
 
 void CutCell::measure_faces(bool decide) {

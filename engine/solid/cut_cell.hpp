@@ -22,6 +22,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "domain/domain.hpp"
@@ -119,6 +120,7 @@ private:
         std::array<std::int32_t, 3> places;  // of its corners
         bool in_cell, faces_out;
     };
+    void make_faces();
     void read_faces();
     void add_half(std::int32_t from, std::int32_t to, std::int32_t face);
     void find_candidates();
@@ -138,8 +140,10 @@ private:
                                      const ClosedMesh::Triangle& triangle) const;
     [[nodiscard]] Place on_edge(const Edge& edge, std::uint32_t t) const;
     [[nodiscard]] const Vector3& at(std::int32_t place) const { return place_[static_cast<std::size_t>(place)].x; }
+    [[nodiscard]] double error_of(std::int32_t place) const { return place_[static_cast<std::size_t>(place)].error; }
     void find_places();
     void find_apex();
+    void measure_places();
     void prepare_exact(const Vector3& origin);
     [[nodiscard]] Vector3 rounded(const ExactPlace& place) const;
     [[nodiscard]] ExactPlace exact_place(const Place& place) const;
@@ -157,12 +161,25 @@ private:
     // Visits the edges of a face, of its parts in the mesh, and of triangles in its plane: two places, layer, weight.
     template <class Visit>
     void for_each_outline(std::int32_t face, Visit visit) const;
-    void measure_in_double();
-    void measure_in_quad();
-    void measure_in_fractions();
-    // Visits the bases of all cones: three places and a weight.
-    template <class Visit>
-    void for_each_cone(Visit visit) const;
+    // The base of a cone: three places. face: -1 for triangles of the mesh, absent for those in a face.
+    struct Cone {
+        std::int32_t a, b, c;
+        int weight;
+        std::int32_t face;
+    };
+    struct ConeSum {
+        bool empty = false;
+        double volume = 0;
+        Vector3 centroid{};  // relative to the apex
+    };
+    void find_cones();
+    // Sums cones: in double, from exact places in 128 bits, or in fractions, until 1e-10 of the volume is sure.
+    [[nodiscard]] ConeSum sum(std::span<const Cone> cones);
+    [[nodiscard]] ConeSum sum_exactly(std::span<const Cone> cones);
+    [[nodiscard]] ConeSum sum_in_fractions(std::span<const Cone> cones) const;
+    void find_quads();
+    void measure_areas();
+    void measure_areas_in_quad();
     [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {
         return edge_between_[static_cast<std::size_t>(left) * faces_.size() + static_cast<std::size_t>(right)];
     }
@@ -229,8 +246,8 @@ private:
     std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
     Sum sum_surface_;
-    double sum_area_ = 0;       // of the bases of all cones
-    double sum_terms_ = 0;      // of all cones, before anything cancels
+    std::vector<Cone> cones_;
+    std::vector<std::array<exact::Quad, 3>> quads_;  // by place: of those that are used
     double place_error_ = 0;    // bound, of any position of the part
     double extent_ = 0;         // of the part, from the apex
     std::vector<double> area_error_;  // by face
