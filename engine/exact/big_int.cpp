@@ -58,8 +58,7 @@ BigInt operator*(const BigInt& a, const BigInt& b) {
         if (a.limbs_[i] == 0) continue;
         std::uint64_t carry = 0;
         for (std::size_t j = 0; j < b.limbs_.size(); ++j) {
-            const Uint128 t =
-                static_cast<Uint128>(a.limbs_[i]) * b.limbs_[j] + result.limbs_[i + j] + carry;
+            const Uint128 t = static_cast<Uint128>(a.limbs_[i]) * b.limbs_[j] + result.limbs_[i + j] + carry;
             result.limbs_[i + j] = static_cast<std::uint64_t>(t);
             carry = static_cast<std::uint64_t>(t >> 64);
         }

@@ -77,7 +77,7 @@ private:
     struct Surface {
         double volume = 0;
         Vector3 moment{};  // volume times centroid, relative to the apex
-        double sum = 0;  // of volumes, with those of cavities
+        double sum = 0;    // of volumes, with those of cavities
         std::vector<Id> triangles;
         Id outer = -1;  // the surface that this cavity lies in
         bool dropped = false;
@@ -129,8 +129,8 @@ private:
     std::vector<std::vector<FlatCorner>> polygon_loops_;
     EarClipping ears_;
     std::vector<Triangle> triangles_;
-    std::vector<Vector3> places_;    // by vertex
-    std::vector<Id> cut_places_;     // by vertex: of the cut cell
+    std::vector<Vector3> places_;  // by vertex
+    std::vector<Id> cut_places_;   // by vertex: of the cut cell
     std::vector<CutCell::Cone> cones_;
     std::vector<Id> mesh_vertices_;  // by vertex
     std::vector<Surface> surfaces_;

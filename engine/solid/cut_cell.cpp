@@ -18,7 +18,7 @@ constexpr double place_rounding = 0x1p-42;   // of the extent of a part
 constexpr double volume_rounding = 0x1p-36;  // of a volume; half of it is for the centroid
 constexpr double surface_rounding = 0x1p-36;
 constexpr double overlay_rounding = 0x1p-38;  // of the extent; triangles in a plane may reach far
-constexpr double quad_rounding = 0x1p-114;   // of a cone's terms, and of the extent
+constexpr double quad_rounding = 0x1p-114;    // of a cone's terms, and of the extent
 constexpr std::size_t word_bits = 64;
 constexpr std::int32_t absent = -2;     // of a vertex without a side yet
 constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
@@ -366,8 +366,8 @@ std::int32_t CutCell::place_of(const Corner& corner, std::uint32_t t) {
 CutCell::Place CutCell::on_mesh_edge(std::size_t from, std::size_t to, std::size_t face,
                                      const ClosedMesh::Triangle& triangle) const {
     const MeshSigns::Values& a = values_[face];
-    const auto [x, error] = between(places_[from].relative, places_[to].relative, a[from].s, a[to].s,
-                                    a[from].error + a[to].error);
+    const auto [x, error] =
+        between(places_[from].relative, places_[to].relative, a[from].s, a[to].s, a[from].error + a[to].error);
     return {Place::Kind::on_mesh_edge,
             {static_cast<std::int32_t>(face), triangle.vertex[from], triangle.vertex[to]},
             minus(x, apex_),
@@ -380,8 +380,8 @@ CutCell::Place CutCell::on_edge(const Edge& edge, std::uint32_t t) const {
                   n = cross(a, b);
     const auto end = [&](std::int32_t slot) { return plus(at(at_slot_[index(slot)]), apex_); };
     const Vector3 x = end(edge.from), y = end(edge.to), from_u = minus(x, u), to_u = minus(y, u);
-    const double tolerance = std::max(cell_.tolerance(edge.from), cell_.tolerance(edge.to)) +
-                             4 * unit * std::max(largest(x), largest(y));
+    const double tolerance =
+        std::max(cell_.tolerance(edge.from), cell_.tolerance(edge.to)) + 4 * unit * std::max(largest(x), largest(y));
     const double farthest = std::max({largest(u), largest(places_[1].relative), largest(places_[2].relative)});
     const double normal_error =
         4 * (4 * unit * farthest * (largest(a) + largest(b)) + 2 * unit * largest(a) * largest(b));
@@ -664,8 +664,8 @@ void CutCell::measure_areas() {
         const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c), ab = minus(b, a), bc = minus(c, b),
                       n = cross(ab, bc);
         const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
-        const double error = std::abs(cone.weight) * (16 * unit * largest(ab) * largest(bc) +
-                                                      4 * std::max(largest(ab), largest(bc)) * shift);
+        const double error = std::abs(cone.weight) *
+                             (16 * unit * largest(ab) * largest(bc) + 4 * std::max(largest(ab), largest(bc)) * shift);
         if (cone.face == -1) surface += 0.5 * length3(n[0], n[1], n[2]), surface_error += error;
         if (cone.face < 0) continue;
         out_.faces[index(cone.face)].area += 0.5 * cone.weight * dot(unit_[index(cone.face)], n);
@@ -752,8 +752,8 @@ CutCell::ConeSum CutCell::sum_in_fractions(std::span<const Cone> cones) const {
         if (volume.sign() == 0) continue;
         terms[3].push_back(volume);
         for (std::size_t k = 0; k < 3 && centroids_; ++k)
-            terms[k].push_back(volume * Fraction(a.x[k] * b.w * c.w + b.x[k] * a.w * c.w + c.x[k] * a.w * b.w,
-                                                 a.w * b.w * c.w));
+            terms[k].push_back(volume *
+                               Fraction(a.x[k] * b.w * c.w + b.x[k] * a.w * c.w + c.x[k] * a.w * b.w, a.w * b.w * c.w));
     }
     const auto sum = [](std::vector<Fraction>& all) {
         for (; all.size() > 1; all.resize((all.size() + 1) / 2)) {
@@ -804,13 +804,30 @@ void CutCell::for_each_outline(std::int32_t face, Visit visit) const {
     }
     for (const Segment& s : segments_)
         if (s.face == face) visit(s.from, s.to, Outline::inside, s.weight);
+    // Edges between two of the triangles cancel.
+    struct Side {
+        std::int32_t low, high, from, to;
+        int all, out;  // how often triangles, and those that face out, run from the lower vertex to the higher
+    };
+    std::vector<Side> sides;
     for (const OnFace& on : on_faces_) {
         if (on.face != face) continue;
         for (std::size_t i = 0; i < 3; ++i) {
-            const std::int32_t from = on.places[i], to = on.places[(i + 1) % 3];
-            visit(from, to, Outline::triangles, 1);
-            if (on.faces_out) visit(from, to, Outline::triangles_out, 1);
+            std::int32_t from = on.places[i], to = on.places[(i + 1) % 3];
+            const auto vertex = [&](std::int32_t place) { return place_[index(place)].of[0]; };
+            const int one = vertex(from) < vertex(to) ? 1 : -1;
+            if (one < 0) std::swap(from, to);
+            sides.push_back({vertex(from), vertex(to), from, to, one, on.faces_out ? one : 0});
         }
+    }
+    std::ranges::sort(sides, {}, [](const Side& s) { return std::pair(s.low, s.high); });
+    for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+        const Side& first = sides[begin];
+        int all = 0, out = 0;
+        for (; end < sides.size() && sides[end].low == first.low && sides[end].high == first.high; ++end)
+            all += sides[end].all, out += sides[end].out;
+        if (all != 0) visit(first.from, first.to, Outline::triangles, all);
+        if (out != 0) visit(first.from, first.to, Outline::triangles_out, out);
     }
 }
 

@@ -194,15 +194,15 @@ private:
     cpu::CellFaces faces_;
     MeshSigns signs_, corner_signs_;  // of all bisectors; of those of one vertex
     CutMeasures out_;
-    Vector3 apex_{};                    // of cones, relative to the seed
-    std::vector<std::int32_t> plane_;   // by face: of signs_, -1 for walls
-    std::vector<Vector3> unit_;         // by face: its outward unit normal
-    std::vector<std::int32_t> base_;    // by face: a place on it, where its triangles begin; -1 if it has none
-    std::vector<Place> place_;          // of all corners
-    std::vector<std::int32_t> at_slot_; // by slot: its place
-    std::vector<int> winding_;          // by slot
-    std::vector<std::uint8_t> known_;   // by slot
-    std::vector<std::int32_t> slots_;   // of vertices
+    Vector3 apex_{};                     // of cones, relative to the seed
+    std::vector<std::int32_t> plane_;    // by face: of signs_, -1 for walls
+    std::vector<Vector3> unit_;          // by face: its outward unit normal
+    std::vector<std::int32_t> base_;     // by face: a place on it, where its triangles begin; -1 if it has none
+    std::vector<Place> place_;           // of all corners
+    std::vector<std::int32_t> at_slot_;  // by slot: its place
+    std::vector<int> winding_;           // by slot
+    std::vector<std::uint8_t> known_;    // by slot
+    std::vector<std::int32_t> slots_;    // of vertices
     std::vector<Half> halves_;
     std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
@@ -248,9 +248,9 @@ private:
     Sum sum_surface_;
     std::vector<Cone> cones_;
     std::vector<std::array<exact::Quad, 3>> quads_;  // by place: of those that are used
-    double place_error_ = 0;    // bound, of any position of the part
-    double extent_ = 0;         // of the part, from the apex
-    std::vector<double> area_error_;  // by face
+    double place_error_ = 0;                         // bound, of any position of the part
+    double extent_ = 0;                              // of the part, from the apex
+    std::vector<double> area_error_;                 // by face
 
     // The current triangle.
     std::int32_t face_of_triangle_ = -1;  // whose plane holds it

@@ -65,8 +65,7 @@ void ExactLayers::find_active(std::size_t cut) {
 
 double ExactLayers::area(std::size_t cut, std::size_t active, int quantum) const {
     const Fraction width = cuts_[cut + 1] - cuts_[cut], height = active_[active + 1].middle - active_[active].middle;
-    const auto rounded = static_cast<double>(
-        ldexp(static_cast<Quad>(width) * static_cast<Quad>(height), 2 * quantum));
+    const auto rounded = static_cast<double>(ldexp(static_cast<Quad>(width) * static_cast<Quad>(height), 2 * quantum));
     return std::max(rounded, std::numeric_limits<double>::denorm_min());
 }
 

@@ -36,8 +36,8 @@ public:
     }
 
 private:
-    struct Edge {                  // from left to right; the counts above it are larger by `step`
-        exact::BigInt a, b, c;     // a x + b y + c = 0 on it; b is positive
+    struct Edge {               // from left to right; the counts above it are larger by `step`
+        exact::BigInt a, b, c;  // a x + b y + c = 0 on it; b is positive
         exact::Fraction x0, x1;
         Layers::Counts step;
         std::size_t first = 0, last = 0;  // cuts at its ends

@@ -92,8 +92,7 @@ ExactPlace ExactPlaces::on_triangle(std::size_t a, std::size_t b, const std::arr
     }
     const Integers weights = cross(at_a, at_b);
     ExactPlace place{{}, weights[0] + weights[1] + weights[2]};
-    for (std::size_t k = 0; k < 3; ++k)
-        place.x[k] = weights[0] * x[0][k] + weights[1] * x[1][k] + weights[2] * x[2][k];
+    for (std::size_t k = 0; k < 3; ++k) place.x[k] = weights[0] * x[0][k] + weights[1] * x[1][k] + weights[2] * x[2][k];
     return positive(std::move(place));
 }
 
@@ -102,8 +101,7 @@ ExactPlace ExactPlaces::meeting(std::size_t a, std::size_t b, std::size_t c) con
     const Integers qr = cross(q.n, r.n), rp = cross(r.n, p.n), pq = cross(p.n, q.n);
     const BigInt half = dot(p.n, qr);
     ExactPlace place{{}, half + half};
-    for (std::size_t k = 0; k < 3; ++k)
-        place.x[k] = p.s * qr[k] + q.s * rp[k] + r.s * pq[k] - place.w * to_origin_[k];
+    for (std::size_t k = 0; k < 3; ++k) place.x[k] = p.s * qr[k] + q.s * rp[k] + r.s * pq[k] - place.w * to_origin_[k];
     return positive(std::move(place));
 }
 

@@ -171,7 +171,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     std::array<std::array<WideInt<2 * W>, 3>, 3> value;
     std::array<std::array<WideInt<W>, 3>, 3> n;
     std::array<std::array<WideInt<W>, 3>, 3> to_seed;  // from each column
-    std::array<WideInt<2 * W>, 3> shrunk;          // -s_k(center)
+    std::array<WideInt<2 * W>, 3> shrunk;              // -s_k(center)
     const auto center = wide_place<W>(center_, quantum);
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
     for (int c = 0; c < moving; ++c) to_seed[c] = exact::wide_difference<W>(*columns[c], image_, quantum);

@@ -15,10 +15,10 @@
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
 // Ties. The cell counts as shrunk towards a center inside of it, by less than any distance: s_k(u) grows by e times
-// -s_k(center), the same in a row, so that the determinant is linear in it (Edelsbrunner and Mücke, ACM TOG 9(1), 1990).
-// Then the mesh counts as moved by (e^2, e^3, e^4). So all planes are in general position, and what meets a cell meets its
-// interior: a part without volume has no corner. The center is the seed, or another place where weights put the seed
-// outside of its cell.
+// -s_k(center), the same in a row, so that the determinant is linear in it (Edelsbrunner and Mücke, ACM TOG 9(1),
+// 1990). Then the mesh counts as moved by (e^2, e^3, e^4). So all planes are in general position, and what meets a cell
+// meets its interior: a part without volume has no corner. The center is the seed, or another place where weights put
+// the seed outside of its cell.
 //
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.

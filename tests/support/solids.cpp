@@ -185,7 +185,8 @@ NearBisector near_bisector(NearBisector::Kind kind, Random& random) {
         const std::size_t n = 2 + random.below(2);
         for (std::size_t i = 0; i < n * n * n; ++i)
             for (std::size_t k = 0; k < 3; ++k)
-                set.points.push_back(corner[k] + step * static_cast<double>(std::array{i / n / n, i / n % n, i % n}[k]));
+                set.points.push_back(corner[k] +
+                                     step * static_cast<double>(std::array{i / n / n, i / n % n, i % n}[k]));
     }
     double size = 1;
     if (kind == Kind::huge) {
