@@ -21,13 +21,6 @@ double length_of(const Vector3& x) {
     return length3(x[0], x[1], x[2]);
 }
 
-Vector3 on_segment(const Vector3& a, const Vector3& b, double t) {
-    if (t == 1) return b;
-    Vector3 x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
-    return x;
-}
-
 // Returns the distance of a corner from the sides of a loop, negative outside.
 double depth(const FlatCorner& p, const std::vector<FlatCorner>& loop) {
     double square = infinity;
@@ -100,7 +93,8 @@ void CellPieces::add_triangles() {
         for (Id i = begin; i < end; ++i) {
             const CutCell::Side before = given[at(i == begin ? end - 1 : i - 1)].side, here = given[at(i)].side;
             Side made{static_cast<Id>(p), i + 1 == end ? begin : i + 1};
-            made.corner = given[at(i)].corner;
+            made.place = given[at(i)].place;
+            made.corner = cut_->at(made.place);
             if (before < 0 && here < 0) made.mesh_vertex = triangle.vertex[at(-1 - here)];
             sides_.push_back(made);
             previous_.push_back(i == begin ? end - 1 : i - 1);
@@ -113,7 +107,8 @@ void CellPieces::add_triangles() {
         if (given[i].side < 0) continue;
         Side made{-1, -1};
         made.face = given[i].side;
-        made.corner = sides_[at(sides_[i].next)].corner;
+        made.place = sides_[at(sides_[i].next)].place;
+        made.corner = cut_->at(made.place);
         sides_.push_back(made);
         glue(static_cast<Id>(i), static_cast<Id>(sides_.size()) - 1);
     }
@@ -244,9 +239,7 @@ void CellPieces::add_strands() {
 void CellPieces::add_strand(const CutCell::Edge& edge, const Strand& strand) {
     const cpu::CellFaces& faces = cut_->faces_;
     const auto place = [&](const End& end) {
-        const Vector3 &from = cut_->at_[at(edge.from)], &to = cut_->at_[at(edge.to)];
-        if (end.crossing < 0) return cut_->at_[at(end.slot)];
-        return on_segment(from, to, cut_->crossings_[at(end.crossing)].at);
+        return end.crossing < 0 ? cut_->at_slot_[at(end.slot)] : cut_->crossings_[at(end.crossing)].place;
     };
     const auto copy = [&](const End& end, Id face) {
         Id c = faces.offsets[at(face)];
@@ -257,7 +250,8 @@ void CellPieces::add_strand(const CutCell::Edge& edge, const Strand& strand) {
         const auto s = static_cast<Id>(sides_.size());
         Side made{-1, -1};
         made.face = face;
-        made.corner = place(from);
+        made.place = place(from);
+        made.corner = cut_->at(made.place);
         sides_.push_back(made);
         (from.crossing >= 0 ? begins_[at(from.crossing)] : leaves_[copy(from, face)]) = s;
         (to.crossing >= 0 ? ends_[at(to.crossing)] : arrives_[copy(to, face)]) = s;
@@ -366,11 +360,13 @@ void CellPieces::group_loops(std::size_t begin, std::size_t end) {
 // Finds the sides around each corner.
 void CellPieces::number_vertices() {
     places_.clear();
+    cut_places_.clear();
     mesh_vertices_.clear();
     for (std::size_t i = 0; i < sides_.size(); ++i) {
         if (sides_[i].vertex >= 0) continue;
         const auto vertex = static_cast<Id>(places_.size());
         places_.push_back(sides_[i].corner);
+        cut_places_.push_back(sides_[i].place);
         mesh_vertices_.push_back(sides_[i].mesh_vertex);
         for (auto s = static_cast<Id>(i); side(s).vertex < 0; s = side(side(s).partner).next) {
             if (side(s).partner < 0) open_piece();
@@ -433,20 +429,18 @@ void CellPieces::find_surfaces() {
             }
         }
     }
-    for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        Surface& surface = surfaces_[at(polygons_[at(triangles_[t].polygon)].surface)];
-        const auto& [u, v, w] = triangles_[t].vertex;
-        const Vector3 &a = places_[at(u)], &b = places_[at(v)], &c = places_[at(w)];
-        const Vector3 doubled = cross(minus(b, a), minus(c, a));
-        const double volume = dot(a, doubled) / 6;
-        surface.sum += volume;
-        surface.area += 0.5 * length_of(doubled);
-        for (std::size_t k = 0; k < 3; ++k) surface.moment[k] += volume * (a[k] + b[k] + c[k]) / 4;
-        surface.triangles.push_back(static_cast<Id>(t));
-    }
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+        surfaces_[at(polygons_[at(triangles_[t].polygon)].surface)].triangles.push_back(static_cast<Id>(t));
     for (Surface& surface : surfaces_) {
-        surface.volume = surface.sum.value();
-        surface.dropped = meets_surface_ && std::abs(surface.volume) <= surface.area * cut_->place_error_;
+        cones_.clear();
+        for (const Id t : surface.triangles) {
+            const auto& [u, v, w] = triangles_[at(t)].vertex;
+            cones_.push_back({cut_places_[at(u)], cut_places_[at(v)], cut_places_[at(w)], 1, -1});
+        }
+        const CutCell::ConeSum sum = cut_->sum(cones_);
+        surface.volume = surface.sum = sum.volume;
+        surface.dropped = sum.empty;
+        for (std::size_t k = 0; k < 3; ++k) surface.moment[k] = sum.volume * sum.centroid[k];
     }
 }
 
@@ -488,7 +482,7 @@ CellPieces::Id CellPieces::on_surface(const Polygon& polygon, const Triangle& tr
         if (on.face != polygon.face || on.in_cell || !on.faces_out) continue;
         bool inside = true;
         for (std::size_t i = 0; i < 3 && inside; ++i) {
-            const Vector3 &a = on.corners[i], &b = on.corners[(i + 1) % 3];
+            const Vector3 &a = cut_->at(on.places[i]), &b = cut_->at(on.places[(i + 1) % 3]);
             inside = dot(normal, cross(minus(b, a), minus(middle, a))) >= 0;
         }
         if (inside) return on.given;
@@ -507,20 +501,20 @@ void CellPieces::write(Pieces& out) {
         }
         Surface& around = surfaces_[at(surface.outer)];
         around.triangles.insert(around.triangles.end(), surface.triangles.begin(), surface.triangles.end());
-        around.sum += surface.sum.value();
-        for (std::size_t k = 0; k < 3; ++k) around.moment[k] += surface.moment[k].value();
+        around.sum += surface.sum;
+        for (std::size_t k = 0; k < 3; ++k) around.moment[k] += surface.moment[k];
     }
-    std::ranges::stable_sort(order, std::ranges::greater(), [&](Id s) { return surfaces_[at(s)].sum.value(); });
+    std::ranges::stable_sort(order, std::ranges::greater(), [&](Id s) { return surfaces_[at(s)].sum; });
     const double unscale = 1 / scale_;
     const exact::Point& origin = cut_->origin_;
     const Vector3& apex = cut_->apex_;
     new_vertex_.assign(places_.size(), -1);
     for (const Id s : order) {
         const Surface& surface = surfaces_[at(s)];
-        const double volume = surface.sum.value();
+        const double volume = surface.sum;
         out.volumes.push_back(volume * unscale * unscale * unscale);
         for (std::size_t k = 0; k < 3; ++k)
-            out.centroids.push_back((surface.moment[k].value() / volume + apex[k] + origin[k]) * unscale);
+            out.centroids.push_back((surface.moment[k] / volume + apex[k] + origin[k]) * unscale);
         Id count = 0;
         for (const Id t : surface.triangles) {
             const Triangle& triangle = triangles_[at(t)];

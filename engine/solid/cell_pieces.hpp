@@ -42,7 +42,8 @@ private:
         Id polygon;        // -1 until a loop of a face has one
         Id next;           // around the polygon
         Id partner = -1;   // glued to it, in the opposite direction
-        Vector3 corner{};  // where it begins, relative to the apex
+        Id place = -1;     // where it begins, of the cut cell
+        Vector3 corner{};  // the same, relative to the apex
         Id face = -1;      // of the cell; -1 in a triangle
         Id vertex = -1;
         Id mesh_vertex = -1;  // at the corner
@@ -74,9 +75,9 @@ private:
         Id polygon;
     };
     struct Surface {
-        double volume = 0, area = 0;
-        std::array<Sum, 3> moment;
-        Sum sum;
+        double volume = 0;
+        Vector3 moment{};  // volume times centroid, relative to the apex
+        double sum = 0;    // of volumes, with those of cavities
         std::vector<Id> triangles;
         Id outer = -1;  // the surface that this cavity lies in
         bool dropped = false;
@@ -128,7 +129,9 @@ private:
     std::vector<std::vector<FlatCorner>> polygon_loops_;
     EarClipping ears_;
     std::vector<Triangle> triangles_;
-    std::vector<Vector3> places_;    // by vertex
+    std::vector<Vector3> places_;  // by vertex
+    std::vector<Id> cut_places_;   // by vertex: of the cut cell
+    std::vector<CutCell::Cone> cones_;
     std::vector<Id> mesh_vertices_;  // by vertex
     std::vector<Surface> surfaces_;
     std::vector<Id> new_vertex_;  // by vertex, in the current piece

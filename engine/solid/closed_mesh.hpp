@@ -68,6 +68,7 @@ private:
     void merge_vertices();
     void check_closed() const;
     void find_volume();
+    [[nodiscard]] double exact_volume() const;
     void make_tree();
     void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
                const std::vector<Box>& boxes);

@@ -3,34 +3,54 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 
 namespace votess::solid {
 namespace {
 
-constexpr double sum_rounding = 4 * 0x1p-53;
-constexpr double place_rounding = 16 * 0x1p-53;  // of the farthest coordinate
+constexpr double unit = 0x1p-53;
+constexpr double sum_rounding = 4 * unit;
+constexpr double place_rounding = 0x1p-42;   // of the extent of a part
+constexpr double volume_rounding = 0x1p-36;  // of a volume; half of it is for the centroid
+constexpr double surface_rounding = 0x1p-36;
+constexpr double overlay_rounding = 0x1p-38;  // of the extent; triangles in a plane may reach far
+constexpr double quad_rounding = 0x1p-114;    // of a cone's terms, and of the extent
 constexpr std::size_t word_bits = 64;
 constexpr std::int32_t absent = -2;     // of a vertex without a side yet
 constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
+
+template <class Real>
+std::array<Real, 3> difference(const std::array<Real, 3>& a, const std::array<Real, 3>& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
 
 Vector3 plus(const Vector3& a, const Vector3& b) {
     return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
 }
 
-// Returns a and b themselves for 0 and 1, so that polygons close.
-Vector3 between(const Vector3& a, const Vector3& b, double t) {
-    if (t == 1) return b;
-    Vector3 x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = a[k] + t * (b[k] - a[k]);
-    return x;
+double largest(const Vector3& x) {
+    return std::max({std::abs(x[0]), std::abs(x[1]), std::abs(x[2])});
 }
 
-// Returns x / (x - y), for numbers of which rounding may have changed the signs, which differ.
-double crossing_place(double x, double y) {
-    return x == y ? 0.5 : std::clamp(x / (x - y), 0.0, 1.0);
+// A place between a and b, where a value changes its sign. It has these values and errors there.
+struct Between {
+    Vector3 x;
+    double error;  // of x, if a and b are right
+};
+
+Between between(const Vector3& a, const Vector3& b, double at_a, double at_b, double errors) {
+    const double range = std::abs(at_a - at_b), t = range > 0 ? std::clamp(at_a / (at_a - at_b), 0.0, 1.0) : 0.5;
+    Between place;
+    for (std::size_t k = 0; k < 3; ++k) place.x[k] = a[k] + t * (b[k] - a[k]);
+    const double length = largest(minus(b, a));
+    place.error = errors < 0.5 * range
+                      ? length * (errors / (range - errors) + 4 * unit) + 4 * unit * std::max(largest(a), largest(b))
+                      : infinity;
+    return place;
 }
 
 std::size_t index(std::int32_t i) {
@@ -39,15 +59,13 @@ std::size_t index(std::int32_t i) {
 
 }  // namespace
 
-void CutCell::begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight,
-                    MeshSigns::Ties ties) {
+void CutCell::begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight) {
     weight_ = weight;
-    ties_ = ties;
     image_ = exact::Plane::bisector(seed, move, domain_.lattice);
     const auto place = exact::differences({}, image_).x;
     origin_ = {place[0].high, place[1].high, place[2].high};
     cell_.start(seed, domain_, id);
-    signs_.begin(seed, image_, ties_);
+    signs_.begin(seed, image_);
 }
 
 void CutCell::add(std::int32_t id, const exact::Plane& neighbor, const exact::Shift& shift, double weight,
@@ -58,38 +76,41 @@ void CutCell::add(std::int32_t id, const exact::Plane& neighbor, const exact::Sh
     cell_.clip(id, bisector, shift);
 }
 
-const CutMeasures& CutCell::measure() {
+const CutMeasures& CutCell::measure(bool decide_faces) {
     std::vector<CutMeasures::Face> faces = std::move(out_.faces);  // for its memory
     faces.clear();
     out_ = {};
     out_.faces = std::move(faces);
-    sum_volume_ = sum_surface_ = {};
-    sum_moment_ = {};
-    sum_area_ = 0;
-    find_faces();
+    make_faces();
     find_candidates();
     for (const std::uint32_t t : candidates_) {
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
         const bool meets = clip(triangle);
         if (meets) add_polygon(t);
-        if (face_of_triangle_ >= 0) add_on_face(triangle.given);
+        if (face_of_triangle_ >= 0) add_on_face(triangle);
         if (meets || face_of_triangle_ >= 0) out_.meets_surface = true;
     }
     find_windings();
     if (!out_.meets_surface) return out_;
-    add_faces();
-    out_.volume = sum_volume_.value();
-    out_.surface = sum_surface_.value();
-    // Without a tie no part is thinner than any number.
-    const double thickness = signs_.met_tie() ? place_error_ : 0;
-    out_.volume_error = sum_area_ * thickness;
-    for (CutMeasures::Face& face : out_.faces) face.error *= thickness;
-    if (centroids_)
-        for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + sum_moment_[k].value() / out_.volume;
+    find_places();
+    find_segments();
+    find_cones();
+    const ConeSum part = sum(cones_);
+    out_.empty = part.empty;
+    out_.volume = part.volume;
+    for (std::size_t k = 0; k < 3; ++k) out_.centroid[k] = apex_[k] + part.centroid[k];
+    measure_areas();
+    measure_faces(decide_faces);
     return out_;
 }
 
 void CutCell::find_faces() {
+    make_faces();
+    for (Place& place : place_) place.is_used = true;
+    measure_places();
+}
+
+void CutCell::make_faces() {
     out_.faces.clear();
     cell_.canonical_faces(faces_);
     read_faces();
@@ -98,7 +119,8 @@ void CutCell::find_faces() {
     polygons_.clear();
     polygon_sides_.clear();
     on_faces_.clear();
-    outlines_.clear();
+    exact_is_ready_ = false;
+    quads_.clear();
 }
 
 // Makes the edges, and their planes' bisectors.
@@ -114,14 +136,14 @@ void CutCell::read_faces() {
     apex_ = {};
     for (const std::int32_t slot : slots_) apex_ = plus(apex_, cell_.position(slot));
     for (double& x : apex_) x /= static_cast<double>(slots_.size());
-    place_error_ = 0;
-    at_.resize(slots);
+    at_slot_.assign(slots, -1);
+    place_.clear();
     for (const std::int32_t slot : slots_) {
-        at_[index(slot)] = minus(cell_.position(slot), apex_);
-        place_error_ = std::max(place_error_, cell_.tolerance(slot));
+        const Vector3 x = cell_.position(slot);
+        at_slot_[index(slot)] = add_place({Place::Kind::vertex, {slot}, minus(x, apex_), cell_.tolerance(slot)});
     }
     plane_.assign(count, -1);
-    base_.resize(count);
+    base_.assign(count, -1);
     unit_.resize(count);
     edges_.clear();
     edge_between_.assign(count * count, -1);
@@ -135,12 +157,12 @@ void CutCell::read_faces() {
         }
         out_.faces.push_back({plane.id, plane.shift});
         for (std::size_t k = 0; k < 3; ++k) unit_[f][k] = plane.n[k] / plane.norm;
-        base_[f] = at_[index(faces_.corners[index(faces_.offsets[f])])];
         const std::int32_t begin = faces_.offsets[f], end = faces_.offsets[f + 1];
         for (std::int32_t c = begin; c < end; ++c)
             add_half(faces_.corners[index(c)], faces_.corners[index(c + 1 == end ? begin : c + 1)],
                      static_cast<std::int32_t>(f));
     }
+    signs_.find_center(apex_);
     if (2 * edges_.size() != faces_.corners.size())
         throw Error(ErrorCode::internal, "a cell in a mesh has an edge without a second face");
 }
@@ -315,71 +337,181 @@ int CutCell::side(const Corner& corner, std::size_t face) {
     return signs_.determinant({index(plane_[a]), index(plane_[b]), plane}, places_, values_[a], values_[b], f);
 }
 
-// Returns a corner of the polygon relative to the apex. All sums of this cell use the same number for it.
-Vector3 CutCell::position(const Corner& corner, const ClosedMesh::Triangle& triangle) {
-    const auto vertex = [&](std::size_t i) { return minus(places_[i].relative, apex_); };
-    if (corner.in < 0 && corner.out < 0) return vertex(index(-1 - corner.out));
+std::int32_t CutCell::add_mesh_vertex(std::int32_t vertex, const Vector3& relative) {
+    return add_place({Place::Kind::mesh_vertex, {vertex}, minus(relative, apex_), 2 * unit * largest(relative)});
+}
+
+// Returns the place of a corner of the polygon.
+std::int32_t CutCell::place_of(const Corner& corner, std::uint32_t t) {
+    const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
+    if (corner.in < 0 && corner.out < 0) {
+        const std::size_t i = index(-1 - corner.out);
+        return add_mesh_vertex(triangle.vertex[i], places_[i].relative);
+    }
     if (corner.in < 0 || corner.out < 0) {
         std::size_t from = index(-1 - std::min(corner.in, corner.out)), to = (from + 1) % 3;
         if (triangle.vertex[from] > triangle.vertex[to]) std::swap(from, to);  // as the triangle behind the edge does
-        const MeshSigns::Values& a = values_[index(std::max(corner.in, corner.out))];
-        return between(vertex(from), vertex(to), crossing_place(a[from].s, a[to].s));
+        return add_place(on_mesh_edge(from, to, index(std::max(corner.in, corner.out)), triangle));
     }
     // From inside to outside along an edge of the cell, which runs counterclockwise around face `in`.
-    const std::int32_t at = edge_of(corner.in, corner.out);
-    if (at < 0) throw Error(ErrorCode::internal, "the mesh passes between two faces of a cell that share no edge");
-    Edge& edge = edges_[index(at)];
-    const Vector3 u = vertex(0), n = cross(minus(vertex(1), u), minus(vertex(2), u));
-    const Vector3 &x = at_[index(edge.from)], &y = at_[index(edge.to)];
-    const double place = crossing_place(dot(n, minus(x, u)), dot(n, minus(y, u)));
+    const std::int32_t found = edge_of(corner.in, corner.out);
+    if (found < 0) throw Error(ErrorCode::internal, "the mesh passes between two faces of a cell that share no edge");
+    Edge& edge = edges_[index(found)];
+    const std::int32_t place = add_place(on_edge(edge, t));
     crossings_.push_back({place, edge.left == corner.in ? -1 : 1, edge.first});
     edge.first = static_cast<std::int32_t>(crossings_.size()) - 1;
-    return between(x, y, place);
+    return place;
+}
+
+CutCell::Place CutCell::on_mesh_edge(std::size_t from, std::size_t to, std::size_t face,
+                                     const ClosedMesh::Triangle& triangle) const {
+    const MeshSigns::Values& a = values_[face];
+    const auto [x, error] =
+        between(places_[from].relative, places_[to].relative, a[from].s, a[to].s, a[from].error + a[to].error);
+    return {Place::Kind::on_mesh_edge,
+            {static_cast<std::int32_t>(face), triangle.vertex[from], triangle.vertex[to]},
+            minus(x, apex_),
+            error};
+}
+
+// The values of the triangle's plane are n.(x - u), for its vertex u.
+CutCell::Place CutCell::on_edge(const Edge& edge, std::uint32_t t) const {
+    const Vector3 &u = places_[0].relative, a = minus(places_[1].relative, u), b = minus(places_[2].relative, u),
+                  n = cross(a, b);
+    const auto end = [&](std::int32_t slot) { return plus(at(at_slot_[index(slot)]), apex_); };
+    const Vector3 x = end(edge.from), y = end(edge.to), from_u = minus(x, u), to_u = minus(y, u);
+    const double tolerance =
+        std::max(cell_.tolerance(edge.from), cell_.tolerance(edge.to)) + 4 * unit * std::max(largest(x), largest(y));
+    const double farthest = std::max({largest(u), largest(places_[1].relative), largest(places_[2].relative)});
+    const double normal_error =
+        4 * (4 * unit * farthest * (largest(a) + largest(b)) + 2 * unit * largest(a) * largest(b));
+    const double distance = std::max(largest(from_u), largest(to_u));
+    const double value_error =
+        3 * (normal_error * distance + largest(n) * (tolerance + 4 * unit * (largest(u) + distance)));
+    const auto [place, error] = between(x, y, dot(n, from_u), dot(n, to_u), 2 * value_error);
+    return {Place::Kind::on_edge,
+            {edge.left, edge.right, static_cast<std::int32_t>(t)},
+            minus(place, apex_),
+            error + tolerance};
 }
 
 void CutCell::add_polygon(std::uint32_t t) {
     const std::size_t size = sides_.size();
-    std::vector<Vector3>& corners = corners_;
-    corners.clear();
-    polygons_.push_back({t, static_cast<std::int32_t>(polygon_sides_.size())});
+    const auto polygon = static_cast<std::int32_t>(polygons_.size());
+    polygons_.push_back({t, static_cast<std::int32_t>(polygon_sides_.size()), face_of_triangle_ >= 0});
     for (std::size_t i = 0; i < size; ++i) {
         const std::size_t before = crossings_.size();
-        corners.push_back(position({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, mesh_.triangles()[t]));
+        const std::int32_t place = place_of({sides_[i == 0 ? size - 1 : i - 1], sides_[i]}, t);
+        place_[index(place)].is_used = true;
         const bool crosses = crossings_.size() > before;
-        if (crosses) crossings_[before].polygon = static_cast<std::int32_t>(polygons_.size()) - 1;
-        polygon_sides_.push_back({sides_[i], crosses ? static_cast<std::int32_t>(before) : -1, corners[i]});
+        if (crosses) crossings_[before].polygon = polygon;
+        polygon_sides_.push_back({sides_[i], crosses ? static_cast<std::int32_t>(before) : -1, place});
     }
-    Vector3 doubled{};
-    for (std::size_t i = 2; i < size; ++i) {
-        doubled = plus(doubled, cross(minus(corners[i - 1], corners[0]), minus(corners[i], corners[0])));
-        add_cone(corners[0], corners[i - 1], corners[i], 1);
-    }
-    const double area = 0.5 * length3(doubled[0], doubled[1], doubled[2]);
-    if (face_of_triangle_ < 0) sum_surface_ += area;
-    sum_area_ += area;
-    for (const MeshSigns::Place& place : places_)
-        for (const double x : place.relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
-    for (std::size_t i = 0; i < size; ++i)
-        if (sides_[i] >= 0) segments_.push_back({sides_[i], corners[i], corners[i + 1 == size ? 0 : i + 1]});
 }
 
-void CutCell::add_on_face(std::int32_t given) {
+void CutCell::add_on_face(const ClosedMesh::Triangle& triangle) {
     const std::size_t f = index(face_of_triangle_);
-    OnFace on{face_of_triangle_, given, {}, values_[f][0].sign < 0, false};
-    for (std::size_t i = 0; i < 3; ++i) {
-        on.corners[i] = minus(places_[i].relative, apex_);
-        for (const double x : places_[i].relative) place_error_ = std::max(place_error_, place_rounding * std::abs(x));
-    }
-    const auto& [u, v, w] = on.corners;
-    on.faces_out = dot(cross(minus(v, u), minus(w, u)), unit_[f]) > 0;
+    OnFace on{face_of_triangle_, triangle.given, {}, values_[f][0].sign < 0, false};
+    for (std::size_t i = 0; i < 3; ++i) on.places[i] = add_mesh_vertex(triangle.vertex[i], places_[i].relative);
+    const Vector3& normal = unit_[f];
+    std::size_t axis = 0;
+    for (std::size_t k = 1; k < 3; ++k)
+        if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
+    const int turn = cross_sign(places_[0].x, places_[1].x, places_[2].x, static_cast<int>(axis));
+    on.faces_out = turn == (normal[axis] > 0 ? 1 : -1);
     on_faces_.push_back(on);
 }
 
-void CutCell::add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight) {
-    const double volume = weight * dot(a, cross(minus(b, a), minus(c, b))) / 6;  // exact to the size of c - b
-    sum_volume_ += volume;
-    if (!centroids_) return;
-    for (std::size_t k = 0; k < 3; ++k) sum_moment_[k] += volume * (a[k] + b[k] + c[k]) / 4;
+// Moves the apex to a corner of the part, and finds all corners it has well enough.
+void CutCell::find_places() {
+    const auto use = [&](std::int32_t slot) { place_[index(at_slot_[index(slot)])].is_used = true; };
+    for (const std::int32_t slot : slots_)
+        if (winding_[index(slot)] != 0) use(slot);
+    find_apex();
+    for (const OnFace& on : on_faces_)
+        for (std::int32_t c = faces_.offsets[index(on.face)]; c < faces_.offsets[index(on.face) + 1]; ++c)
+            use(faces_.corners[index(c)]);
+    measure_places();
+    for (Place& place : place_) {
+        if (!place.is_used || place.error <= place_rounding * extent_) continue;
+        if (!exact_is_ready_) prepare_exact(apex_);
+        place.x = rounded(exact_place(place));
+        place.error = 2 * unit * largest(place.x);
+    }
+    measure_places();
+}
+
+// Finds the extent of the part, and the largest error.
+void CutCell::measure_places() {
+    extent_ = place_error_ = 0;
+    for (const Place& place : place_) {
+        if (!place.is_used) continue;
+        extent_ = std::max(extent_, largest(place.x) - place.error);
+        place_error_ = std::max(place_error_, place.error);
+    }
+}
+
+void CutCell::find_apex() {
+    const Place* best = nullptr;
+    for (const Place& place : place_)
+        if (place.is_used && (best == nullptr || place.error < best->error)) best = &place;
+    if (best == nullptr) return;
+    Vector3 apex = plus(best->x, apex_);
+    if (!(best->error <= place_rounding * largest(apex))) {
+        prepare_exact({});
+        apex = rounded(exact_place(*best));
+        exact_is_ready_ = false;
+    }
+    for (Place& place : place_) {
+        const double before = largest(place.x);
+        for (std::size_t k = 0; k < 3; ++k) {
+            place.x[k] += apex_[k];
+            place.x[k] -= apex[k];
+        }
+        place.error += 2 * unit * (before + largest(apex_) + largest(place.x));
+    }
+    apex_ = apex;
+}
+
+// Prepares exact places relative to an origin, which is relative to the seed.
+void CutCell::prepare_exact(const Vector3& origin) {
+    exact_.begin(cell_.seed(), image_, origin);
+    for (const cpu::CellPlane& plane : cell_.planes()) exact_.include(plane.source);
+    for (const Polygon& polygon : polygons_)
+        for (const std::int32_t v : mesh_.triangles()[polygon.triangle].vertex) exact_.include(mesh_.vertex(v));
+    for (const OnFace& on : on_faces_)
+        for (const std::int32_t v : on.places) exact_.include(mesh_.vertex(place_[index(v)].of[0]));
+    exact_.prepare();
+    exact_is_ready_ = true;
+    quads_.clear();
+}
+
+ExactPlace CutCell::exact_place(const Place& place) const {
+    const auto& [i, j, k] = place.of;
+    const auto plane = [&](std::int32_t face) { return index(faces_.planes[index(face)]); };
+    switch (place.kind) {
+        case Place::Kind::mesh_vertex:
+            return exact_.vertex(mesh_.vertex(i));
+        case Place::Kind::on_mesh_edge:
+            return exact_.on_edge(plane(i), mesh_.vertex(j), mesh_.vertex(k));
+        case Place::Kind::on_edge: {
+            const auto& [u, v, w] = mesh_.triangles()[index(k)].vertex;
+            return exact_.on_triangle(plane(i), plane(j), {mesh_.vertex(u), mesh_.vertex(v), mesh_.vertex(w)});
+        }
+        default: {
+            const auto planes = cell_.corner_planes(i);
+            const auto at = [&](std::size_t p) { return static_cast<std::size_t>(planes[p] - cell_.planes().data()); };
+            return exact_.meeting(at(0), at(1), at(2));
+        }
+    }
+}
+
+Vector3 CutCell::rounded(const ExactPlace& place) const {
+    Vector3 x;
+    for (std::size_t k = 0; k < 3; ++k)
+        x[k] = static_cast<double>(
+            ldexp(static_cast<exact::Quad>(exact::Fraction(place.x[k], place.w)), exact_.quantum()));
+    return x;
 }
 
 // Finds the winding number of each vertex, from one of them along the edges.
@@ -423,7 +555,8 @@ int CutCell::winding_at(std::int32_t slot) {
     const auto planes = cell_.corner_planes(slot);
     std::array<std::size_t, 3> k;
     MeshSigns& at = corner_signs_;
-    at.begin(cell_.seed(), image_, ties_);
+    at.begin(cell_.seed(), image_);
+    at.set_center(signs_);
     for (std::size_t i = 0; i < 3; ++i) {
         k[i] = i;
         at.add(planes[i]->source);
@@ -453,79 +586,293 @@ int CutCell::winding_at(std::int32_t slot) {
     return winding;
 }
 
-void CutCell::add_faces() {
-    has_triangles_.assign(faces_.size(), 0);
-    for (const OnFace& on : on_faces_) has_triangles_[index(on.face)] = 1;
+// Finds the sides of the parts of all faces.
+void CutCell::find_segments() {
     const auto add_segment = [&](const Segment& segment) {
-        const std::size_t f = index(segment.face);
-        const Vector3& base = base_[f];
-        add_cone(base, segment.from, segment.to, segment.weight);
-        const Vector3 side = minus(segment.to, segment.from);
-        const double area = 0.5 * segment.weight * dot(unit_[f], cross(minus(segment.from, base), side));
-        out_.faces[f].area += area;
-        out_.faces[f].error += std::abs(segment.weight) * length3(side[0], side[1], side[2]);
-        sum_area_ += std::abs(area);
-        if (has_triangles_[f] != 0) outlines_.push_back(segment);
+        std::int32_t& base = base_[index(segment.face)];
+        if (base < 0) base = segment.from;
+        segments_.push_back(segment);
     };
     for (const Edge& edge : edges_) {
         on_edge_.clear();
         for (std::int32_t c = edge.first; c >= 0; c = crossings_[index(c)].next)
             on_edge_.push_back(crossings_[index(c)]);
-        std::ranges::sort(on_edge_, {}, &Crossing::at);
-        on_edge_.push_back({1, 0, -1});
+        std::int32_t from = at_slot_[index(edge.from)];
+        const std::int32_t end = at_slot_[index(edge.to)];
+        // Where rounding changes the order, segments that are too much run back and forth.
+        const Vector3 along = minus(at(end), at(from));
+        std::ranges::sort(on_edge_, {}, [&](const Crossing& c) { return dot(along, at(c.place)); });
+        on_edge_.push_back({end, 0, -1});
         int winding = winding_[index(edge.from)];
-        const Vector3 &begin = at_[index(edge.from)], &end = at_[index(edge.to)];
-        Vector3 from = begin;
         for (const Crossing& crossing : on_edge_) {
-            const Vector3 to = between(begin, end, crossing.at);
             if (winding != 0) {
-                add_segment({edge.left, from, to, winding});
-                add_segment({edge.right, to, from, winding});
+                add_segment({edge.left, from, crossing.place, winding});
+                add_segment({edge.right, crossing.place, from, winding});
             }
             winding += crossing.jump;
-            from = to;
+            from = crossing.place;
         }
     }
-    for (const Segment& segment : segments_) add_segment({segment.face, segment.to, segment.from});
-    for (CutMeasures::Face& face : out_.faces) face.area = std::abs(face.area);
-    for (std::size_t f = 0; f < faces_.size(); ++f)
-        if (has_triangles_[f] != 0) share_face(static_cast<std::int32_t>(f));
+    for (std::size_t p = 0; p < polygons_.size(); ++p) {
+        const std::size_t begin = index(polygons_[p].begin),
+                          end = p + 1 < polygons_.size() ? index(polygons_[p + 1].begin) : polygon_sides_.size();
+        for (std::size_t i = begin; i < end; ++i)
+            if (const PolygonSide& side = polygon_sides_[i]; side.side >= 0)
+                add_segment({side.side, polygon_sides_[i + 1 == end ? begin : i + 1].place, side.place});
+    }
 }
 
-// Sets the area of a face with triangles in its plane: that of places inside the mesh on both sides. Adds the triangles
-// that bound this cell to the surface.
-void CutCell::share_face(std::int32_t face) {
-    enum Layer : std::size_t { whole, inside, triangles, triangles_out };  // inside: beyond the triangles
-    const std::size_t f = index(face);
-    double perimeter = 0;
-    layers_.begin(unit_[f]);
-    for (const Edge& edge : edges_) {
-        if (edge.left != face && edge.right != face) continue;
-        const Vector3 &from = at_[index(edge.from)], &to = at_[index(edge.to)], side = minus(to, from);
-        layers_.add(from, to, whole, edge.left == face ? 1 : -1);
-        perimeter += length3(side[0], side[1], side[2]);
+void CutCell::find_cones() {
+    cones_.clear();
+    for (std::size_t p = 0; p < polygons_.size(); ++p) {
+        const std::size_t begin = index(polygons_[p].begin),
+                          end = p + 1 < polygons_.size() ? index(polygons_[p + 1].begin) : polygon_sides_.size();
+        for (std::size_t i = begin + 2; i < end; ++i)
+            cones_.push_back({polygon_sides_[begin].place, polygon_sides_[i - 1].place, polygon_sides_[i].place, 1,
+                              polygons_[p].on_face ? absent : -1});
     }
-    for (const Segment& s : outlines_)
-        if (s.face == face) layers_.add(s.from, s.to, inside, s.weight);
-    int step = 0;  // of the winding number through a triangle that faces out
+    for (const Segment& s : segments_) cones_.push_back({base_[index(s.face)], s.from, s.to, s.weight, s.face});
+}
+
+CutCell::ConeSum CutCell::sum(std::span<const Cone> cones) {
+    Sum volume;
+    std::array<Sum, 3> moment;
+    double error = 0;
+    for (const Cone& cone : cones) {
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c), ab = minus(b, a), bc = minus(c, b),
+                      n = cross(ab, bc);
+        const double part = cone.weight * dot(a, n) / 6;
+        volume += part;
+        if (centroids_)
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]) / 4;
+        const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
+        error += std::abs(cone.weight) * (4 * largest(n) * shift + 64 * unit * largest(ab) * largest(bc) * largest(a));
+    }
+    ConeSum sum{false, volume.value(), {}};
+    if (!(error < volume_rounding * std::abs(sum.volume))) return sum_exactly(cones);
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) sum.centroid[k] = moment[k].value() / sum.volume;
+    return sum;
+}
+
+// Measures the parts of faces, and the surface.
+void CutCell::measure_areas() {
+    Sum surface;
+    double surface_error = 0;
+    area_error_.assign(faces_.size(), 0);
+    for (const Cone& cone : cones_) {
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c), ab = minus(b, a), bc = minus(c, b),
+                      n = cross(ab, bc);
+        const double shift = std::max({error_of(cone.a), error_of(cone.b), error_of(cone.c)});
+        const double error = std::abs(cone.weight) *
+                             (16 * unit * largest(ab) * largest(bc) + 4 * std::max(largest(ab), largest(bc)) * shift);
+        if (cone.face == -1) surface += 0.5 * length3(n[0], n[1], n[2]), surface_error += error;
+        if (cone.face < 0) continue;
+        out_.faces[index(cone.face)].area += 0.5 * cone.weight * dot(unit_[index(cone.face)], n);
+        area_error_[index(cone.face)] += error;
+    }
+    sum_surface_ = surface;
+    if (!quads_.empty() || !(surface_error <= surface_rounding * surface.value())) measure_areas_in_quad();
+}
+
+void CutCell::measure_areas_in_quad() {
+    using exact::Quad;
+    if (quads_.empty()) find_quads();
+    std::vector<Quad> areas(faces_.size());
+    sum_surface_ = {};
+    for (const Cone& cone : cones_) {
+        const auto &a = quads_[index(cone.a)], &b = quads_[index(cone.b)], &c = quads_[index(cone.c)];
+        const auto n = cross(difference(b, a), difference(c, b));
+        if (cone.face == -1)
+            sum_surface_ +=
+                0.5 * length3(static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2]));
+        if (cone.face >= 0) areas[index(cone.face)] += Quad(cone.weight) * dot(unit_[index(cone.face)], n);
+    }
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        out_.faces[f].area = 0.5 * static_cast<double>(areas[f]);
+        area_error_[f] = 0;
+    }
+    for (const Cone& cone : cones_) {
+        if (cone.face < 0) continue;
+        const Vector3 &a = at(cone.a), &b = at(cone.b), &c = at(cone.c);
+        const double length = std::max({largest(minus(b, a)), largest(minus(c, b)), place_error_});
+        area_error_[index(cone.face)] += quad_rounding * std::abs(cone.weight) * extent_ * length;
+    }
+}
+
+void CutCell::find_quads() {
+    if (!exact_is_ready_) prepare_exact(apex_);
+    quads_.resize(place_.size());
+    for (std::size_t i = 0; i < place_.size(); ++i) {
+        if (!place_[i].is_used) continue;
+        const ExactPlace place = exact_place(place_[i]);
+        const auto w = static_cast<exact::Quad>(place.w);
+        for (std::size_t k = 0; k < 3; ++k)
+            quads_[i][k] = ldexp(static_cast<exact::Quad>(place.x[k]) / w, exact_.quantum());
+    }
+}
+
+CutCell::ConeSum CutCell::sum_exactly(std::span<const Cone> cones) {
+    using exact::Quad;
+    if (cones.empty()) return {true, 0, {}};
+    if (quads_.empty()) find_quads();
+    Quad volume;
+    std::array<Quad, 3> moment;
+    double bound = 0;
+    for (const Cone& cone : cones) {
+        const auto &a = quads_[index(cone.a)], &b = quads_[index(cone.b)], &c = quads_[index(cone.c)],
+                   ab = difference(b, a), bc = difference(c, b);
+        const Quad part = Quad(cone.weight) * dot(a, cross(ab, bc));
+        volume += part;
+        if (centroids_)
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + b[k] + c[k]);
+        const auto size = [](const std::array<Quad, 3>& x) {
+            return largest({static_cast<double>(x[0]), static_cast<double>(x[1]), static_cast<double>(x[2])});
+        };
+        bound += quad_rounding * std::abs(cone.weight) * std::max(size(a), extent_) * size(ab) * size(bc);
+    }
+    ConeSum sum{false, static_cast<double>(volume) / 6, {}};
+    if (!(bound <= volume_rounding * std::abs(sum.volume)) || volume == Quad()) return sum_in_fractions(cones);
+    if (centroids_)
+        for (std::size_t k = 0; k < 3; ++k) sum.centroid[k] = ratio(moment[k], volume) / 4;
+    return sum;
+}
+
+CutCell::ConeSum CutCell::sum_in_fractions(std::span<const Cone> cones) const {
+    using exact::BigInt;
+    using exact::Fraction;
+    using exact::Quad;
+    std::vector<ExactPlace> x(place_.size());
+    for (std::size_t i = 0; i < place_.size(); ++i)
+        if (place_[i].is_used) x[i] = exact_place(place_[i]);
+    std::array<std::vector<Fraction>, 4> terms;  // 24 times the moments, 6 times the volume
+    for (const Cone& cone : cones) {
+        const ExactPlace &a = x[index(cone.a)], &b = x[index(cone.b)], &c = x[index(cone.c)];
+        const Fraction volume(dot(a.x, cross(b.x, c.x)) * BigInt(cone.weight), a.w * b.w * c.w);
+        if (volume.sign() == 0) continue;
+        terms[3].push_back(volume);
+        for (std::size_t k = 0; k < 3 && centroids_; ++k)
+            terms[k].push_back(volume *
+                               Fraction(a.x[k] * b.w * c.w + b.x[k] * a.w * c.w + c.x[k] * a.w * b.w, a.w * b.w * c.w));
+    }
+    const auto sum = [](std::vector<Fraction>& all) {
+        for (; all.size() > 1; all.resize((all.size() + 1) / 2)) {
+            check_stop();
+            for (std::size_t i = 0; 2 * i < all.size(); ++i) {
+                const bool alone = 2 * i + 1 == all.size();
+                all[i] = alone ? std::move(all[2 * i]) : all[2 * i] + all[2 * i + 1];
+            }
+        }
+        return all.empty() ? Fraction() : std::move(all[0]);
+    };
+    const Fraction volume = sum(terms[3]);
+    if (volume.sign() == 0) return {true, 0, {}};
+    ConeSum result{false, static_cast<double>(ldexp(static_cast<Quad>(volume), 3 * exact_.quantum())) / 6, {}};
+    for (std::size_t k = 0; k < 3 && centroids_; ++k)
+        result.centroid[k] =
+            ratio(ldexp(static_cast<Quad>(sum(terms[k])), exact_.quantum()), static_cast<Quad>(volume)) / 4;
+    return result;
+}
+
+void CutCell::measure_faces(bool decide) {
+    has_triangles_.assign(faces_.size(), 0);
+    for (const OnFace& on : on_faces_) has_triangles_[index(on.face)] = 1;
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        CutMeasures::Face& face = out_.faces[f];
+        const auto number = static_cast<std::int32_t>(f);
+        face.area = std::abs(face.area);
+        if (has_triangles_[f] != 0) {
+            const Shared shared = lay_over(number, false);
+            face.area = shared.area;
+            if (!out_.empty || shared.surface > area_error_[f]) sum_surface_ += shared.surface;
+        }
+        if (base_[f] < 0) face.area = 0;  // no part of it lies inside
+        face.is_unsure = base_[f] >= 0 && !(face.area > area_error_[f]);
+        if (!face.is_unsure || !decide) continue;
+        face.area = lay_over(number, true).area;
+        face.is_unsure = false;
+    }
+    out_.surface = sum_surface_.value();
+}
+
+template <class Visit>
+void CutCell::for_each_outline(std::int32_t face, Visit visit) const {
+    for (const Edge& edge : edges_) {
+        const std::int32_t from = at_slot_[index(edge.from)], to = at_slot_[index(edge.to)];
+        if (edge.left == face) visit(from, to, Outline::whole, 1);
+        if (edge.right == face) visit(to, from, Outline::whole, 1);
+    }
+    for (const Segment& s : segments_)
+        if (s.face == face) visit(s.from, s.to, Outline::inside, s.weight);
+    // Edges between two of the triangles cancel.
+    struct Side {
+        std::int32_t low, high, from, to;
+        int all, out;  // how often triangles, and those that face out, run from the lower vertex to the higher
+    };
+    std::vector<Side> sides;
     for (const OnFace& on : on_faces_) {
         if (on.face != face) continue;
-        step = on.in_cell ? 1 : -1;
-        out_.faces[f].error += perimeter;
         for (std::size_t i = 0; i < 3; ++i) {
-            const Vector3 &from = on.corners[i], &to = on.corners[(i + 1) % 3];
-            layers_.add(from, to, triangles, 1);
-            if (on.faces_out) layers_.add(from, to, triangles_out, 1);
+            std::int32_t from = on.places[i], to = on.places[(i + 1) % 3];
+            const auto vertex = [&](std::int32_t place) { return place_[index(place)].of[0]; };
+            const int one = vertex(from) < vertex(to) ? 1 : -1;
+            if (one < 0) std::swap(from, to);
+            sides.push_back({vertex(from), vertex(to), from, to, one, on.faces_out ? one : 0});
         }
     }
-    double area = 0;
-    layers_.for_each_part([&](double part, const Layers::Counts& count) {
-        if (count[whole] == 0) return;
-        const int one = count[inside], other = one + step * count[triangles];
-        if ((one > 0) == (other > 0)) area += part * std::min(std::abs(one), std::abs(other));
-        sum_surface_ += part * count[triangles_out];
+    std::ranges::sort(sides, {}, [](const Side& s) { return std::pair(s.low, s.high); });
+    for (std::size_t begin = 0, end = 0; begin < sides.size(); begin = end) {
+        const Side& first = sides[begin];
+        int all = 0, out = 0;
+        for (; end < sides.size() && sides[end].low == first.low && sides[end].high == first.high; ++end)
+            all += sides[end].all, out += sides[end].out;
+        if (all != 0) visit(first.from, first.to, Outline::triangles, all);
+        if (out != 0) visit(first.from, first.to, Outline::triangles_out, out);
+    }
+}
+
+// Lays a face over with the triangles in its plane. Finds the area inside the mesh on both sides, and that of the
+// triangles that bound this cell.
+CutCell::Shared CutCell::lay_over(std::int32_t face, bool exactly) {
+    const std::size_t f = index(face);
+    int step = 0;  // of the winding number through a triangle that faces out
+    for (const OnFace& on : on_faces_)
+        if (on.face == face) step = on.in_cell ? 1 : -1;
+    double error = place_error_, length = 0;
+    for_each_outline(face, [&](std::int32_t from, std::int32_t to, Outline, int weight) {
+        error = std::max({error, place_[index(from)].error, place_[index(to)].error});
+        length += std::abs(weight) * std::min(largest(minus(at(to), at(from))), 4 * extent_);
     });
-    out_.faces[f].area = area;
+    area_error_[f] = 8 * error * length;
+    const double stretch = layers_.begin(unit_[f]);
+    Shared shared;
+    const auto add_part = [&](double area, const Layers::Counts& count) {
+        const auto of = [&](Outline outline) { return count[static_cast<std::size_t>(outline)]; };
+        if (of(Outline::whole) == 0) return;
+        const int one = of(Outline::inside), other = one + step * of(Outline::triangles);
+        if ((one > 0) == (other > 0)) shared.area += area * std::min(std::abs(one), std::abs(other));
+        shared.surface += area * of(Outline::triangles_out);
+    };
+    if (exactly || error > overlay_rounding * extent_) {
+        if (!exact_is_ready_) prepare_exact(apex_);
+        const auto corner = [&](std::int32_t place) {
+            ExactPlace at = exact_place(place_[index(place)]);
+            return ExactLayers::Corner{std::move(at.x[layers_.x()]), std::move(at.x[layers_.y()]), std::move(at.w)};
+        };
+        exact_layers_.begin();
+        for_each_outline(face, [&](std::int32_t from, std::int32_t to, Outline outline, int weight) {
+            exact_layers_.add(corner(from), corner(to), static_cast<std::size_t>(outline), weight);
+        });
+        exact_layers_.for_each_part(exact_.quantum(), [&](double part, const Layers::Counts& count) {
+            add_part(std::max(part * stretch, std::numeric_limits<double>::denorm_min()), count);
+        });
+    } else {
+        for_each_outline(face, [&](std::int32_t from, std::int32_t to, Outline outline, int weight) {
+            layers_.add(at(from), at(to), static_cast<std::size_t>(outline), weight);
+        });
+        layers_.for_each_part(add_part);
+    }
+    return shared;
 }
 
 }  // namespace votess::solid

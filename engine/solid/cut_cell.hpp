@@ -5,21 +5,31 @@
 // A corner on two planes is where an edge of the cell passes through the mesh. The winding number changes there by one.
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
-// Measures are sums of cones from a point in the cell. Their bases are the triangles' polygons, and the faces of the
-// cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted by the
-// winding number beside them; and over the edges that polygons have on it.
+// So signs alone decide which polygons there are. Ties shrink the cell: what only touches it has no polygon, and a cell
+// without polygons and winding number is empty. A triangle in the plane of a face bounds one of its two cells. Such a
+// face is overlaid with its triangles, which gives the winding numbers on both sides of each place.
 //
-// A triangle in the plane of a face bounds one of its two cells, and ties may put it into the other. Such a face is
-// overlaid with its triangles, which gives the winding numbers on both sides of each place.
+// Measures are sums of cones from an apex near a corner of the part. Their bases are the triangles' polygons, and the
+// faces of the cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted
+// by the winding number beside them; and over the edges that polygons have on it.
+//
+// Positions. Each corner is computed in double with a bound on its error. Where that exceeds `place_rounding` of the
+// part's extent, the corner is rounded from its exact value (ExactPlaces). Moving all corners by at most d changes a
+// volume by at most d times the area of its surface. Where this bound exceeds `volume_rounding` of the volume, as in a
+// sliver, the sum is done in 128 bits from exact corners, and then in fractions. A face that is smaller than the bound
+// on its area is laid over without rounding (ExactLayers): it exists, or has no area.
 #pragma once
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "domain/domain.hpp"
 #include "polytope/cell.hpp"
 #include "solid/closed_mesh.hpp"
+#include "solid/exact_layers.hpp"
+#include "solid/exact_places.hpp"
 #include "solid/layers.hpp"
 #include "solid/mesh_signs.hpp"
 #include "solid/sum.hpp"
@@ -28,16 +38,17 @@ namespace votess::solid {
 
 // Measures of a cell's part in the mesh. Scaled; weighted by the winding number.
 struct CutMeasures {
-    bool meets_surface = false;           // else only `winding` is set
-    int winding = 0;                      // of a vertex
-    double volume = 0, volume_error = 0;  // after ties a bound on its rounding, else 0
-    std::array<double, 3> centroid{};     // relative to the seed
-    double surface = 0;                   // area of the mesh in the cell, with the triangles on its faces that bound it
+    bool meets_surface = false;  // else only `winding` is set
+    int winding = 0;             // of a vertex
+    bool empty = false;          // the part has no volume
+    double volume = 0;
+    std::array<double, 3> centroid{};  // relative to the seed
+    double surface = 0;                // area of the mesh in the cell, with the triangles on its faces that bound it
     struct Face {
         std::int32_t id;
         exact::Shift shift;
-        double area = 0;   // inside the mesh on both sides, not negative
-        double error = 0;  // after ties a bound on its rounding, else 0
+        double area = 0;         // inside the mesh on both sides; 0 only if it does not exist
+        bool is_unsure = false;  // may not exist; not if measured with `decide_faces`
     };
     std::vector<Face> faces;  // bisectors only
 };
@@ -50,16 +61,15 @@ public:
         : mesh_(mesh), domain_(domain), centroids_(centroids) {}
 
     // Begins the cell of a seed, moved by a shift; add() all its neighbors, then call measure().
-    // ties: the same for all cells whose measures must fit together.
-    void begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight,
-               MeshSigns::Ties ties = MeshSigns::Ties::moved);
+    void begin(const exact::Point& seed, std::int32_t id, const exact::Shift& move, double weight);
     // neighbor: its bisector, as seen from the seed where it was given. shift: of the neighbor in the row.
     // inward: twice the distance by which the plane moves inward, times the distance of the neighbor.
     void add(std::int32_t id, const exact::Plane& neighbor, const exact::Shift& shift, double weight,
              double inward = 0);
     // Whether the planes leave nothing.
     [[nodiscard]] bool empty() const { return cell_.empty(); }
-    const CutMeasures& measure();
+    // decide_faces: whether it finds out which faces exist at all; slower.
+    const CutMeasures& measure(bool decide_faces = false);
     // Finds the faces without a measure, for a cell that no triangle passes through.
     void find_faces();
 
@@ -77,8 +87,8 @@ private:
         std::int32_t next;  // from the same vertex
     };
     struct Crossing {
-        double at;  // from 0 to 1 along the edge
-        int jump;   // of the winding number
+        std::int32_t place;  // of the corner
+        int jump;            // of the winding number
         std::int32_t next;
         std::int32_t polygon = -1;
     };
@@ -87,19 +97,30 @@ private:
     struct Corner {
         Side in, out;
     };
+    // The place of a corner, and how it comes about.
+    struct Place {
+        enum class Kind : std::uint8_t { vertex, mesh_vertex, on_mesh_edge, on_edge };
+        Kind kind;
+        // vertex: its slot; mesh_vertex: its index; on_mesh_edge: a face and two vertices of the mesh;
+        // on_edge: two faces and a triangle
+        std::array<std::int32_t, 3> of;
+        Vector3 x;             // relative to the seed in a first step, then to the apex
+        double error;          // bound, of each coordinate
+        bool is_used = false;  // by the part
+    };
     struct Segment {
         std::int32_t face;
-        Vector3 from, to;
+        std::int32_t from, to;  // places
         int weight = 1;
     };
     // A triangle in the plane of a face. Ties put it into this cell or into the neighbor.
     struct OnFace {
         std::int32_t face;
-        std::int32_t given;  // the triangle's index
-        std::array<Vector3, 3> corners;
+        std::int32_t given;                  // the triangle's index
+        std::array<std::int32_t, 3> places;  // of its corners
         bool in_cell, faces_out;
     };
-
+    void make_faces();
     void read_faces();
     void add_half(std::int32_t from, std::int32_t to, std::int32_t face);
     void find_candidates();
@@ -109,14 +130,56 @@ private:
     [[nodiscard]] bool clip_by(std::size_t face);
     [[nodiscard]] bool beside(const ClosedMesh::Triangle& triangle) const;
     [[nodiscard]] int side(const Corner& corner, std::size_t face);
-    [[nodiscard]] Vector3 position(const Corner& corner, const ClosedMesh::Triangle& triangle);
+    [[nodiscard]] std::int32_t add_place(const Place& place) {
+        place_.push_back(place);
+        return static_cast<std::int32_t>(place_.size()) - 1;
+    }
+    [[nodiscard]] std::int32_t add_mesh_vertex(std::int32_t vertex, const Vector3& relative);
+    [[nodiscard]] std::int32_t place_of(const Corner& corner, std::uint32_t t);
+    [[nodiscard]] Place on_mesh_edge(std::size_t from, std::size_t to, std::size_t face,
+                                     const ClosedMesh::Triangle& triangle) const;
+    [[nodiscard]] Place on_edge(const Edge& edge, std::uint32_t t) const;
+    [[nodiscard]] const Vector3& at(std::int32_t place) const { return place_[static_cast<std::size_t>(place)].x; }
+    [[nodiscard]] double error_of(std::int32_t place) const { return place_[static_cast<std::size_t>(place)].error; }
+    void find_places();
+    void find_apex();
+    void measure_places();
+    void prepare_exact(const Vector3& origin);
+    [[nodiscard]] Vector3 rounded(const ExactPlace& place) const;
+    [[nodiscard]] ExactPlace exact_place(const Place& place) const;
     void add_polygon(std::uint32_t t);
     void find_windings();
     [[nodiscard]] int winding_at(std::int32_t slot);
-    void add_on_face(std::int32_t given);
-    void add_faces();
-    void share_face(std::int32_t face);
-    void add_cone(const Vector3& a, const Vector3& b, const Vector3& c, double weight);
+    void add_on_face(const ClosedMesh::Triangle& triangle);
+    void find_segments();
+    void measure_faces(bool decide);
+    struct Shared {
+        double area = 0, surface = 0;
+    };
+    [[nodiscard]] Shared lay_over(std::int32_t face, bool exactly);
+    enum class Outline : std::uint8_t { whole, inside, triangles, triangles_out };  // inside: beyond the triangles
+    // Visits the edges of a face, of its parts in the mesh, and of triangles in its plane: two places, layer, weight.
+    template <class Visit>
+    void for_each_outline(std::int32_t face, Visit visit) const;
+    // The base of a cone: three places. face: -1 for triangles of the mesh, absent for those in a face.
+    struct Cone {
+        std::int32_t a, b, c;
+        int weight;
+        std::int32_t face;
+    };
+    struct ConeSum {
+        bool empty = false;
+        double volume = 0;
+        Vector3 centroid{};  // relative to the apex
+    };
+    void find_cones();
+    // Sums cones: in double, from exact places in 128 bits, or in fractions, until 1e-10 of the volume is sure.
+    [[nodiscard]] ConeSum sum(std::span<const Cone> cones);
+    [[nodiscard]] ConeSum sum_exactly(std::span<const Cone> cones);
+    [[nodiscard]] ConeSum sum_in_fractions(std::span<const Cone> cones) const;
+    void find_quads();
+    void measure_areas();
+    void measure_areas_in_quad();
     [[nodiscard]] std::int32_t& edge_of(std::int32_t left, std::int32_t right) {
         return edge_between_[static_cast<std::size_t>(left) * faces_.size() + static_cast<std::size_t>(right)];
     }
@@ -125,20 +188,21 @@ private:
     const Domain& domain_;
     bool centroids_;
     double weight_ = 0;
-    MeshSigns::Ties ties_ = MeshSigns::Ties::moved;
     cpu::Cell cell_;
     exact::Plane image_;     // of the seed, where the cell is, as if it were a bisector's
     exact::Point origin_{};  // the same place, rounded
     cpu::CellFaces faces_;
     MeshSigns signs_, corner_signs_;  // of all bisectors; of those of one vertex
     CutMeasures out_;
-    Vector3 apex_{};                    // of cones, relative to the seed
-    std::vector<std::int32_t> plane_;   // by face: of signs_, -1 for walls
-    std::vector<Vector3> base_, unit_;  // by face: a point on it, its outward unit normal
-    std::vector<Vector3> at_;           // by slot, relative to the apex
-    std::vector<int> winding_;          // by slot
-    std::vector<std::uint8_t> known_;   // by slot
-    std::vector<std::int32_t> slots_;   // of vertices
+    Vector3 apex_{};                     // of cones, relative to the seed
+    std::vector<std::int32_t> plane_;    // by face: of signs_, -1 for walls
+    std::vector<Vector3> unit_;          // by face: its outward unit normal
+    std::vector<std::int32_t> base_;     // by face: a place on it, where its triangles begin; -1 if it has none
+    std::vector<Place> place_;           // of all corners
+    std::vector<std::int32_t> at_slot_;  // by slot: its place
+    std::vector<int> winding_;           // by slot
+    std::vector<std::uint8_t> known_;    // by slot
+    std::vector<std::int32_t> slots_;    // of vertices
     std::vector<Half> halves_;
     std::vector<std::int32_t> first_half_;  // by slot
     std::vector<Edge> edges_;
@@ -150,19 +214,21 @@ private:
     struct Polygon {
         std::uint32_t triangle;  // of mesh_
         std::int32_t begin;
+        bool on_face;  // lies in a face
     };
     struct PolygonSide {
         Side side;
         std::int32_t crossing;  // at the corner; -1 off the edges of the cell
-        Vector3 corner;
+        std::int32_t place;     // of the corner
     };
     std::vector<Polygon> polygons_;
     std::vector<PolygonSide> polygon_sides_;
-    std::vector<Vector3> corners_;  // of a polygon
     std::vector<OnFace> on_faces_;
     std::vector<std::uint8_t> has_triangles_;  // by face
-    std::vector<Segment> outlines_;            // of the parts in the mesh, on faces with triangles
     Layers layers_;
+    ExactLayers exact_layers_;
+    ExactPlaces exact_;
+    bool exact_is_ready_ = false;
     std::vector<std::uint32_t> candidates_;
 
     // A vertex of the mesh, seen from all faces. Its values are in vertex_values_. Its outside_bits_ are those of faces
@@ -179,10 +245,12 @@ private:
     std::vector<std::uint64_t> outside_bits_;
     std::size_t words_ = 0;  // of outside_bits_ for each vertex
     std::vector<Crossing> on_edge_;
-    Sum sum_volume_, sum_surface_;
-    double sum_area_ = 0;
-    double place_error_ = 0;  // of any position
-    std::array<Sum, 3> sum_moment_;
+    Sum sum_surface_;
+    std::vector<Cone> cones_;
+    std::vector<std::array<exact::Quad, 3>> quads_;  // by place: of those that are used
+    double place_error_ = 0;                         // bound, of any position of the part
+    double extent_ = 0;                              // of the part, from the apex
+    std::vector<double> area_error_;                 // by face
 
     // The current triangle.
     std::int32_t face_of_triangle_ = -1;  // whose plane holds it

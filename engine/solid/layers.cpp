@@ -6,7 +6,7 @@
 
 namespace votess::solid {
 
-void Layers::begin(const Vector3& normal) {
+double Layers::begin(const Vector3& normal) {
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
         if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
@@ -15,6 +15,7 @@ void Layers::begin(const Vector3& normal) {
     if (normal[axis] < 0) std::swap(x_, y_);
     stretch_ = 1 / std::abs(normal[axis]);
     edges_.clear();
+    return stretch_;
 }
 
 void Layers::add(const Vector3& from, const Vector3& to, std::size_t layer, int weight) {

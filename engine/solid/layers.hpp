@@ -18,8 +18,11 @@ public:
     static constexpr std::size_t max_layers = 4;
     using Counts = std::array<int, max_layers>;
 
-    // Begins a plane with an outward unit normal.
-    void begin(const Vector3& normal);
+    // Begins a plane with an outward unit normal. Returns the quotient of an area and its projection along an axis.
+    double begin(const Vector3& normal);
+    // Returns the axes across which it is projected.
+    [[nodiscard]] std::size_t x() const { return x_; }
+    [[nodiscard]] std::size_t y() const { return y_; }
     // Adds an edge `weight` times. Polygons seen from outside are counterclockwise.
     void add(const Vector3& from, const Vector3& to, std::size_t layer, int weight);
 

@@ -72,11 +72,10 @@ struct MeshCells {
         return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
     }
     // Makes an image of the cell of a row. gap: of pieces, scaled.
-    void make(std::size_t r, std::size_t image, CutCell& cell, MeshSigns::Ties ties = MeshSigns::Ties::moved,
-              double gap = 0) const {
+    void make(std::size_t r, std::size_t image, CutCell& cell, double gap = 0) const {
         const std::int32_t seed = seed_of(r);
         const exact::Point x = place(seed);
-        cell.begin(x, seed, move(seed, image_shift(image)), weight(seed), ties);
+        cell.begin(x, seed, move(seed, image_shift(image)), weight(seed));
         const exact::Shift home = move(seed, {}), back{-home[0], -home[1], -home[2]};
         const auto first = static_cast<std::size_t>(indptr[r]);
         const auto bisector = [&](std::size_t entry) {

@@ -22,6 +22,18 @@ WideInt<6 * (W / 2)> determinant_of(int count, const std::array<std::array<WideI
     return m[0][0] * minor(1, 2, 1, 2) - m[0][1] * minor(1, 2, 0, 2) + m[0][2] * minor(1, 2, 0, 1);
 }
 
+template <int W>
+std::array<WideInt<W>, 3> wide_place(const exact::Point& x, int quantum) {
+    return {exact::to_wide<W>(x[0], quantum), exact::to_wide<W>(x[1], quantum), exact::to_wide<W>(x[2], quantum)};
+}
+
+// Returns minus the value at a place relative to the seed.
+template <int W>
+WideInt<2 * W> shrinkage(const exact::WideRow<W>& row, const std::array<WideInt<W>, 3>& center) {
+    const auto half = dot(row.n, center);
+    return row.s - half - half;
+}
+
 // Determinant of three rows whose entries have errors, and a bound on its error.
 int sure_sign(const std::array<std::array<double, 3>, 3>& m, const std::array<double, 3>& error) {
     std::array<double, 3> size;
@@ -64,7 +76,7 @@ void MeshSigns::find_sign(std::size_t k, const Place& u, Value& value) const {
     value.sign = sign;
     if (!value.tie) return;
     value.s = value.error = 0;
-    value.sign = ties_ == Ties::grown ? sign_of_constant(k) : 0;
+    value.sign = sign_of_step(k);
     if (value.sign != 0) return;
     const std::array<double, 3>& n = bisectors_[k].n;
     std::size_t axis = 0;
@@ -114,15 +126,31 @@ exact::BitRange MeshSigns::range_of(std::span<const std::size_t> rows) const {
     exact::BitRange range;
     range.add(seed_);
     range.add(image_);
+    range.add(center_);
     for (const std::size_t k : rows) range.add(sources_[k]);
     return range;
 }
 
-int MeshSigns::sign_of_constant(std::size_t k) const {
-    const exact::Plane& bisector = sources_[k];
-    if (!bisector.has_power()) return 1;
+bool MeshSigns::holds(const exact::Point& center) const {
+    for (std::size_t k = 0; k < bisectors_.size(); ++k)
+        if (value(k, {{}, center}).sign >= 0) return false;
+    return true;
+}
+
+void MeshSigns::find_center(const exact::Point& middle) {
+    for (const exact::Point& center : {exact::Point{}, middle})
+        if (holds(center)) {
+            center_ = center;
+            return;
+        }
+    centered_ = false;
+}
+
+// Returns the sign of -s_k(center).
+int MeshSigns::sign_of_step(std::size_t k) const {
+    if (centered_) return 1;
     const std::array<std::size_t, 1> row{k};
-    return exact::wide_row<exact::widest>(seed_, bisector, range_of(row).quantum()).s.sign();
+    return exact::wide_row<exact::widest>(seed_, sources_[k], range_of(row).quantum()).s.sign();
 }
 
 // Returns 2 for one value that is exactly 0.
@@ -143,13 +171,14 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
     std::array<std::array<WideInt<2 * W>, 3>, 3> value;
     std::array<std::array<WideInt<W>, 3>, 3> n;
     std::array<std::array<WideInt<W>, 3>, 3> to_seed;  // from each column
-    std::array<WideInt<2 * W>, 3> constants;
+    std::array<WideInt<2 * W>, 3> shrunk;              // -s_k(center)
+    const auto center = wide_place<W>(center_, quantum);
     const int moving = count - (upright ? 1 : 0);  // columns that ties move
     for (int c = 0; c < moving; ++c) to_seed[c] = exact::wide_difference<W>(*columns[c], image_, quantum);
     for (int r = 0; r < count; ++r) {
         const auto row = exact::wide_row<W>(seed_, sources_[rows[r]], quantum);
         n[r] = row.n;
-        constants[r] = row.s;
+        shrunk[r] = shrinkage(row, center);
         for (int c = 0; c < moving; ++c) {
             const auto half = dot(n[r], to_seed[c]);
             value[r][c] = -(half + half) - row.s;
@@ -157,7 +186,6 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         if (upright) value[r][count - 1] = exact::resize<2 * W>(n[r][2]);
     }
     if (const int sign = determinant_of<2 * W>(count, value).sign(); sign != 0) return sign;
-    met_tie_ = true;
     if (count == 1) return 2;
     // step: by which the values of each row grow.
     const auto sign_after = [&](const std::array<WideInt<2 * W>, 3>& step) {
@@ -169,8 +197,7 @@ int MeshSigns::integer_sign(int count, const std::array<std::size_t, 3>& rows,
         }
         return sum.sign();
     };
-    if (ties_ == Ties::grown)
-        if (const int sign = sign_after(constants); sign != 0) return sign;
+    if (const int sign = sign_after(shrunk); sign != 0) return sign;
     for (int axis = 0; axis < 3; ++axis) {
         std::array<WideInt<2 * W>, 3> step;
         for (int r = 0; r < count; ++r) step[r] = exact::resize<2 * W>(n[r][axis]);
@@ -196,11 +223,13 @@ template <int W>
 int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
                              int quantum) const {
     std::array<std::array<WideInt<W>, 3>, 2> n;
-    std::array<WideInt<2 * W>, 2> constant;
+    std::array<WideInt<2 * W>, 2> constant, shrunk;
+    const auto center = wide_place<W>(center_, quantum);
     for (std::size_t r = 0; r < 2; ++r) {
         const auto row = exact::wide_row<W>(seed_, sources_[rows[r]], quantum);
         n[r] = row.n;
         constant[r] = row.s;
+        shrunk[r] = shrinkage(row, center);
     }
     const auto across = cross(n[0], n[1]);
     std::size_t axis = 0;
@@ -208,7 +237,7 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
     const auto sum = [](const auto& x) { return x[0] + x[1] + x[2]; };
     std::array<WideInt<4 * W>, 2> d;
     std::array<WideInt<5 * W>, 2> place;                 // along the axis, times d
-    std::array<WideInt<5 * W>, 2> grown;                 // derivative of that, if the mesh grows
+    std::array<WideInt<5 * W>, 2> shrinking;             // derivative of that, if the cell shrinks
     std::array<std::array<WideInt<5 * W>, 3>, 2> moved;  // by a shift along each axis
     for (std::size_t t = 0; t < 2; ++t) {
         std::array<std::array<WideInt<2 * W>, 3>, 2> s;
@@ -234,7 +263,7 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
             const auto one = cross(by_a, s[1]), other = cross(s[0], by_b);
             return at({one[0] + other[0], one[1] + other[1], one[2] + other[2]});
         };
-        grown[t] = change(constant[0], constant[1]);
+        shrinking[t] = change(shrunk[0], shrunk[1]);
         for (std::size_t k = 0; k < 3; ++k) {
             moved[t][k] = change(exact::resize<2 * W>(n[0][k] + n[0][k]), exact::resize<2 * W>(n[1][k] + n[1][k]));
             if (k == axis) moved[t][k] = moved[t][k] + exact::resize<5 * W>(d[t]);
@@ -245,8 +274,7 @@ int MeshSigns::integer_order(const std::array<std::size_t, 2>& rows, const std::
         return turn * (first * d[1] - second * d[0]).sign();
     };
     if (const int sign = order(place[0], place[1]); sign != 0) return sign;
-    if (ties_ == Ties::grown)
-        if (const int sign = order(grown[0], grown[1]); sign != 0) return sign;
+    if (const int sign = order(shrinking[0], shrinking[1]); sign != 0) return sign;
     for (std::size_t k = 0; k < 3; ++k)
         if (const int sign = order(moved[0][k], moved[1][k]); sign != 0) return sign;
     return 0;

@@ -14,14 +14,11 @@
 //     the line of a and b                       meets uvw before xyz: |a ; b ; coordinates of vertices| / D of each
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
-// Ties. The mesh counts as moved by (e, e^2, e^3), where e is positive and smaller than anything else (Edelsbrunner and
-// Mücke, ACM TOG 9(1), 1990). Then s_k(u) grows by 2 e N_x + 2 e^2 N_y + ..., the same in a row, so that the
-// determinant is linear in it. The mesh moves as a whole. So it stays closed, and neighbors decide alike. No sign is 0
-// for planes that have faces.
-//
-// Pieces of one cell need not agree with others. There the mesh first counts as grown from the seed: u to u + e (u -
-// p). Then s_k(u) grows by e times its constant, again the same in a row, apart from a factor. So what lies in the
-// plane of a face is outside, and no sheet without thickness joins two pieces.
+// Ties. The cell counts as shrunk towards a center inside of it, by less than any distance: s_k(u) grows by e times
+// -s_k(center), the same in a row, so that the determinant is linear in it (Edelsbrunner and Mücke, ACM TOG 9(1),
+// 1990). Then the mesh counts as moved by (e^2, e^3, e^4). So all planes are in general position, and what meets a cell
+// meets its interior: a part without volume has no corner. The center is the seed, or another place where weights put
+// the seed outside of its cell.
 //
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.
@@ -42,10 +39,6 @@ inline constexpr double tiny = 1e-290;  // covers products that underflow
 
 class MeshSigns {
 public:
-    enum class Ties : std::uint8_t {
-        moved,  // by (e, e^2, e^3): alike for all cells
-        grown,  // first from the seed, then moved: what only touches a cell is outside
-    };
     // A value s_k(u), the bound on its error, and its sign after ties; 0 while that is unknown.
     struct Value {
         double s = 0, error = 0;
@@ -60,17 +53,19 @@ public:
     using Places = std::array<Place, 3>;
 
     // image: the seed's place in the mesh, as if it were a bisector's.
-    void begin(const exact::Point& seed, const exact::Plane& image, Ties ties) {
+    void begin(const exact::Point& seed, const exact::Plane& image) {
         seed_ = seed;
         image_ = image;
-        ties_ = ties;
+        center_ = {};
+        centered_ = true;
         bisectors_.clear();
         sources_.clear();
-        met_tie_ = false;
     }
     void add(const exact::Plane& bisector);
-    // Returns whether a value or determinant was 0 since begin().
-    [[nodiscard]] bool met_tie() const { return met_tie_; }
+    // Sets the center after all bisectors: the seed, or `middle`, relative to it. Of a cell too thin for either, some
+    // planes move outward.
+    void find_center(const exact::Point& middle);
+    void set_center(const MeshSigns& of) { center_ = of.center_, centered_ = of.centered_; }
     [[nodiscard]] std::array<double, 3> normal(std::size_t k) const { return bisectors_[k].n; }
     [[nodiscard]] Place place(const exact::Point& x) const {
         if (image_.lattice == nullptr) return {x, {x[0] - seed_[0], x[1] - seed_[1], x[2] - seed_[2]}};
@@ -116,13 +111,14 @@ private:
     template <int W>
     [[nodiscard]] int integer_order(const std::array<std::size_t, 2>& rows, const std::array<const Places*, 2>& u,
                                     int quantum) const;
-    [[nodiscard]] int sign_of_constant(std::size_t k) const;
+    [[nodiscard]] bool holds(const exact::Point& center) const;
+    [[nodiscard]] int sign_of_step(std::size_t k) const;
     [[nodiscard]] exact::BitRange range_of(std::span<const std::size_t> rows) const;
 
     exact::Point seed_{};
     exact::Plane image_;
-    Ties ties_ = Ties::moved;
-    mutable bool met_tie_ = false;
+    exact::Point center_{};  // relative to the seed
+    bool centered_ = true;   // inside all bisectors
     std::vector<Bisector> bisectors_;
     std::vector<exact::Plane> sources_;  // of bisectors_
 };

@@ -85,7 +85,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     pool.run_stage(parts.size(), [&](std::size_t index, unsigned worker) {
         if (!workers[worker])
             workers[worker] =
-                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain, false}, {cells->mesh, cells->scale}});
+                std::make_unique<Worker>(Worker{{cells->mesh, *cells->domain, true}, {cells->mesh, cells->scale}});
         auto& [cell, maker] = *workers[worker];
         for (std::size_t r = index * cells_per_task; r < std::min(cells->rows(), (index + 1) * cells_per_task); ++r) {
             check_stop();
@@ -94,7 +94,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
             Pieces& out = last - first > 1 ? of_images : parts[index];
             for (std::size_t i = first; i < last; ++i) {
                 if (cells->winding[i] == 0) continue;
-                cells->make(r, i, cell, solid::MeshSigns::Ties::grown, options.gap * cells->scale);
+                cells->make(r, i, cell, options.gap * cells->scale);
                 if (cell.empty()) continue;
                 if (cells->winding[i] == solid::MeshCells::cut) {
                     const solid::CutMeasures& m = cell.measure();

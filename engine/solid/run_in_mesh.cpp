@@ -147,7 +147,8 @@ public:
         sort_rows();
         cut_cells();
         fill_plain();
-        measure_rows();
+        decide_faces();
+        share_areas();
         write_rows();
         finish();
         return std::move(result_);
@@ -155,6 +156,7 @@ public:
 
 private:
     static constexpr int unknown = MeshCells::cut;
+    static constexpr std::uint8_t unsure = 2;
 
     [[nodiscard]] static TriangleMesh checked(const Options& options) {
         check_others(options);
@@ -231,9 +233,9 @@ private:
         }
     }
 
-    const CutMeasures& cut(std::size_t r, std::size_t image, CutCell& cell) const {
+    const CutMeasures& cut(std::size_t r, std::size_t image, CutCell& cell, bool decide_faces = false) const {
         cells_->make(r, image, cell);
-        return cell.measure();
+        return cell.measure(decide_faces);
     }
 
     // Sorts the rows by the blocks of a grid around the mesh, because near cells need the same memory.
@@ -347,9 +349,13 @@ private:
             result_.mesh_areas[r] += m.surface * square;
             for (const CutMeasures::Face& face : m.faces) {
                 const std::size_t e = entry(r, face.id, face.shift);
-                if (e != no_entry && face.area > face.error) add_area(e, face.area * square);
+                if (e == no_entry || (face.area == 0 && !face.is_unsure)) continue;
+                if (!face.is_unsure)
+                    add_area(e, face.area * square);
+                else if (dropped_[e] == 1)
+                    dropped_[e] = unsure;
             }
-            if (std::abs(m.volume) <= m.volume_error) continue;
+            if (m.empty) continue;
             touches = false;
             volume += m.volume * square * unscale;
             for (std::size_t k = 0; k < 3; ++k) moment[k] += m.volume * square * unscale * m.centroid[k];
@@ -436,30 +442,62 @@ private:
         }
     }
 
+    // Finds out whether faces exist that are as small as rounding. Empty neighbors have none.
+    void decide_faces() {
+        ThreadPool pool(options_.threads);
+        std::vector<std::unique_ptr<CutCell>> cells(pool.size());
+        const auto task = [&](std::size_t index, unsigned worker) {
+            for (std::size_t k = index * rows_per_task; k < std::min(rows(), (index + 1) * rows_per_task); ++k) {
+                check_stop();
+                const std::size_t r = order_[k], end = to_index(cells_->indptr[r + 1]);
+                bool decides = false;
+                for (std::size_t e = to_index(cells_->indptr[r]); e < end; ++e) {
+                    if (dropped_[e] != unsure) continue;
+                    const std::int64_t other = row_of(cells_->indices[e]);
+                    if (empty_[r] != 0 || (other >= 0 && empty_[to_index(other)] != 0)) dropped_[e] = 1;
+                    decides |= dropped_[e] == unsure;
+                }
+                if (!decides) continue;
+                if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, false);
+                decide_row(r, *cells[worker]);
+            }
+        };
+        pool.run_stage(ceil_div(rows(), rows_per_task), std::cref(task));
+    }
+
+    void decide_row(std::size_t r, CutCell& cell) {
+        const double square = 1 / (job_.scale * job_.scale);
+        std::vector<std::pair<std::size_t, double>> found;  // entries and areas
+        const auto [first, last] = cells_->images(r);
+        for (std::size_t i = first; i < last; ++i) {
+            if (winding_[i] != unknown) continue;
+            for (const CutMeasures::Face& face : cut(r, i, cell, true).faces)
+                if (const std::size_t e = entry(r, face.id, face.shift);
+                    e != no_entry && dropped_[e] == unsure && face.area > 0)
+                    found.emplace_back(e, face.area * square);
+        }
+        for (const auto& [e, area] : found) add_area(e, area);
+        for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
+            if (dropped_[e] == unsure) dropped_[e] = 1;
+    }
+
     // Gives both cells of a face the area that one of them has found: the cut one, of two the lower.
-    void measure_rows() {
+    void share_areas() {
         auto& areas = result_.face_areas;
-        for (const std::uint32_t r : order_)  // the rows of neighbors are then near in memory
+        for (std::size_t k = 0; has_areas_ && k < rows(); ++k) {
+            const std::uint32_t r = order_[k];  // the rows of neighbors are then near in memory
             for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e) {
-                if (empty_[r] != 0) dropped_[e] = 1;
                 const std::int32_t seed = seed_of(r), neighbor = cells_->indices[e];
                 const exact::Shift shift = cells_->shift(e);
                 if (neighbor < seed || (neighbor == seed && shift < exact::Shift{})) continue;  // set from there
                 const std::int64_t other = row_of(neighbor);
-                if (other < 0) continue;
-                const std::size_t o = to_index(other);
-                if (!has_areas_ && plain_[r] != 0 && plain_[o] != 0) continue;  // both have all faces or none
-                const std::size_t back = entry(o, seed, opposite(shift));
+                if (other < 0 || dropped_[e] != 0) continue;
+                const std::size_t o = to_index(other), back = entry(o, seed, opposite(shift));
                 if (back == no_entry) continue;
-                if (empty_[r] != 0 || empty_[o] != 0) {
-                    dropped_[e] = dropped_[back] = 1;
-                    continue;
-                }
                 const bool from_other = plain_[r] != 0 && plain_[o] == 0;
-                const std::size_t from = from_other ? back : e, to = from_other ? e : back;
-                dropped_[to] = dropped_[from];
-                if (has_areas_) areas[to] = areas[from];
+                areas[from_other ? e : back] = areas[from_other ? back : e];
             }
+        }
     }
 
     // Drops faces outside, and empties the cells outside.
@@ -479,17 +517,16 @@ private:
                     for (std::size_t k = 0; k < 3; ++k)
                         result_.centroids[3 * r + k] = std::numeric_limits<double>::quiet_NaN();
             }
-            if (empty) result_.mesh_areas[r] = 0;
             double surface = result_.mesh_areas[r];
             for (std::size_t e = begin; e < end; ++e) {
-                if (dropped_[e] != 0) continue;
+                if (empty || dropped_[e] != 0) continue;
                 result_.indices[out] = cells_->indices[e];
                 if (periodic) std::copy_n(&cells_->shifts[3 * e], 3, &result_.shifts[3 * out]);
                 if (has_areas_) surface += result_.face_areas[out] = result_.face_areas[e];
                 if (wanted_.normals) std::copy_n(&result_.face_normals[3 * e], 3, &result_.face_normals[3 * out]);
                 ++out;
             }
-            if (wanted_.surfaces) result_.surface_areas[r] = empty ? 0 : surface;
+            if (wanted_.surfaces) result_.surface_areas[r] = surface;
             result_.indptr[r + 1] = static_cast<std::int64_t>(out);
         }
         result_.indices.resize_uninitialized(out);
@@ -538,7 +575,7 @@ private:
     std::vector<std::uint32_t> order_;  // of rows, by place
     bool has_areas_ = false;
     std::vector<std::uint8_t> plain_, empty_;  // by row
-    std::vector<std::uint8_t> dropped_;        // by entry: faces without a part inside
+    std::vector<std::uint8_t> dropped_;        // by entry: 1 for faces without a part inside; unsure
     std::vector<int> winding_;                 // by image, of plain ones
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -280,6 +281,46 @@ TEST_SUITE("cases") {
         const Coordinates points{0.9, 0, 0, -0.9, 0.1, 0};
         const Tessellation t = votess::tessellate(points, options_in(ring));
         CHECK(std::abs(t.stats().volume_sum / t.stats().box_volume - 1) < 5e-16);
+    }
+
+    // VOTESS_TEST_SETS: the number of sets.
+    TEST_CASE("mesh: sums where sides lie within rounding of bisectors") {
+        using test::NearBisector;
+        const char* const given = std::getenv("VOTESS_TEST_SETS");
+        const std::size_t sets = given != nullptr ? std::strtoull(given, nullptr, 10) : test::by_size(300, 40);
+        test::Random random(61);
+        for (std::size_t number = 0; number < sets; ++number) {
+            CAPTURE(number);
+            const NearBisector set = test::near_bisector(static_cast<NearBisector::Kind>(number % 4), random);
+            Options options = options_in(set.solid);
+            options.threads = 1;
+            const Tessellation t = votess::tessellate(set.points, options);
+            CHECK(check_sums(t, set.solid, 1e-12) == "");
+        }
+    }
+
+    // Rows of a run of all seeds and of a run of some hold the same faces, however small.
+    TEST_CASE("mesh: the same small faces for some cells") {
+        using test::NearBisector;
+        test::Random random(62);
+        for (std::size_t number = 0; number < test::by_size(60, 12); ++number) {
+            CAPTURE(number);
+            const NearBisector set = test::near_bisector(static_cast<NearBisector::Kind>(number % 3), random);
+            Options options = options_in(set.solid);
+            options.box = test::cube(-2, 2);
+            if (number % 2 == 0) options.periodic = {true, true, true};
+            const Tessellation t = votess::tessellate(set.points, options);
+            std::vector<std::int64_t> ids(1);
+            for (std::size_t i = 0; i < t.size(); i += 3) {
+                ids[0] = static_cast<std::int64_t>(i);
+                options.only = ids;
+                const Tessellation one = votess::tessellate(set.points, options);
+                CHECK(one.volumes()[0] == t.volumes()[i]);
+                CHECK(one.mesh_areas()[0] == t.mesh_areas()[i]);
+                CHECK(one.status()[0] == t.status()[i]);
+                CHECK(std::ranges::equal(one.neighbors(0), t.neighbors(i)));
+            }
+        }
     }
 
     TEST_CASE("mesh: a cuboid has the cells of the box") {

@@ -1,5 +1,6 @@
 #include "support/solids.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -144,6 +145,76 @@ Solid joined(const Solid& a, const Solid& b) {
     for (const std::int32_t v : b.triangles)
         s.triangles.push_back(v + static_cast<std::int32_t>(a.vertices.size() / 3));
     return s;
+}
+
+NearBisector near_bisector(NearBisector::Kind kind, Random& random) {
+    using Kind = NearBisector::Kind;
+    const auto decimal = [&](std::int64_t lower, std::int64_t upper) {  // in tenths
+        return static_cast<double>(random.integer(lower, upper)) / 10;
+    };
+    const auto moved = [](double x, double by) { return std::round(10 * (x + by)) / 10; };
+    NearBisector set;
+    if (random.chance(0.5)) {
+        Vector lower, upper;
+        for (std::size_t k = 0; k < 3; ++k) lower[k] = decimal(-8, 3), upper[k] = moved(lower[k], decimal(1, 6));
+        set.solid = cuboid(lower, upper);
+    } else {
+        do {
+            std::array<Vector, 4> corners;
+            for (Vector& x : corners)
+                for (double& coordinate : x) coordinate = decimal(-9, 9);
+            set.solid = tetrahedron(corners);
+        } while (!(set.solid.volume() > 0.02));
+    }
+    const auto vertex = [&](std::size_t k) {
+        return set.solid.vertices[3 * random.below(set.solid.vertices.size() / 3) + k];
+    };
+    if (kind == Kind::mirrored) {
+        for (std::size_t pair = 1 + random.below(3); pair > 0; --pair) {
+            const std::size_t axis = random.below(3);
+            const double side = vertex(axis), distance = decimal(1, 7);
+            Vector seed{decimal(-5, 5), decimal(-5, 5), decimal(-5, 5)};
+            for (const double sign : {-1, 1}) {
+                seed[axis] = side + sign * distance;
+                set.points.insert(set.points.end(), seed.begin(), seed.end());
+            }
+        }
+    } else {
+        const double step = decimal(2, 7);
+        const Vector corner{decimal(-7, 0), decimal(-7, 0), decimal(-7, 0)};
+        const std::size_t n = 2 + random.below(2);
+        for (std::size_t i = 0; i < n * n * n; ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                set.points.push_back(corner[k] +
+                                     step * static_cast<double>(std::array{i / n / n, i / n % n, i % n}[k]));
+    }
+    double size = 1;
+    if (kind == Kind::huge) {
+        size = std::pow(10, 3 + static_cast<double>(random.below(7)));
+        const std::size_t v = 3 * random.below(set.solid.vertices.size() / 3);
+        const Vector fixed{set.solid.vertices[v], set.solid.vertices[v + 1], set.solid.vertices[v + 2]};
+        for (std::size_t i = 0; i < set.solid.vertices.size(); ++i)
+            set.solid.vertices[i] = fixed[i % 3] + (set.solid.vertices[i] - fixed[i % 3]) * size;
+    }
+    if (kind == Kind::rotated || (kind == Kind::huge && random.chance(0.5))) {
+        // The rotation of a quaternion.
+        std::array<double, 4> q;
+        for (double& x : q) x = random.gaussian();
+        const double square = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+        const auto& [w, x, y, z] = q;
+        const std::array<Vector, 3> rows{{{w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)},
+                                          {2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)},
+                                          {2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z}}};
+        for (auto* coordinates : {&set.points, &set.solid.vertices})
+            for (std::size_t i = 0; i < coordinates->size(); i += 3) {
+                Vector turned{};
+                for (std::size_t k = 0; k < 3; ++k)
+                    for (std::size_t j = 0; j < 3; ++j) turned[k] += rows[k][j] * (*coordinates)[i + j] / square;
+                for (std::size_t k = 0; k < 3; ++k) (*coordinates)[i + k] = turned[k];
+            }
+    }
+    set.reach = 4 * size;
+    return set;
 }
 
 }  // namespace test

@@ -7,6 +7,8 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "support/random.hpp"
+
 namespace test {
 
 struct Solid {
@@ -32,5 +34,14 @@ Solid spring(int turns, int steps, int across);
 Solid cubes(const std::array<int, 3>& count, const std::vector<bool>& filled);
 // Returns both surfaces.
 Solid joined(const Solid& a, const Solid& b);
+
+// Seeds and a solid of which a side lies in a bisector, up to rounding or exactly.
+struct NearBisector {
+    enum class Kind { lattice, mirrored, rotated, huge, count };  // huge: triangles 1e3 to 1e9 times the cells
+    std::vector<double> points;
+    Solid solid;
+    double reach = 0;  // a box from -reach to reach holds both
+};
+NearBisector near_bisector(NearBisector::Kind kind, Random& random);
 
 }  // namespace test
