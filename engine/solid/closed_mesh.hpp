@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/vector3.hpp"
@@ -20,6 +21,8 @@ public:
     void scale_by(double scale);
 
     [[nodiscard]] double volume() const { return volume_; }  // as given
+    [[nodiscard]] std::uint64_t moved_vertices() const { return moved_; }
+    [[nodiscard]] double moved_distance() const { return distance_; }  // the largest, as given
     [[nodiscard]] const Box& bounds() const { return bounds_; }
     [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& given() const { return given_; }  // triangles
     [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
@@ -65,7 +68,9 @@ private:
         return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
                b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
     }
-    void merge_vertices();
+    void merge_vertices(double tolerance);
+    void find_bounds();
+    [[nodiscard]] std::string between(std::int32_t a, std::int32_t b, const char* word) const;
     void check_closed() const;
     void find_volume();
     void make_tree();
@@ -80,6 +85,8 @@ private:
     Box bounds_;
     double volume_ = 0;
     bool merged_ = false;
+    std::uint64_t moved_ = 0;
+    double distance_ = 0;
 };
 
 }  // namespace votess::solid
