@@ -24,7 +24,7 @@ constexpr double thin = 1e-6;            // of the sine of a triangle's angle: i
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "mesh: " + message);
+    throw Error(ErrorCode::invalid_argument, "Options::mesh: " + message);
 }
 
 void include(Box& box, const exact::Point& x) {
@@ -113,9 +113,11 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
     find_bounds();
     merged_ = given.merge;
     if (!(given.tolerance >= 0 && given.tolerance <= max_tolerance))
-        refuse("mesh_tolerance is " + number(given.tolerance) + ": give a share of the mesh's size, from 0 to " +
-               number(max_tolerance));
-    if (given.tolerance > 0 && !merged_) refuse("mesh_tolerance needs mesh_repair merge: set both");
+        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance is " + number(given.tolerance) +
+                                                     ": give a share of the mesh's size, from 0 to " +
+                                                     number(max_tolerance));
+    if (given.tolerance > 0 && !merged_)
+        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance needs Options::mesh.merge: set both");
     if (merged_) merge_vertices(given.tolerance);
     check_closed();
     find_volume();
@@ -210,9 +212,9 @@ void ClosedMesh::check_closed() const {
         if (end - begin == 1)
             refuse(edge + " belongs to triangle " + std::to_string(first.triangle) + " alone" + others +
                    ": close the hole" +
-                   (!merged_ ? ", or merge vertices at equal places: set mesh_repair to merge"
+                   (!merged_ ? ", or merge vertices at equal places: Options::mesh.merge"
                     : tolerance_for(first) <= max_tolerance
-                        ? ", or merge near vertices: set mesh_tolerance above " + number(tolerance_for(first))
+                        ? ", or merge near vertices: Options::mesh.tolerance = " + number(std::min(2 * tolerance_for(first), max_tolerance))
                         : ""));
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t j = i + 1; j < end; ++j) {

@@ -579,7 +579,7 @@ TEST_SUITE("cases") {
                 const std::string message = test::refusal(points, options);
                 CAPTURE(message);
                 CHECK(test::has(message, "432 edges are open or turned"));
-                CHECK(test::has(message, "set mesh_tolerance above "));
+                CHECK(test::has(message, "merge near vertices: Options::mesh.tolerance = "));
                 options.mesh->tolerance = 2 * noise;  // of the size, 2.8
                 const Tessellation t = votess::tessellate(points, options);
                 CHECK(std::abs(t.stats().box_volume / ring.volume() - 1) < 100 * noise);
@@ -590,14 +590,14 @@ TEST_SUITE("cases") {
                 CHECK(farthest < 2 * std::sqrt(3) * size * noise * 1.001);
                 CHECK(votess::pieces(t).size() > 0);
                 options.mesh->merge = false;
-                CHECK(test::has(test::refusal(points, options), "mesh_tolerance needs mesh_repair"));
+                CHECK(test::has(test::refusal(points, options), "Options::mesh.tolerance needs Options::mesh.merge"));
             }
         const Solid unit = test::cuboid(0, 1);
         Options options = options_in(unit);
         options.mesh->merge = true;
         for (const double tolerance : {-1e-9, 0.011, std::numeric_limits<double>::quiet_NaN()}) {
             options.mesh->tolerance = tolerance;
-            CHECK(test::has(test::refusal(random_seeds(5, 0.1, 0.9, 1), options), "give a share of the mesh's size"));
+            CHECK(test::has(test::refusal(random_seeds(5, 0.1, 0.9, 1), options), "Options::mesh.tolerance is "));
         }
     }
 
@@ -608,34 +608,33 @@ TEST_SUITE("cases") {
         Solid bad = unit;
         bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
         CHECK(message(bad) ==
-              "mesh: the edge between vertices 0 (0, 0, 0) and 1 (0, 0, 1) belongs to triangle 4 alone; 3 edges are "
-              "open or turned "
-              "in all: close the hole, or merge vertices at equal places: set mesh_repair to merge");
+              "Options::mesh: the edge between vertices 0 (0, 0, 0) and 1 (0, 0, 1) belongs to triangle 4 alone; 3 edges are "
+              "open or turned in all: close the hole, or merge vertices at equal places: Options::mesh.merge");
         bad = unit;
         std::swap(bad.triangles[9], bad.triangles[10]);
         CHECK(test::has(message(bad), ": reverse one of them, or those around it"));
         bad = unit;
         bad.triangles[7] = 9;
-        CHECK(message(bad) == "mesh: triangle 2 names vertex 9, but there are 8: give indices from 0 on");
+        CHECK(message(bad) == "Options::mesh: triangle 2 names vertex 9, but there are 8: give indices from 0 on");
         bad.triangles[7] = -1;
         CHECK(test::has(message(bad), "triangle 2 names vertex -1"));
         bad = unit;
         bad.vertices[10] = std::numeric_limits<double>::quiet_NaN();
-        CHECK(message(bad) == "mesh: vertex 3: y = nan is not finite");
+        CHECK(message(bad) == "Options::mesh: vertex 3: y = nan is not finite");
         bad = unit;
         bad.vertices[10] = std::numeric_limits<double>::infinity();
-        CHECK(message(bad) == "mesh: vertex 3: y = inf is not finite");
+        CHECK(message(bad) == "Options::mesh: vertex 3: y = inf is not finite");
         bad.vertices[10] = 1e308;
         bad.vertices[1] = -1e308;
         CHECK(test::has(message(bad), "exceeds the largest double"));
         bad.triangles.clear();
         CHECK(test::has(message(bad), "no triangles"));
         bad.triangles = {0, 1, 2, 0, 2, 1};
-        CHECK(message(bad) == "mesh: it encloses no volume");
+        CHECK(message(bad) == "Options::mesh: it encloses no volume");
         bad = unit;
         bad.triangles.insert(bad.triangles.end(), {0, 4, 5});
         CHECK(message(bad) ==
-              "mesh: triangles 4 and 12 are the same; 3 edges are open or turned in all: remove one of them");
+              "Options::mesh: triangles 4 and 12 are the same; 3 edges are open or turned in all: remove one of them");
         bad = unit;
         bad.vertices.insert(bad.vertices.end(), {0.5, 0.5, 2});
         bad.triangles.insert(bad.triangles.end(), {0, 1, 8});
@@ -679,7 +678,7 @@ TEST_SUITE("cases") {
         CHECK(test::has(unsupported([](Options& o) { o.want.radii = true; }), "radii"));
         CHECK(test::has(unsupported([](Options& o) { o.planar = true; }), "three dimensions"));
         CHECK(test::has(unsupported([](Options& o) { o.box->upper[0] = std::numeric_limits<double>::infinity(); }),
-                        "the box needs ends"));
+                        "Options::box needs ends"));
     }
 
     TEST_CASE("mesh: verify() checks the parts of cells") {
@@ -765,7 +764,7 @@ TEST_SUITE("cases") {
         const votess::Pieces again = votess::pieces(t, choice);
         votess::PieceOptions many;
         many.threads = 100'000;
-        CHECK_THROWS_WITH_AS((void)votess::pieces(t, many), "threads = 100000: give 0 to 1024", votess::Error);
+        CHECK_THROWS_WITH_AS((void)votess::pieces(t, many), "Options::threads = 100000: give 0 to 1024", votess::Error);
         CHECK(again.vertices == pieces.vertices);
         CHECK(again.triangles == pieces.triangles);
         const std::vector<std::int64_t> ids{7, 3};

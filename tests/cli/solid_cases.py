@@ -143,7 +143,7 @@ class Mesh(CliTest):
         content = f"OFF\n36 12 0\n{lines('{} {} {}', (CORNERS[v] for t in TRIANGLES for v in t))}" + \
             lines("3 {} {} {}", [range(3 * t, 3 * t + 3) for t in range(12)])
         run = ["--random", 50, "--want", "neighbors,volumes", "--mesh"]
-        self.refuse(*run, self.put("open.off", content), says="merge vertices at equal places")
+        self.refuse(*run, self.put("open.off", content), says="merge vertices at equal places: --mesh-repair")
         whole, merged = self.arrays(*run, self.put("a.stl", stl_text())), self.arrays(*run, "open.off", "--mesh-repair", "merge")
         for array in ["indptr", "indices", "volumes"]:
             np.testing.assert_array_equal(merged[array], whole[array])
@@ -159,15 +159,15 @@ class Mesh(CliTest):
         run = ["--random", 50, "--mesh"]
         for name, content, repair in [("a.off", off, ["--mesh-repair", "merge"]), ("a.stl", stl, [])]:
             with self.subTest(name):
-                self.refuse(*run, self.put(name, content), *repair, says=["36 edges are open", "set mesh_tolerance above", "vertices 0 (", ") and 1 ("])
+                self.refuse(*run, self.put(name, content), *repair, says=["36 edges are open", "merge near vertices: --mesh-tolerance ", "vertices 0 (", ") and 1 ("])
                 summary = self.run_cli(*run, name, *repair, "--mesh-tolerance", "1e-9").stdout
                 self.assertRegex(summary, r"(?m)^mesh          a\....,.* 12 triangles; 28 vertices moved by at most \d\.?\d*e-12$")
                 found = self.json(*run, name, *repair, "--mesh-tolerance", "1e-9")
                 self.assertEqual(found["moved_vertices"], 28)
                 self.assertLess(found["moved_distance"], 4e-12)
                 self.assertAlmostEqual(found["box_volume"], 1, delta=1e-11)
-        self.refuse(*run, "a.off", "--mesh-tolerance", "1e-9", says="mesh_tolerance needs mesh_repair")
-        self.refuse(*run, "a.stl", "--mesh-tolerance", "0.5", says="0.5: give a share of the mesh's size, from 0 to 0.01")
+        self.refuse(*run, "a.off", "--mesh-tolerance", "1e-9", says="--mesh-tolerance needs --mesh-repair")
+        self.refuse(*run, "a.stl", "--mesh-tolerance", "0.5", says="--mesh-tolerance is 0.5: give a share")
         self.refuse(*run, "a.stl", "--mesh-tolerance", "-1", says="-1")
         self.refuse("--random", 9, "--mesh-tolerance", "1e-9", says="--mesh")
 
@@ -228,7 +228,7 @@ class Mesh(CliTest):
         volumes = [row for row in self.rows(*run, "--frames", "all") if row[0] != "#"]
         np.testing.assert_allclose(np.array(volumes, float), [0.5, 0.5, 0.75, 0.25], rtol=1e-14)
         self.assertIn("a.off, 12 triangles", self.run_cli(points, "--mesh", "a.off", "--frames", "all").stdout)
-        self.refuse(points, "--mesh", "a.off", "--periodic", says="a periodic axis needs a box")
+        self.refuse(points, "--mesh", "a.off", "--periodic", says="--periodic needs a box")
 
     def test_periodic(self):
         """The second cell has its own part at x = 0.85 to 1, and that of an image at 0 to 0.1."""
