@@ -39,20 +39,24 @@ public:
     // Those of three vertices, in the order of the tree. Their edges pair up as those of all triangles do.
     [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
-    // Visits triangles whose boxes meet `box`, until visit(t) returns false.
+    // Visits triangles whose boxes meet `box`, until visit(t) returns false. Passes over boxes with skip(box).
     template <class Visit>
     void for_each_in(const Box& box, Visit visit) const {
+        for_each_in(box, visit, [](const Box&) { return false; });
+    }
+    template <class Visit, class Skip>
+    void for_each_in(const Box& box, Visit visit, Skip skip) const {
         std::array<std::uint32_t, max_depth> pending{0};
         for (std::size_t count = nodes_.empty() ? 0 : 1; count > 0;) {
             const Node& node = nodes_[pending[--count]];
-            if (!overlap(node.box, box)) continue;
+            if (!overlap(node.box, box) || skip(node.box)) continue;
             if (node.count == 0) {
                 pending[count++] = node.first;
                 pending[count++] = node.first + 1;
                 continue;
             }
             for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
-                if (overlap(boxes_[t], box) && !visit(t)) return;
+                if (overlap(boxes_[t], box) && !skip(boxes_[t]) && !visit(t)) return;
         }
     }
     // Returns whether a triangle may come within `distance` of x. Never misses one.
