@@ -98,10 +98,10 @@ between axis and surface, in radians. The volume grows by about 3 / FACES
 for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          {.repeats = true, .solid = true}},
         {"--mesh FILE",
-         R"(a closed triangle mesh as the domain: each cell is its part inside. .off,
-.obj, .stl (text and binary; vertices at equal places become one) or .ply;
-polygons are split around their first corner. Seen from outside, corners
-are counterclockwise. Seeds may lie outside of the mesh. It replaces the
+         R"(a closed mesh as the domain: each cell is its part inside. .off, .obj,
+.ply, .stl (text and binary) or .glb (y is up there, and becomes z);
+vertices of .stl and .glb at equal places become one. Polygons must be flat
+and simple. Seen from outside, corners are counterclockwise. Seeds may lie outside of the mesh. It replaces the
 domain that INPUT states; --box must hold it. Into text without polygons,
 .csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into
 .glb, .obj, .stl and .3mf the connected pieces of cells: closed objects,
@@ -113,7 +113,15 @@ are inside and surface. --image draws pieces)",
 pieces. The planes of each cell move inward by half of it; the surface of
 the mesh stays)",
          {.with = "--mesh"}},
-        {"--mesh-repair merge", R"(make vertices of the mesh at equal places one, as for .stl)", {.with = "--mesh"}},
+        {"--mesh-repair merge",
+         R"(make vertices of the mesh at equal places one, as for .stl and .glb)",
+         {.with = "--mesh"}},
+        {"--mesh-tolerance SHARE",
+         R"(with --mesh-repair merge, .stl or .glb: make vertices one that are at most
+this far apart, as a share of the longest side of the mesh's bounds; 1e-9
+closes meshes whose corners differ by rounding. At most 0.01. The summary
+says how many vertices moved, and how far)",
+         {.with = "--mesh"}},
         {"--outside error|drop|keep",
          R"(points outside the domain: an error; or dropped, which leaves an empty cell
 with the status `outside`; or kept, which gives each the part of its cell

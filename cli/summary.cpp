@@ -124,7 +124,12 @@ std::string plain_summary(const Summary& summary) {
                  (summary.plane_from == std::string("assumed") ? ": the points have two coordinates" : ""));
     line("domain",
          summary.domain + (summary.frames && summary.frames->moving_domain ? "; moves from frame to frame" : ""));
-    if (!summary.mesh.empty()) line("mesh", summary.mesh + ", " + std::to_string(summary.triangles) + " triangles");
+    if (!summary.mesh.empty())
+        line("mesh", summary.mesh + ", " + std::to_string(summary.triangles) + " triangles" +
+                         (stats.moved_vertices == 0
+                              ? ""
+                              : "; " + std::to_string(stats.moved_vertices) + " vertices moved by at most " +
+                                    rounded("%.2g", stats.moved_distance)));
     line(summary.plane_from ? "mean edges" : "mean faces", rounded("%.4f", stats.mean_faces));
     if (summary.has_volumes && std::isfinite(stats.box_volume)) {
         const double error =
@@ -211,6 +216,8 @@ std::string json_summary(const Summary& summary) {
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));
         member("triangles", std::to_string(summary.triangles));
+        member("moved_vertices", std::to_string(stats.moved_vertices));
+        member("moved_distance", json_number(stats.moved_distance));
     }
     if (summary.plane_from) {
         member("dimensions", "2");

@@ -173,6 +173,8 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         if (*repair != "merge") throw bad_input("--mesh-repair is " + in_quotes(*repair) + ": give merge");
         arguments.mesh.merge = true;
     }
+    if (const std::string* share = typed.value("--mesh-tolerance"))
+        arguments.mesh.tolerance = read_numbers<1>("--mesh-tolerance", *share)[0];
     const bool bounded = !options.walls.empty() || !arguments.mesh_file.empty();
     if (bounded && typed.has("--random") && !typed.has("--box")) options.box.reset();
 }
@@ -424,8 +426,10 @@ const Option* Arguments::find_needing(std::initializer_list<Needs> needs,
 void load_mesh(Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
     const bool merge = arguments.mesh.merge;
+    const double tolerance = arguments.mesh.tolerance;
     arguments.mesh = read_surface(arguments.mesh_file);
     arguments.mesh.merge |= merge;
+    arguments.mesh.tolerance = tolerance;
     arguments.options.mesh = arguments.mesh.view();
 }
 

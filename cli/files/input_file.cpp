@@ -72,6 +72,7 @@ void check_last_line(std::string_view text, const std::string& name) {
 std::string read_whole(const std::string& path) {
     constexpr std::size_t piece = std::size_t{1} << 22;
     InputFile file(path);
+    if (path != "-" && file.is_device()) throw bad_input(in_quotes(path) + " is a device: give a file");
     std::string bytes;
     // One byte more than expected, so that the end shows without another read.
     bytes.reserve(static_cast<std::size_t>(file.size()) + 1);

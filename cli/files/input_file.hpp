@@ -27,6 +27,7 @@ public:
     void skip(std::uint64_t count);
 
     [[nodiscard]] bool is_regular() const noexcept { return regular_size_.has_value(); }
+    [[nodiscard]] bool is_device() const { return file_.is_device(); }
     // At opening; 0 unless the file is regular.
     [[nodiscard]] std::uint64_t size() const noexcept { return regular_size_.value_or(0); }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
@@ -38,7 +39,7 @@ private:
     std::uint64_t done_ = 0;
 };
 
-// Returns all bytes of a file.
+// Returns all bytes of a file. Refuses a device, which may have no end.
 [[nodiscard]] std::string read_whole(const std::string& path);
 
 // Throws Failure when the last line of a text is too long. `name` is for the message.

@@ -93,6 +93,8 @@ void add_stats(const votess::Stats& one, votess::Stats& sum) {
     sum.faces += one.faces;
     sum.volume_sum += one.volume_sum;
     sum.box_volume += one.box_volume;
+    sum.moved_vertices = one.moved_vertices;  // all frames have one mesh
+    sum.moved_distance = one.moved_distance;
     sum.duplicates += one.duplicates;
     sum.empty_cells += one.empty_cells;
     sum.fallback_cells += one.fallback_cells;

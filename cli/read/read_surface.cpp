@@ -25,6 +25,24 @@ bool next_words(LineReader& lines, Words& words) {
     return true;
 }
 
+// Adds the lines that follow while a backslash ends the last one. The words are in `joined`.
+void join_lines(LineReader& lines, Words& words, std::string& joined) {
+    joined.clear();
+    for (bool more = true; more;) {
+        for (const std::string_view word : words) joined.append(word).append(" ");
+        joined.resize(joined.find_last_of('\\'));
+        joined += ' ';
+        if (joined.size() > max_line)
+            throw lines.error("more than the " + std::to_string(max_line) + " bytes of a line");
+        std::string_view line;
+        words.clear();
+        if (lines.next(line)) split_words(line.substr(0, line.find('#')), words);
+        more = !words.empty() && words.back().ends_with('\\');
+    }
+    for (const std::string_view word : words) joined.append(word).append(" ");
+    split_words(joined, words);
+}
+
 void add_vertex_of(const LineReader& lines, std::span<const std::string_view> words, SurfaceBuilder& builder) {
     if (words.size() < 3) throw lines.error("a vertex has " + std::to_string(words.size()) + " numbers, not x y z");
     builder.add_vertex(lines.number(words[0]), lines.number(words[1]), lines.number(words[2]));
@@ -68,8 +86,11 @@ private:
         const bool any = next_words(lines_, words_);
         const std::string_view word = any ? words_[0] : std::string_view();
         const auto at = word.find("OFF");
-        constexpr std::array<std::string_view, 8> kinds{"", "C", "N", "CN", "ST", "STC", "STN", "STCN"};
-        if (at == std::string_view::npos || std::ranges::find(kinds, word.substr(0, at)) == kinds.end())
+        // Vertices have coordinates of textures, colors and normals too; any order of these letters is in use.
+        std::string kind(word.substr(0, at));
+        for (const std::string_view letters : {"ST", "C", "N"})
+            if (const auto found = kind.find(letters); found != std::string::npos) kind.erase(found, letters.size());
+        if (at == std::string_view::npos || !kind.empty())
             throw bad_input(lines_.name() + ": not an OFF file of three dimensions: it must begin with \"OFF\"");
         if (words_.size() > 1 && words_[1] == "BINARY")
             throw bad_input(lines_.name() + ": binary OFF is not read: convert it to .ply");
@@ -123,12 +144,19 @@ std::vector<double> text_corners(std::string_view text, const std::string& name)
     return corners;
 }
 
+// A binary file may begin with "solid" too.
+bool has_binary_size(std::string_view bytes) {
+    constexpr std::size_t head = 84, each = 50;
+    return bytes.size() >= head &&
+           bytes.size() == head + std::uint64_t{each} * load_number<std::uint32_t>(bytes.data() + head - 4, false);
+}
+
 std::vector<double> binary_corners(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84, normal = 12, each = 50;
     if (bytes.size() < head)
         throw bad_input(name + ": not an STL file: " + std::to_string(bytes.size()) + " bytes, a header has 84");
     const auto count = load_number<std::uint32_t>(bytes.data() + head - 4, false);
-    if (bytes.size() != head + std::uint64_t{each} * count)
+    if (!has_binary_size(bytes))
         throw bad_input(name + ": " + std::to_string(count) + " triangles are announced, which take " +
                         std::to_string(head + std::uint64_t{each} * count) + " bytes, but the file has " +
                         std::to_string(bytes.size()));
@@ -154,24 +182,28 @@ std::string SurfaceBuilder::face_text(std::int64_t face) const {
 }
 
 void SurfaceBuilder::add_face(std::span<const std::int64_t> corners) {
+    const auto face = static_cast<std::int64_t>(offsets_.size()) - 1;
     if (corners.size() < 3)
-        throw bad_input(face_text(faces_) + " has " + std::to_string(corners.size()) + " corners: give at least 3");
+        throw bad_input(face_text(face) + " has " + std::to_string(corners.size()) + " corners: give at least 3");
     for (const std::int64_t v : corners) {
         if (v < 0 || v > std::numeric_limits<std::int32_t>::max())
-            throw bad_input(face_text(faces_) + " names vertex " + std::to_string(v + first_) + ": give numbers from " +
+            throw bad_input(face_text(face) + " names vertex " + std::to_string(v + first_) + ": give numbers from " +
                             std::to_string(first_) + " on");
-        if (v > max_vertex_) max_vertex_ = v, face_of_max_ = faces_;
+        if (v > max_vertex_) max_vertex_ = v, face_of_max_ = face;
+        corners_.push_back(static_cast<std::int32_t>(v));
     }
-    for (std::size_t k = 2; k < corners.size(); ++k)
-        for (const std::int64_t v : {corners[0], corners[k - 1], corners[k]})
-            surface_.triangles.push_back(static_cast<std::int32_t>(v));
-    ++faces_;
+    offsets_.push_back(static_cast<std::int64_t>(corners_.size()));
 }
 
 Surface SurfaceBuilder::finish() {
     if (max_vertex_ >= vertices())
         throw bad_input(face_text(face_of_max_) + " names vertex " + std::to_string(max_vertex_ + first_) +
                         ", but there are " + std::to_string(vertices()));
+    try {
+        surface_.triangles = votess::triangulate({surface_.vertices, corners_, offsets_, first_});
+    } catch (const votess::Error& error) {
+        throw bad_input(name_ + ": " + error.what());
+    }
     return std::move(surface_);
 }
 
@@ -183,7 +215,10 @@ Surface parse_obj(std::string_view text, const std::string& name) {
     LineReader lines(text, name);
     SurfaceBuilder builder(name, 1);
     std::vector<std::int64_t> corners;
+    std::string joined;
     for (Words words; next_words(lines, words);) {
+        if (words.back().ends_with('\\')) join_lines(lines, words, joined);
+        if (words.empty()) continue;
         if (words[0] == "v") add_vertex_of(lines, std::span(words).subspan(1), builder);
         if (words[0] != "f") continue;  // nothing else is a part of the surface
         corners.clear();
@@ -199,8 +234,11 @@ Surface parse_obj(std::string_view text, const std::string& name) {
 
 Surface parse_stl(std::string_view bytes, const std::string& name) {
     constexpr std::size_t head = 84;
-    const bool is_text = bytes.starts_with("solid") && bytes.substr(0, head).find('\0') == std::string_view::npos;
-    Surface surface{is_text ? text_corners(bytes, name) : binary_corners(bytes, name), {}, true};
+    const std::string begin = lower_case(bytes.substr(0, head));
+    const auto word = begin.find_first_not_of(std::string(blanks) + "\n\xef\xbb\xbf");
+    const bool is_text = word != std::string::npos && begin.compare(word, 5, "solid") == 0 &&
+                         begin.find('\0') == std::string::npos && !has_binary_size(bytes);
+    Surface surface{is_text ? text_corners(bytes, name) : binary_corners(bytes, name), {}, true, 0};
     constexpr auto max = static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max());
     if (surface.vertices.size() / 3 > max)
         throw bad_input(name + ": more than the " + std::to_string(max) + " corners that are read");
@@ -214,11 +252,15 @@ Surface read_surface(const std::string& path) {
         std::string_view extension;
         Surface (*parse)(std::string_view, const std::string&);
     };
-    constexpr std::array<Format, 4> formats{
-        {{".off", parse_off}, {".obj", parse_obj}, {".stl", parse_stl}, {".ply", parse_ply_surface}}};
+    constexpr std::array<Format, 5> formats{{{".off", parse_off},
+                                             {".obj", parse_obj},
+                                             {".stl", parse_stl},
+                                             {".ply", parse_ply_surface},
+                                             {".glb", parse_glb}}};
     const auto* const format = std::ranges::find(formats, std::string_view(extension_of(path)), &Format::extension);
     if (format == formats.end())
-        throw bad_input("--mesh " + in_quotes(path) + ": known are .off .obj .stl .ply: convert it, for example with " +
+        throw bad_input("--mesh " + in_quotes(path) +
+                        ": known are .off .obj .stl .ply .glb: convert it, for example with " +
                         "trimesh, PyVista or Blender");
     return format->parse(read_whole(path), path);
 }

@@ -1,4 +1,4 @@
-// The triangle mesh of --mesh, from .off, .obj, .stl or .ply.
+// The triangle mesh of --mesh, from .off, .obj, .stl, .ply or .glb.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,9 @@ struct Surface {
     std::vector<double> vertices;         // 3 each
     std::vector<std::int32_t> triangles;  // 3 vertices each, from 0
     bool merge = false;                   // vertices at equal places are one
+    double tolerance = 0;                 // see votess::TriangleMesh::tolerance
 
-    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles, merge}; }
+    [[nodiscard]] votess::TriangleMesh view() const { return {vertices, triangles, merge, tolerance}; }
 };
 
 // Takes the vertices and faces of a file, in any order.
@@ -27,9 +28,10 @@ public:
     void add_vertex(double x, double y, double z) { surface_.vertices.insert(surface_.vertices.end(), {x, y, z}); }
     void set_vertices(std::vector<double> vertices) { surface_.vertices = std::move(vertices); }
     [[nodiscard]] std::int64_t vertices() const { return static_cast<std::int64_t>(surface_.vertices.size() / 3); }
-    // Adds a polygon as triangles around its first corner. Corners are vertices from 0. Throws Failure.
+    // Adds a polygon. Corners are vertices from 0. Throws Failure.
     void add_face(std::span<const std::int64_t> corners);
-    // Returns the mesh. Throws Failure if a face names a vertex that was not added.
+    // Returns the mesh, with polygons cut into triangles. Throws Failure if a face names a vertex that was not added,
+    // is not simple or not flat.
     [[nodiscard]] Surface finish();
 
 private:
@@ -38,7 +40,8 @@ private:
     std::string name_;
     std::int64_t first_;
     Surface surface_;
-    std::int64_t faces_ = 0;
+    std::vector<std::int32_t> corners_;  // of all faces
+    std::vector<std::int64_t> offsets_{0};
     std::int64_t max_vertex_ = -1, face_of_max_ = 0;  // of all faces
 };
 
@@ -51,5 +54,7 @@ private:
 // The format has no indices, so each corner is a vertex, and those at equal places are to be one.
 [[nodiscard]] Surface parse_stl(std::string_view bytes, const std::string& name);
 [[nodiscard]] Surface parse_ply_surface(std::string_view bytes, const std::string& name);
+// Corners with other normals or colors are other vertices, so those at equal places are to be one. z is up.
+[[nodiscard]] Surface parse_glb(std::string_view bytes, const std::string& name);
 
 }  // namespace clvotess

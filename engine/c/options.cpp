@@ -93,7 +93,8 @@ void convert_domain(const votess_options& given, std::size_t count, Options& opt
         require_array(given.mesh_triangles, given.mesh_triangle_count, "options.mesh_triangles", "mesh_triangle_count");
         options.mesh = TriangleMesh{{given.mesh_vertices, 3 * given.mesh_vertex_count},
                                     {given.mesh_triangles, 3 * given.mesh_triangle_count},
-                                    given.mesh_merge != 0};
+                                    given.mesh_merge != 0,
+                                    given.mesh_tolerance};
     }
     if (given.has_only == 0) return;
     require_array(given.only, given.only_count, "options.only", "only_count");

@@ -228,6 +228,8 @@ void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
     c_stats.mean_faces = stats.mean_faces;
     c_stats.volume_sum = stats.volume_sum;
     c_stats.box_volume = stats.box_volume;
+    c_stats.moved_vertices = stats.moved_vertices;
+    c_stats.moved_distance = stats.moved_distance;
     c_stats.seconds_open = stats.seconds.open;
     c_stats.seconds_upload = stats.seconds.upload;
     c_stats.seconds_sort = stats.seconds.sort;

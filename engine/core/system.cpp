@@ -150,6 +150,11 @@ std::optional<std::uint64_t> File::regular_size() const {
     return static_cast<std::uint64_t>(facts.st_size);
 }
 
+bool File::is_device() const {
+    struct _stat64 facts {};
+    return ::_fstat64(descriptor_, &facts) == 0 && (facts.st_mode & _S_IFMT) == _S_IFCHR;
+}
+
 std::ptrdiff_t File::read(std::span<std::byte> to) {
     return ::_read(descriptor_, to.data(), static_cast<unsigned>(piece(to.size())));
 }
@@ -374,6 +379,11 @@ std::optional<std::uint64_t> File::regular_size() const {
     struct stat facts {};
     if (::fstat(descriptor_, &facts) != 0 || !S_ISREG(facts.st_mode)) return {};
     return static_cast<std::uint64_t>(facts.st_size);
+}
+
+bool File::is_device() const {
+    struct stat facts {};
+    return ::fstat(descriptor_, &facts) == 0 && S_ISCHR(facts.st_mode);
 }
 
 std::ptrdiff_t File::read(std::span<std::byte> to) {

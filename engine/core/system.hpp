@@ -45,6 +45,7 @@ public:
     [[nodiscard]] bool is_open() const noexcept { return descriptor_ >= 0; }
     [[nodiscard]] bool is_standard() const noexcept { return is_open() && descriptor_ <= 2; }
     [[nodiscard]] std::optional<std::uint64_t> regular_size() const;  // nothing for a device or a pipe
+    [[nodiscard]] bool is_device() const;                             // one of characters, as a terminal or /dev/zero
 
     [[nodiscard]] std::ptrdiff_t read(std::span<std::byte> to);
     [[nodiscard]] std::ptrdiff_t write(std::span<const std::byte> bytes);

@@ -89,7 +89,7 @@ void CellPieces::add_triangles() {
         const Id begin = polygon.begin,
                  end = p + 1 < cut_->polygons_.size() ? cut_->polygons_[p + 1].begin : static_cast<Id>(given.size());
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[polygon.triangle];
-        polygons_.push_back({triangle.given, -1});
+        polygons_.push_back({triangle.given, -1, -1, 0});
         for (Id i = begin; i < end; ++i) {
             const CutCell::Side before = given[at(i == begin ? end - 1 : i - 1)].side, here = given[at(i)].side;
             Side made{static_cast<Id>(p), i + 1 == end ? begin : i + 1};
@@ -296,14 +296,15 @@ void CellPieces::link_vertices() {
     }
 }
 
-FlatCorner CellPieces::flat(Id s) const {
-    const Vector3& normal = cut_->unit_[at(side(s).face)];
+// Returns a place on a face, seen along an axis.
+FlatCorner CellPieces::flat(Id face, const Vector3& place, Id id) const {
+    const Vector3& normal = cut_->unit_[at(face)];
     std::size_t axis = 0;
     for (std::size_t k = 1; k < 3; ++k)
         if (std::abs(normal[k]) > std::abs(normal[axis])) axis = k;
     std::size_t x = (axis + 1) % 3, y = (axis + 2) % 3;
     if (normal[axis] < 0) std::swap(x, y);
-    return {side(s).corner[x], side(s).corner[y], s};
+    return {place[x], place[y], id};
 }
 
 // Traces the loops of all faces, and makes polygons of them.
@@ -316,7 +317,7 @@ void CellPieces::find_loops() {
         for (Id s = loop.first; !seen[at(s)]; s = side(s).next) {
             if (side(s).next < 0 || side(s).face != loop.face) open_piece();
             seen[at(s)] = true;
-            loop.corners.push_back(flat(s));
+            loop.corners.push_back(flat(loop.face, side(s).corner, s));
         }
         loop.area = doubled_area(loop.corners);
         loops_.push_back(std::move(loop));
@@ -336,7 +337,7 @@ void CellPieces::group_loops(std::size_t begin, std::size_t end) {
     };
     const auto begin_polygon = [&](const Loop& loop) {
         number(loop, static_cast<Id>(polygons_.size()));
-        polygons_.push_back({-1, loop.face});
+        polygons_.push_back({-1, loop.face, -1, loop.area});
     };
     for (const Loop& loop : loops)
         if (loop.area >= 0 || loops.size() == 1) begin_polygon(loop);
@@ -471,23 +472,50 @@ void CellPieces::find_cavities() {
     }
 }
 
-// Returns the triangle of the mesh that lies on a part of a face, or -1. Ties put such triangles into the neighbor.
-CellPieces::Id CellPieces::on_surface(const Polygon& polygon, const Triangle& triangle) const {
-    if (cut_->on_faces_.empty()) return -1;
-    Vector3 middle{};
-    for (const Id v : triangle.vertex)
-        for (std::size_t k = 0; k < 3; ++k) middle[k] += places_[at(v)][k] / 3;
-    const Vector3& normal = cut_->unit_[at(polygon.face)];
-    for (const CutCell::OnFace& on : cut_->on_faces_) {
-        if (on.face != polygon.face || on.in_cell || !on.faces_out) continue;
-        bool inside = true;
-        for (std::size_t i = 0; i < 3 && inside; ++i) {
-            const Vector3 &a = cut_->at(on.places[i]), &b = cut_->at(on.places[(i + 1) % 3]);
-            inside = dot(normal, cross(minus(b, a), minus(middle, a))) >= 0;
-        }
-        if (inside) return on.given;
+// Returns how many parts of a face with larger outlines lie at a place of one, and face as it does. The winding number
+// is as many and one at least.
+int CellPieces::sheets_before(Id polygon, const Vector3& place) const {
+    const Polygon& own = polygons_[at(polygon)];
+    const FlatCorner corner = flat(own.face, place, -1);
+    int count = 0;
+    const auto [begin, end] = std::ranges::equal_range(loops_, own.face, {}, &Loop::face);
+    for (auto loop = begin; loop != end; ++loop) {
+        const Id other = side(loop->first).polygon;
+        const double area = polygons_[at(other)].outline;
+        const bool is_larger = std::pair(-std::abs(area), other) < std::pair(-std::abs(own.outline), polygon);
+        if (is_larger && area * own.outline > 0 && depth(corner, loop->corners) > 0)
+            count += loop->area * area > 0 ? 1 : -1;  // a hole takes it away
     }
-    return -1;
+    return count;
+}
+
+// Returns the triangle of the mesh that lies on a part of a face and faces as it does, or -1. Ties put such triangles
+// into the neighbor. Where the winding number is negative, parts of faces and the triangles on them face inward.
+// Triangles at one place that face each other are no surface, and each of the others ends one part.
+CellPieces::Id CellPieces::on_surface(const Triangle& triangle) const {
+    if (cut_->on_faces_.empty()) return -1;
+    const Polygon& polygon = polygons_[at(triangle.polygon)];
+    const auto& [i, j, k] = triangle.vertex;
+    const Vector3 &u = places_[at(i)], &v = places_[at(j)], &w = places_[at(k)];
+    Vector3 middle{};
+    for (std::size_t axis = 0; axis < 3; ++axis) middle[axis] = (u[axis] + v[axis] + w[axis]) / 3;
+    const Vector3& normal = cut_->unit_[at(polygon.face)];
+    const bool out = dot(normal, cross(minus(v, u), minus(w, u))) >= 0;
+    Id found = -1;
+    int count = 0;
+    for (const CutCell::OnFace& on : cut_->on_faces_) {
+        if (on.face != polygon.face || on.in_cell) continue;
+        bool inside = true;
+        for (std::size_t side = 0; side < 3 && inside; ++side) {
+            const Vector3 &a = cut_->at(on.places[side]), &b = cut_->at(on.places[(side + 1) % 3]);
+            const double left = dot(normal, cross(minus(b, a), minus(middle, a)));
+            inside = on.faces_out ? left >= 0 : left <= 0;
+        }
+        if (!inside) continue;
+        count += on.faces_out == out ? 1 : -1;
+        if (on.faces_out == out && found < 0) found = on.given;
+    }
+    return count > 0 && sheets_before(triangle.polygon, middle) < count ? found : -1;
 }
 
 void CellPieces::write(Pieces& out) {
@@ -531,7 +559,7 @@ void CellPieces::write(Pieces& out) {
                 out.triangles.push_back(new_vertex_[at(v)]);
             }
             const Polygon& polygon = polygons_[at(triangle.polygon)];
-            const Id given = polygon.face < 0 ? polygon.triangle : on_surface(polygon, triangle);
+            const Id given = polygon.face < 0 ? polygon.triangle : on_surface(triangle);
             out.on_surface.push_back(given >= 0 ? 1 : 0);
             out.sources.push_back(given >= 0 ? given : cut_->out_.faces[at(polygon.face)].id);
         }

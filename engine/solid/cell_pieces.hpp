@@ -52,6 +52,7 @@ private:
         Id triangle;  // of the mesh; -1 for a part of a face
         Id face;      // -1 for a part of a triangle
         Id surface = -1;
+        double outline = 0;  // the area in the outline of a part of a face, negative where it faces inward
     };
     struct MeshEdge {
         Id low, high;
@@ -100,8 +101,9 @@ private:
     void find_cavities();
     void write(Pieces& out);
     [[nodiscard]] double winding_in(const Surface& outer, const Surface& inner) const;
-    [[nodiscard]] FlatCorner flat(Id side) const;
-    [[nodiscard]] Id on_surface(const Polygon& polygon, const Triangle& triangle) const;
+    [[nodiscard]] FlatCorner flat(Id face, const Vector3& place, Id id) const;
+    [[nodiscard]] Id on_surface(const Triangle& triangle) const;
+    [[nodiscard]] int sheets_before(Id polygon, const Vector3& place) const;
     void glue(Id a, Id b);
     [[nodiscard]] Side& side(Id s) { return sides_[static_cast<std::size_t>(s)]; }
     [[nodiscard]] const Side& side(Id s) const { return sides_[static_cast<std::size_t>(s)]; }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
@@ -19,6 +21,7 @@ namespace {
 
 constexpr Box nowhere{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t leaf_triangles = 4;
+constexpr double max_tolerance = 0.01;
 constexpr double thin = 1e-6;            // of the sine of a triangle's angle: its plane is then not used
 constexpr double sure_volume = 1e-3;     // of the terms it sums: the sum then has 1e-12 of it right
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
@@ -43,13 +46,42 @@ struct Edge {
     friend auto operator<=>(const Edge&, const Edge&) = default;
 };
 
+// Unites places that are at most `reach` apart. first[v]: the vertex whose place stands for that of v, the lowest.
+void join_near(const std::vector<exact::Point>& vertices, std::span<const std::int32_t> places, double reach,
+               std::vector<std::int32_t>& first) {
+    const auto at = [](std::int32_t v) { return static_cast<std::size_t>(v); };
+    const auto root = [&](std::int32_t v) {
+        while (first[at(v)] != v) v = first[at(v)] = first[at(first[at(v)])];
+        return v;
+    };
+    // Cells of a grid, from which the neighbors are at most one away.
+    std::vector<std::pair<exact::Point, std::int32_t>> cells;
+    for (const std::int32_t v : places) {
+        exact::Point cell;
+        for (std::size_t k = 0; k < 3; ++k) cell[k] = std::floor(vertices[at(v)][k] / reach);
+        cells.emplace_back(cell, v);
+    }
+    std::ranges::sort(cells);
+    for (const auto& [cell, v] : cells) {
+        check_stop();
+        for (const double x : {cell[0], cell[0] + 1})
+            for (const double y : {cell[1] - 1, cell[1], cell[1] + 1}) {
+                const auto low = std::pair(exact::Point{x, y, cell[2] - 1}, std::int32_t{-1});
+                for (auto it = std::ranges::lower_bound(cells, low);
+                     it != cells.end() && it->first <= exact::Point{x, y, cell[2] + 1}; ++it) {
+                    const std::int32_t a = root(v), b = root(it->second);
+                    const Vector3 apart = minus(vertices[at(v)], vertices[at(it->second)]);
+                    if (a != b && length3(apart[0], apart[1], apart[2]) <= reach)
+                        first[at(std::max(a, b))] = std::min(a, b);
+                }
+            }
+    }
+    for (std::int32_t v = 0; at(v) < first.size(); ++v) first[at(v)] = root(v);
+}
+
 std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> triangle) {
     std::ranges::sort(triangle);
     return triangle;
-}
-
-std::string between(const Edge& edge) {
-    return "the edge between vertices " + std::to_string(edge.low) + " and " + std::to_string(edge.high);
 }
 
 }  // namespace
@@ -80,27 +112,59 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
             if (v < 0 || static_cast<std::size_t>(v) >= vertices_.size())
                 refuse("triangle " + std::to_string(t) + " names vertex " + std::to_string(v) + ", but there are " +
                        std::to_string(vertices_.size()) + ": give indices from 0 on");
-            include(bounds_, vertex(v));
         }
+    find_bounds();
     merged_ = given.merge;
-    if (merged_) merge_vertices();
+    if (!(given.tolerance >= 0 && given.tolerance <= max_tolerance))
+        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance is " + number(given.tolerance) +
+                                                     ": give a share of the mesh's size, from 0 to " +
+                                                     number(max_tolerance));
+    if (given.tolerance > 0 && !merged_)
+        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance needs Options::mesh.merge: set both");
+    if (merged_) merge_vertices(given.tolerance);
     check_closed();
     find_volume();
 }
 
-// Triangles name the first of all vertices at a place.
-void ClosedMesh::merge_vertices() {
+void ClosedMesh::find_bounds() {
+    bounds_ = nowhere;
+    for (const auto& triangle : given_)
+        for (const std::int32_t v : triangle) include(bounds_, vertex(v));
+}
+
+// Triangles name the first of all vertices at a place, or within the tolerance of it.
+void ClosedMesh::merge_vertices(double tolerance) {
     const auto index = [](std::int32_t v) { return static_cast<std::size_t>(v); };
-    std::vector<std::int32_t> order(vertices_.size()), first(vertices_.size());
+    std::vector<std::int32_t> order(vertices_.size()), first(vertices_.size()), places;
     std::iota(order.begin(), order.end(), 0);
     std::ranges::sort(
         order, [&](std::int32_t i, std::int32_t j) { return vertex(i) != vertex(j) ? vertex(i) < vertex(j) : i < j; });
     for (std::size_t k = 0; k < order.size(); ++k) {
         const bool repeats = k > 0 && vertex(order[k]) == vertex(order[k - 1]);
         first[index(order[k])] = repeats ? first[index(order[k - 1])] : order[k];
+        if (!repeats) places.push_back(order[k]);
+    }
+    if (tolerance > 0) {
+        const Vector3 size = minus(bounds_.upper, bounds_.lower);
+        join_near(vertices_, places, tolerance * std::max({size[0], size[1], size[2]}), first);
+    }
+    for (std::int32_t v : places) {
+        const Vector3 move = minus(vertex(v), vertex(first[index(v)]));
+        distance_ = std::max(distance_, length3(move[0], move[1], move[2]));
     }
     for (auto& triangle : given_)
         for (std::int32_t& v : triangle) v = first[index(v)];
+    for (std::size_t v = 0; v < first.size(); ++v)
+        if (vertices_[v] != vertex(first[v])) ++moved_;
+    find_bounds();
+}
+
+std::string ClosedMesh::between(std::int32_t a, std::int32_t b, const char* word) const {
+    const auto text = [&](std::int32_t v) {
+        const exact::Point& x = vertex(v);
+        return std::to_string(v) + " (" + number(x[0]) + ", " + number(x[1]) + ", " + number(x[2]) + ")";
+    };
+    return text(a) + " " + word + " " + text(b);
 }
 
 // Each edge must be run along as often in one direction as in the other.
@@ -114,31 +178,62 @@ void ClosedMesh::check_closed() const {
         }
     check_stop();
     std::ranges::sort(edges);
+    // The triangles of an edge, and how often more they run along it in one direction.
+    const auto turns_from = [&](std::size_t begin, std::size_t& end) {
+        int turns = 0;
+        for (end = begin;
+             end < edges.size() && edges[end].low == edges[begin].low && edges[end].high == edges[begin].high; ++end)
+            turns += edges[end].reversed ? -1 : 1;
+        return turns;
+    };
+    std::vector<Edge> wrong;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end)
+        if (turns_from(begin, end) != 0) wrong.push_back(edges[begin]);
+    if (wrong.empty()) return;
+    const std::string others =
+        wrong.size() == 1 ? "" : "; " + std::to_string(wrong.size()) + " edges are open or turned in all";
+    // Returns a share of the size that would merge the ends of an edge with others, or more than is allowed.
+    const auto tolerance_for = [&](const Edge& edge) {
+        const Vector3 size = minus(bounds_.upper, bounds_.lower);
+        double longest = 0;
+        for (const std::int32_t v : {edge.low, edge.high}) {
+            double nearest = infinity;
+            for (const Edge& other : wrong)
+                for (const std::int32_t w : {other.low, other.high}) {
+                    const Vector3 apart = minus(vertex(w), vertex(v));
+                    if (w != v) nearest = std::min(nearest, length3(apart[0], apart[1], apart[2]));
+                }
+            longest = std::max(longest, nearest);
+        }
+        return longest / std::max({size[0], size[1], size[2]});
+    };
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
         const Edge& first = edges[begin];
-        int turns = 0;
-        while (end < edges.size() && edges[end].low == first.low && edges[end].high == first.high)
-            turns += edges[end++].reversed ? -1 : 1;
+        const int turns = turns_from(begin, end);
         if (turns == 0) continue;
+        const std::string edge = "the edge between vertices " + between(first.low, first.high, "and");
         if (end - begin == 1)
-            refuse(between(first) + " belongs to triangle " + std::to_string(first.triangle) +
-                   " alone: close the hole" + (merged_ ? "" : ", or merge vertices at equal places"));
+            refuse(edge + " belongs to triangle " + std::to_string(first.triangle) + " alone" + others +
+                   ": close the hole" +
+                   (!merged_ ? ", or merge vertices at equal places: Options::mesh.merge"
+                    : tolerance_for(first) <= max_tolerance
+                        ? ", or merge near vertices: Options::mesh.tolerance = " + number(std::min(2 * tolerance_for(first), max_tolerance))
+                        : ""));
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t j = i + 1; j < end; ++j) {
                 const auto s = static_cast<std::size_t>(edges[i].triangle);
                 const auto t = static_cast<std::size_t>(edges[j].triangle);
                 if (s != t && sorted(given_[s]) == sorted(given_[t]) && edges[i].reversed == edges[j].reversed)
-                    refuse("triangles " + std::to_string(s) + " and " + std::to_string(t) +
-                           " are the same: remove one of them");
+                    refuse("triangles " + std::to_string(s) + " and " + std::to_string(t) + " are the same" + others +
+                           ": remove one of them");
             }
         if (end - begin == 2)
             refuse("triangles " + std::to_string(first.triangle) + " and " + std::to_string(edges[begin + 1].triangle) +
-                   " both run from vertex " + std::to_string(first.reversed ? first.high : first.low) + " to " +
-                   std::to_string(first.reversed ? first.low : first.high) +
-                   ": reverse one of them, or those around it");
-        refuse(between(first) + " belongs to " + std::to_string(end - begin) + " triangles, " +
-               std::to_string(std::abs(turns)) +
-               " more in one direction than in the other: remove some, or add those that are missing");
+                   " both run along the edge from vertex " +
+                   (first.reversed ? between(first.high, first.low, "to") : between(first.low, first.high, "to")) +
+                   others + ": reverse one of them, or those around it");
+        refuse(edge + " belongs to " + std::to_string(end - begin) + " triangles, " + std::to_string(std::abs(turns)) +
+               " more in one direction than in the other" + others + ": remove some, or add those that are missing");
     }
 }
 

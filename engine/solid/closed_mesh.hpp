@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/vector3.hpp"
@@ -20,6 +21,8 @@ public:
     void scale_by(double scale);
 
     [[nodiscard]] double volume() const { return volume_; }  // as given
+    [[nodiscard]] std::uint64_t moved_vertices() const { return moved_; }
+    [[nodiscard]] double moved_distance() const { return distance_; }  // the largest, as given
     [[nodiscard]] const Box& bounds() const { return bounds_; }
     [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& given() const { return given_; }  // triangles
     [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
@@ -36,20 +39,24 @@ public:
     // Those of three vertices, in the order of the tree. Their edges pair up as those of all triangles do.
     [[nodiscard]] const std::vector<Triangle>& triangles() const { return triangles_; }
 
-    // Visits triangles whose boxes meet `box`, until visit(t) returns false.
+    // Visits triangles whose boxes meet `box`, until visit(t) returns false. Passes over boxes with skip(box).
     template <class Visit>
     void for_each_in(const Box& box, Visit visit) const {
+        for_each_in(box, visit, [](const Box&) { return false; });
+    }
+    template <class Visit, class Skip>
+    void for_each_in(const Box& box, Visit visit, Skip skip) const {
         std::array<std::uint32_t, max_depth> pending{0};
         for (std::size_t count = nodes_.empty() ? 0 : 1; count > 0;) {
             const Node& node = nodes_[pending[--count]];
-            if (!overlap(node.box, box)) continue;
+            if (!overlap(node.box, box) || skip(node.box)) continue;
             if (node.count == 0) {
                 pending[count++] = node.first;
                 pending[count++] = node.first + 1;
                 continue;
             }
             for (std::uint32_t t = node.first; t < node.first + node.count; ++t)
-                if (overlap(boxes_[t], box) && !visit(t)) return;
+                if (overlap(boxes_[t], box) && !skip(boxes_[t]) && !visit(t)) return;
         }
     }
     // Returns whether a triangle may come within `distance` of x. Never misses one.
@@ -65,7 +72,9 @@ private:
         return a.lower[0] <= b.upper[0] && b.lower[0] <= a.upper[0] && a.lower[1] <= b.upper[1] &&
                b.lower[1] <= a.upper[1] && a.lower[2] <= b.upper[2] && b.lower[2] <= a.upper[2];
     }
-    void merge_vertices();
+    void merge_vertices(double tolerance);
+    void find_bounds();
+    [[nodiscard]] std::string between(std::int32_t a, std::int32_t b, const char* word) const;
     void check_closed() const;
     void find_volume();
     [[nodiscard]] double exact_volume() const;
@@ -81,6 +90,8 @@ private:
     Box bounds_;
     double volume_ = 0;
     bool merged_ = false;
+    std::uint64_t moved_ = 0;
+    double distance_ = 0;
 };
 
 }  // namespace votess::solid

@@ -12,6 +12,7 @@
 namespace votess::solid {
 namespace {
 
+constexpr double beyond_rounding = 1e-12;  // of coordinates, for a height above a face
 constexpr double unit = 0x1p-53;
 constexpr double sum_rounding = 4 * unit;
 constexpr double place_rounding = 0x1p-42;   // of the extent of a part
@@ -192,11 +193,25 @@ void CutCell::find_candidates() {
             bounds.lower[k] = std::min(bounds.lower[k], x - error);
             bounds.upper[k] = std::max(bounds.upper[k], x + error);
         }
+    // Long cells at an angle have large boxes: planes of their faces pass over most of the mesh in them.
+    const auto is_beyond = [&](const Box& box) {
+        for (std::size_t f = 0; f < faces_.size(); ++f) {
+            double height = 0, size = 0;  // of the corner farthest inward, above the face
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double corner = unit_[f][k] > 0 ? box.lower[k] : box.upper[k];
+                height += unit_[f][k] * (corner - origin_[k] - apex_[k] - base_[f][k]);
+                size += std::abs(corner) + std::abs(origin_[k]) + std::abs(apex_[k]) + std::abs(base_[f][k]);
+            }
+            if (height > beyond_rounding * size + 4 * place_error_) return true;
+        }
+        return false;
+    };
     candidates_.clear();
-    mesh_.for_each_in(bounds, [&](std::uint32_t t) {
+    const auto add = [&](std::uint32_t t) {
         candidates_.push_back(t);
         return true;
-    });
+    };
+    mesh_.for_each_in(bounds, add, is_beyond);
     std::ranges::sort(candidates_);
     seen_.clear();
     outside_bits_.clear();

@@ -12,6 +12,7 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
+#include "input/options.hpp"
 #include "result/result.hpp"
 #include "solid/cell_pieces.hpp"
 #include "solid/mesh_cells.hpp"
@@ -73,6 +74,9 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     if (!std::isfinite(options.gap) || options.gap < 0)
         throw Error(ErrorCode::invalid_argument,
                     "PieceOptions::gap is " + number(options.gap) + ": give a length from 0 on");
+    Options run;  // the option that both share
+    run.threads = options.threads;
+    check_options(run);
     Progress progress(options.progress);
     const Stoppable stoppable(progress);
     ThreadPool pool(options.threads);

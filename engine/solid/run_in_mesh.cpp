@@ -328,7 +328,10 @@ private:
         const double unscale = 1 / job_.scale, square = unscale * unscale;
         const auto [first, last] = cells_->images(r);
         std::vector<double> whole;  // areas
-        if (has_areas_) whole.assign(&result_.face_areas[begin], &result_.face_areas[begin] + (end - begin));
+        if (has_areas_) {
+            const auto areas = std::span<const double>(result_.face_areas).subspan(begin, end - begin);
+            whole.assign(areas.begin(), areas.end());
+        }
         std::vector<std::size_t> plain;  // images
         double volume = 0;
         std::array<double, 3> moment{};
@@ -553,6 +556,8 @@ private:
         const std::uint64_t cells = stats.points - stats.empty_cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
         stats.box_volume = mesh_.volume();
+        stats.moved_vertices = mesh_.moved_vertices();
+        stats.moved_distance = mesh_.moved_distance();
         stats.volume_sum = wanted_.volumes ? sum_of(result_.volumes) : 0;
         stats.tiny_faces.reset();
         if (!wanted_.areas) result_.face_areas = {};

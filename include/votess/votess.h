@@ -135,6 +135,7 @@ typedef struct votess_options {
     const double* mesh_vertices;  // 3 * mesh_vertex_count
     uint64_t mesh_triangle_count;
     const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
+    double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -148,8 +149,10 @@ typedef struct votess_stats {
     char device[252];   // zero-terminated
     // Cells that the CPU made again, by reason; see FallbackReasons in votess.hpp. They add up to fallback_cells.
     uint64_t fallback_uncertain, fallback_overflow, fallback_exhausted, fallback_skipped, fallback_domain;
-    int64_t tiny_faces;   // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
-    double seconds_open;  // see StageSeconds::open in votess.hpp; part of seconds_total
+    int64_t tiny_faces;       // faces far smaller than the mean, see Stats::tiny_faces in votess.hpp; -1 when unknown
+    double seconds_open;      // see StageSeconds::open in votess.hpp; part of seconds_total
+    uint64_t moved_vertices;  // of a mesh, see TriangleMesh::tolerance in votess.hpp
+    double moved_distance;    // the largest of these moves
 } votess_stats;
 
 typedef struct votess_tessellator votess_tessellator;

@@ -96,7 +96,25 @@ struct TriangleMesh {
     std::span<const double> vertices;         // 3V coordinates
     std::span<const std::int32_t> triangles;  // 3T indices of vertices
     bool merge = false;                       // vertices at equal places are one; both zeros are equal
+    // merge: vertices at most this far apart are one too, at the place of the first. A share of the longest side of the
+    // mesh's bounds, from 0 to 0.01. Vertices in a chain of such steps are one. Stats say how far they moved.
+    double tolerance = 0;
 };
+
+// Polygons that share vertices, as files hold them.
+struct PolygonMesh {
+    std::span<const double> vertices;       // 3V coordinates
+    std::span<const std::int32_t> corners;  // of all polygons: indices of vertices
+    std::span<const std::int64_t> offsets;  // N+1: polygon f has corners offsets[f] to offsets[f + 1] - 1
+    std::int64_t first = 0;                 // the number of the first vertex and of the first polygon, for messages
+};
+
+// Returns triangles for TriangleMesh, as 3 indices of vertices each, in the order of the polygons. Polygons need not be
+// convex, and are cut between their corners, by exact signs. A convex one becomes a fan around its first corner.
+// Corners on a straight side, and several at one place, are kept, so that a closed mesh remains closed. Throws
+// invalid_argument for a polygon that is not simple: its sides touch or cross; and for one that is not flat: a corner
+// lies farther from its plane than rounding to 6 digits explains.
+[[nodiscard]] VOTESS_API std::vector<std::int32_t> triangulate(const PolygonMesh& mesh);
 
 // Return walls around round bodies: polyhedra of planes that touch the body, and so enclose it. Throw invalid_argument
 // for numbers that are not finite, for a zero direction or size, and for too few or more than a million faces.
@@ -282,6 +300,8 @@ struct Stats {
     double mean_faces = 0;             // faces / number of cells that are not empty
     double volume_sum = 0;             // sum of all volumes; 0 when volumes were not requested
     double box_volume = 0;             // volume of the domain
+    std::uint64_t moved_vertices = 0;  // of a mesh, see TriangleMesh::tolerance
+    double moved_distance = 0;         // the largest of these moves
     std::uint64_t duplicates = 0;      // seeds with status `duplicate`
     std::uint64_t empty_cells = 0;     // seeds without a cell: duplicate, empty or outside
     std::uint64_t fallback_cells = 0;  // cells that the CPU made again after another device

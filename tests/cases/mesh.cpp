@@ -600,6 +600,48 @@ TEST_SUITE("cases") {
         CHECK_FALSE(test::has(message, "merge"));
     }
 
+    TEST_CASE("mesh: vertices that rounding sets apart are one within a tolerance") {
+        test::Random random(60);
+        for (const double size : {1.0, 1e-3, 1e6})
+            for (const double noise : {1e-15, 1e-10, 1e-4}) {
+                Solid ring = test::torus(12, 6), corners;
+                for (double& x : ring.vertices) x *= size;
+                for (const std::int32_t v : ring.triangles) {
+                    std::array<double, 3> x;
+                    for (std::size_t k = 0; k < 3; ++k)
+                        x[k] =
+                            ring.vertices[3 * static_cast<std::size_t>(v) + k] + size * noise * random.uniform(-1, 1);
+                    corners.vertices.insert(corners.vertices.end(), x.begin(), x.end());
+                    corners.triangles.push_back(static_cast<std::int32_t>(corners.triangles.size()));
+                }
+                const Coordinates points = random_seeds(30, -size, size, 3);
+                Options options = options_in(corners);
+                options.mesh->merge = true;
+                const std::string message = test::refusal(points, options);
+                CAPTURE(message);
+                CHECK(test::has(message, "432 edges are open or turned"));
+                CHECK(test::has(message, "merge near vertices: Options::mesh.tolerance = "));
+                options.mesh->tolerance = 2 * noise;  // of the size, 2.8
+                const Tessellation t = votess::tessellate(points, options);
+                CHECK(std::abs(t.stats().box_volume / ring.volume() - 1) < 100 * noise);
+                CHECK(std::abs(t.stats().volume_sum / t.stats().box_volume - 1) < 1e-12);
+                CHECK(t.stats().moved_vertices > 350);
+                const double farthest = t.stats().moved_distance;
+                CHECK(farthest > 0);
+                CHECK(farthest < 2 * std::sqrt(3) * size * noise * 1.001);
+                CHECK(votess::pieces(t).size() > 0);
+                options.mesh->merge = false;
+                CHECK(test::has(test::refusal(points, options), "Options::mesh.tolerance needs Options::mesh.merge"));
+            }
+        const Solid unit = test::cuboid(0, 1);
+        Options options = options_in(unit);
+        options.mesh->merge = true;
+        for (const double tolerance : {-1e-9, 0.011, std::numeric_limits<double>::quiet_NaN()}) {
+            options.mesh->tolerance = tolerance;
+            CHECK(test::has(test::refusal(random_seeds(5, 0.1, 0.9, 1), options), "Options::mesh.tolerance is "));
+        }
+    }
+
     TEST_CASE("mesh: refusals name the first edge, triangle or vertex") {
         const Coordinates points = random_seeds(5, 0.1, 0.9, 1);
         const Solid unit = test::cuboid(0, 1);
@@ -607,9 +649,8 @@ TEST_SUITE("cases") {
         Solid bad = unit;
         bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
         CHECK(message(bad) ==
-              "Options::mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge "
-              "vertices at "
-              "equal places");
+              "Options::mesh: the edge between vertices 0 (0, 0, 0) and 1 (0, 0, 1) belongs to triangle 4 alone; 3 edges are "
+              "open or turned in all: close the hole, or merge vertices at equal places: Options::mesh.merge");
         bad = unit;
         std::swap(bad.triangles[9], bad.triangles[10]);
         CHECK(test::has(message(bad), ": reverse one of them, or those around it"));
@@ -633,7 +674,8 @@ TEST_SUITE("cases") {
         CHECK(message(bad) == "Options::mesh: it encloses no volume");
         bad = unit;
         bad.triangles.insert(bad.triangles.end(), {0, 4, 5});
-        CHECK(message(bad) == "Options::mesh: triangles 4 and 12 are the same: remove one of them");
+        CHECK(message(bad) ==
+              "Options::mesh: triangles 4 and 12 are the same; 3 edges are open or turned in all: remove one of them");
         bad = unit;
         bad.vertices.insert(bad.vertices.end(), {0.5, 0.5, 2});
         bad.triangles.insert(bad.triangles.end(), {0, 1, 8});
@@ -761,6 +803,9 @@ TEST_SUITE("cases") {
         votess::PieceOptions choice;
         choice.threads = 3;
         const votess::Pieces again = votess::pieces(t, choice);
+        votess::PieceOptions many;
+        many.threads = 100'000;
+        CHECK_THROWS_WITH_AS((void)votess::pieces(t, many), "Options::threads = 100000: give 0 to 1024", votess::Error);
         CHECK(again.vertices == pieces.vertices);
         CHECK(again.triangles == pieces.triangles);
         const std::vector<std::int64_t> ids{7, 3};
@@ -839,6 +884,51 @@ TEST_SUITE("cases") {
             const votess::Pieces pieces = votess::pieces(t);
             CHECK(check_pieces(t, pieces) == "");
             CHECK(piece_counts(pieces) == counts);
+        }
+    }
+
+    TEST_CASE("mesh: triangles on the surface face as their sources, where boxes overlap or are cavities") {
+        test::Random random(71);
+        for (std::size_t run = 0; run < test::by_size(150, 40); ++run) {
+            Solid solid;
+            for (std::size_t n = 1 + random.below(3); n > 0; --n) {
+                std::array<double, 3> lower, upper;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    lower[k] = static_cast<double>(random.integer(0, 4));
+                    upper[k] = lower[k] + static_cast<double>(random.integer(1, 4));
+                }
+                const Solid box = test::cuboid(lower, upper);
+                const bool reversed = !solid.triangles.empty() && random.chance(0.35);
+                solid = solid.triangles.empty() ? box : test::joined(solid, reversed ? box.reversed() : box);
+            }
+            if (solid.volume() <= 0) continue;
+            Coordinates points;
+            for (std::size_t i = 6 + 3 * random.below(12); i > 0; --i)
+                points.push_back(0.5 * static_cast<double>(random.integer(0, 8)));
+            const votess::Pieces pieces = votess::pieces(votess::tessellate(points, options_in(solid)));
+            const auto normal = [](const double* vertices, const std::int32_t* corners) {
+                const auto at = [&](std::size_t c, std::size_t k) {
+                    return vertices[3 * static_cast<std::size_t>(corners[c]) + k] -
+                           vertices[3 * static_cast<std::size_t>(corners[0]) + k];
+                };
+                std::array<double, 3> n;
+                for (std::size_t k = 0; k < 3; ++k)
+                    n[k] = at(1, (k + 1) % 3) * at(2, (k + 2) % 3) - at(1, (k + 2) % 3) * at(2, (k + 1) % 3);
+                return n;
+            };
+            double most_against = 0;
+            for (std::size_t p = 0; p < pieces.size(); ++p)
+                for (auto f = pieces.triangle_offsets[p]; f < pieces.triangle_offsets[p + 1]; ++f) {
+                    const auto t = static_cast<std::size_t>(f);
+                    if (pieces.on_surface[t] == 0) continue;
+                    const auto a = normal(&pieces.vertices[3 * static_cast<std::size_t>(pieces.vertex_offsets[p])],
+                                          &pieces.triangles[3 * t]);
+                    const auto b = normal(solid.vertices.data(),
+                                          &solid.triangles[3 * static_cast<std::size_t>(pieces.sources[t])]);
+                    most_against = std::max(most_against, -(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+                }
+            CAPTURE(run);
+            CHECK(most_against < 1e-12);
         }
     }
 

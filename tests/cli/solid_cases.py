@@ -42,12 +42,48 @@ def stl_binary():
         struct.pack("<12fH", 0, 0, 0, *(x for v in t for x in CORNERS[v]), 0) for t in TRIANGLES)
 
 
+def glb(nodes, primitives, arrays, **more):
+    """Binary glTF. arrays: of the accessors; float32 of three columns, or indices."""
+    document, data = {"asset": {"version": "2.0"}, "nodes": nodes, "accessors": [], "bufferViews": [],
+                      "meshes": [{"primitives": primitives}], **more}, b""
+    for array in arrays:
+        document["bufferViews"].append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes})
+        document["accessors"].append({"bufferView": len(document["bufferViews"]) - 1, "count": len(array),
+                                      "componentType": {"f": 5126, "B": 5121, "H": 5123, "I": 5125}[array.dtype.char],
+                                      "type": "VEC3" if array.ndim == 2 else "SCALAR"})
+        data += array.tobytes().ljust(-(-array.nbytes // 4) * 4, b"\0")
+    document["buffers"] = [{"byteLength": len(data)}]
+    text = json.dumps(document).encode()
+    text = text.ljust(-(-len(text) // 4) * 4)
+    chunks = struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data
+    return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks
+
+
+def glb_cube():
+    """A cube of 2 faces in one node, and 4 in a child that is moved, turned, scaled and mirrored. y is up."""
+    up = np.array([(x, z, -y) for x, y, z in CORNERS], "f4")
+    first, rest = np.array(TRIANGLES[:4]), np.array(TRIANGLES[4:])
+    # The child's corners c give up = turn (scale * c) + move, with a half turn around y.
+    scale, move = np.array([2.0, -4.0, 0.5]), np.array([0.5, 3.0, -1.0])
+    inner = (up - (0.25, 0, 0) - move) * (-1, 1, -1) / scale
+    arrays = [(up - np.float32([0.25, 0, 0])).astype("f4"), first.ravel().astype("B"), inner.astype("f4")[rest[:, ::-1].ravel()]]
+    nodes = [{"translation": [0.25, 0, 0], "mesh": 0, "children": [1], "name": "a\"b"},
+             {"mesh": 1, "translation": move.tolist(), "scale": scale.tolist(), "rotation": [0, 1, 0, 0]}]
+    meshes = [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}, {"attributes": {}, "mode": 1}]},
+              {"primitives": [{"attributes": {"POSITION": 2}}]}]
+    return glb(nodes, [], arrays, meshes=meshes, scene=0, scenes=[{"nodes": [0]}])
+
+
 OFF = "OFF # a cube\n\n8 6 12\n" + lines("{} {} {}", CORNERS) + lines("4 {} {} {} {}  255 0 0", FACES)
 OBJ = "mtllib a.mtl\no cube\n" + lines("v {} {} {} 1", CORNERS) + "vt 0 0\n" + "usemtl b\n" + \
     lines("f {}/1 {}/1/2 {}//3 {}", [[v + 1 if v < 4 else v - 8 for v in f] for f in FACES])
 FILES = {"plain.off": OFF, "glued.off": OFF.replace("OFF # a cube\n\n", "OFF"),
          "colors.off": OFF.replace("OFF", "COFF", 1).replace("\n1 1 1\n", "\n1 1 1 0 255 0 255 # green\n"), "a.obj": OBJ,
          "text.stl": stl_text(), "dos.STL": stl_text().replace("\n", "\r\n"), "binary.stl": stl_binary(),
+         "upper.stl": stl_text().upper(), "mark.stl": "\ufeff" + stl_text(), "indented.stl": "\n  " + stl_text(),
+         "blank.stl": b"solid".ljust(80) + stl_binary()[80:], "lines.obj": OBJ.replace("f 1/1 ", "f 1/1 \\\n").replace("v 1 0 0", "v 1 \\\n0\\\n 0"),
+         "cube.glb": glb_cube(),
+         **{f"{kind}.off": OFF.replace("OFF", kind + "OFF", 1) for kind in ["N", "NC", "CN", "STN"]},
          "ascii.ply": ply("ascii"), "little.ply": ply("binary_little_endian"), "big.ply": ply("binary_big_endian"),
          "faces_first.ply": ply("ascii", True), "faces_first_too.ply": ply("binary_big_endian", True)}
 
@@ -71,16 +107,69 @@ class Mesh(CliTest):
                     np.testing.assert_allclose(mesh[array], box[array], rtol=0, atol=1e-14)
                 self.assertAlmostEqual(mesh["mesh_areas"].sum(), 6, delta=1e-12)
 
+    def test_polygons(self):
+        """Prisms over polygons that are not convex: each corner first once, in each format. Shoelaces give the areas."""
+        star = [(round(r * np.cos(a), 3), round(r * np.sin(a), 3)) for r, a in zip([1, 0.3] * 6, np.arange(12) * np.pi / 6)]
+        outlines = {"L": [(0, 0), (2, 0), (2, 0.3), (0.3, 0.3), (0.3, 2), (0, 2)], "star": star,
+                    "comb": [(0, 0), (7, 0), (7, 2), (6, 2), (6, 1), (5, 1), (5, 2), (2, 2), (2, 1), (1, 1), (1, 2), (0, 2)]}
+        for name, outline in outlines.items():
+            n = len(outline)
+            places = np.array(outline)
+            (x, y), (u, v) = places.T, np.roll(places, -1, 0).T
+            area, around = (x * v - y * u).sum() / 2, np.hypot(u - x, v - y).sum()
+            for first in range(n):
+                turned = [*range(first, n), *range(first)]
+                faces = [turned[::-1], [n + k for k in turned], *([k, (k + 1) % n, (k + 1) % n + n, k + n] for k in range(n))]
+                corners = [(*p, z) for z in (0, 1) for p in outline]
+                listed = "".join(" ".join(map(str, [len(f), *f])) + "\n" for f in faces)
+                files = {"a.off": f"OFF {2 * n} {n + 2} 0\n" + lines("{} {} {}", corners) + listed,
+                         "a.obj": lines("v {} {} {}", corners) + "".join("f " + " ".join(str(k + 1) for k in f) + "\n" for f in faces),
+                         "a.ply": f"ply\nformat ascii 1.0\nelement vertex {2 * n}\nproperty double x\nproperty double y\n"
+                                  f"property double z\nelement face {n + 2}\nproperty list uchar int vertex_indices\nend_header\n"
+                                  + lines("{} {} {}", corners) + listed}
+                kind = list(files)[first % 3]
+                with self.subTest(name=name, first=first, kind=kind):
+                    found = self.arrays("--random", 20, "--mesh", self.put(kind, files[kind]), "--want", "volumes,surfaces")
+                    self.assertAlmostEqual(found["mesh_areas"].sum(), 2 * area + around, delta=1e-10)
+                    self.assertAlmostEqual(found["volumes"].sum(), area, delta=1e-10)
+        run = ["--random", 9, "--mesh"]
+        cube = OBJ.replace("v 1 1 1 1", "v 1 1 1.001 1")
+        self.refuse(*run, self.put("b.obj", cube), says=["b.obj: face 2 is not flat: its vertex ", "cut it into triangles"])
+        bow = OFF.replace("4 0 4 6 2", "4 0 6 4 2")
+        self.refuse(*run, self.put("b.off", bow), says="face 4 is not simple: its sides from vertex ")
+
     def test_repair(self):
         """Triangles with vertices of their own are a cube once these are merged, as an .stl is."""
         content = f"OFF\n36 12 0\n{lines('{} {} {}', (CORNERS[v] for t in TRIANGLES for v in t))}" + \
             lines("3 {} {} {}", [range(3 * t, 3 * t + 3) for t in range(12)])
         run = ["--random", 50, "--want", "neighbors,volumes", "--mesh"]
-        self.refuse(*run, self.put("open.off", content), says="merge vertices at equal places")
+        self.refuse(*run, self.put("open.off", content), says="merge vertices at equal places: --mesh-repair")
         whole, merged = self.arrays(*run, self.put("a.stl", stl_text())), self.arrays(*run, "open.off", "--mesh-repair", "merge")
         for array in ["indptr", "indices", "volumes"]:
             np.testing.assert_array_equal(merged[array], whole[array])
         self.refuse("--random", 9, "--mesh-repair", "merge", says="--mesh")
+
+    def test_tolerance(self):
+        """Corners that rounding sets apart become one, and the summary says how far they moved."""
+        rng = np.random.default_rng(6)
+        corners = [tuple(x + 1e-12 * rng.uniform(-1, 1) for x in CORNERS[v]) for t in TRIANGLES for v in t]
+        off = f"OFF\n36 12 0\n{lines('{!r} {!r} {!r}', corners)}" + lines("3 {} {} {}", [range(3 * t, 3 * t + 3) for t in range(12)])
+        stl = "solid\n" + "".join("facet normal 0 0 0\nouter loop\n" + lines("vertex {!r} {!r} {!r}", corners[3 * t:3 * t + 3]) +
+                                  "endloop\nendfacet\n" for t in range(12)) + "endsolid\n"
+        run = ["--random", 50, "--mesh"]
+        for name, content, repair in [("a.off", off, ["--mesh-repair", "merge"]), ("a.stl", stl, [])]:
+            with self.subTest(name):
+                self.refuse(*run, self.put(name, content), *repair, says=["36 edges are open", "merge near vertices: --mesh-tolerance ", "vertices 0 (", ") and 1 ("])
+                summary = self.run_cli(*run, name, *repair, "--mesh-tolerance", "1e-9").stdout
+                self.assertRegex(summary, r"(?m)^mesh          a\....,.* 12 triangles; 28 vertices moved by at most \d\.?\d*e-12$")
+                found = self.json(*run, name, *repair, "--mesh-tolerance", "1e-9")
+                self.assertEqual(found["moved_vertices"], 28)
+                self.assertLess(found["moved_distance"], 4e-12)
+                self.assertAlmostEqual(found["box_volume"], 1, delta=1e-11)
+        self.refuse(*run, "a.off", "--mesh-tolerance", "1e-9", says="--mesh-tolerance needs --mesh-repair")
+        self.refuse(*run, "a.stl", "--mesh-tolerance", "0.5", says="--mesh-tolerance is 0.5: give a share")
+        self.refuse(*run, "a.stl", "--mesh-tolerance", "-1", says="-1")
+        self.refuse("--random", 9, "--mesh-tolerance", "1e-9", says="--mesh")
 
     def test_outputs(self):
         self.put("a.off", OFF)
@@ -115,7 +204,7 @@ class Mesh(CliTest):
         lines_of_obj = (self.folder / "p.obj").read_text().splitlines()
         self.assertEqual([line for line in lines_of_obj if line[0] == "o"], ["o 7", "o 9"])
         self.assertEqual({line for line in lines_of_obj if line[0] == "u"}, {"usemtl inside", "usemtl surface"})
-        for name in ["p.obj", "p.stl"]:
+        for name in ["p.obj", "p.stl", "p.glb"]:
             self.assertEqual(self.json("--random", 9, "--mesh", name)["box_volume"], 0.75)
         with zipfile.ZipFile(self.folder / "p.3mf") as archive:
             self.assertEqual(archive.read("3D/3dmodel.model").count(b"<object "), 2)
@@ -161,8 +250,20 @@ class Mesh(CliTest):
             self.refuse(*run, "a.off", *more, says=says)
         self.refuse(*run, "", says="--mesh is empty")
         self.refuse(*run, "none.off", says="'none.off'")
+        (self.folder / "zero.stl").symlink_to("/dev/zero")
+        self.refuse(*run, "zero.stl", says="'zero.stl' is a device: give a file")
         for name, content, says in [
-                ("a.step", "x", ["'a.step'", ".off .obj .stl .ply"]),
+                ("a.step", "x", ["'a.step'", ".off .obj .stl .ply .glb"]),
+                ("b.glb", b"glTF", "not a binary glTF"), ("b.glb", glb_cube()[:-4], "bytes are announced"),
+                ("b.glb", glb_cube().replace(b'"asset"', b'"asset\\'), "JSON is damaged"),
+                ("b.glb", glb([{"mesh": 0}], [{"attributes": {"POSITION": 0}}], [np.zeros((0, 3), "f4")]), "no triangles"),
+                ("b.glb", glb([{"mesh": 3}], [], []), "mesh 3 is named, but there are 1"),
+                ("b.glb", glb([{"children": [1]}, {"children": [1]}], [], []), "node 1 has two parents"),
+                ("b.glb", glb([{"mesh": 0}], [{"attributes": {"POSITION": 0}, "indices": 1}],
+                              [np.zeros((3, 3), "f4"), np.array([0, 1, 3], "H")]), "names vertex 3, but there are 3"),
+                ("b.glb", glb([{"mesh": 0}], [{"attributes": {"POSITION": 0}}], [np.zeros((9, 3), "f4")])
+                 .replace(b'"count": 9', b'"count": 99'), "accessor 0 reaches beyond its bytes"),
+                ("b.glb", glb([], [], [], extensionsRequired=["KHR_draco_mesh_compression"]), "KHR_draco_mesh_compression"),
                 ("b.off", OFF.replace("4 0 4 6 2  255 0 0\n", "").replace("8 6", "8 5"), ["edge between vertices 0 and", "close the hole"]),
                 ("b.off", OFF.replace("4 0 4 6 2", "4 2 6 4 0"), "reverse one of them"),
                 ("b.off", OFF.replace("4 0 4 6 2", "4 0 4 6 8"), "face 4 names vertex 8, but there are 8"),
@@ -195,7 +296,7 @@ class Mesh(CliTest):
 
     def test_files_that_end_early(self):
         """Each cut file is refused in one line, or is still a mesh."""
-        for name in ["plain.off", "a.obj", "text.stl", "binary.stl", "little.ply", "ascii.ply"]:
+        for name in ["plain.off", "a.obj", "text.stl", "binary.stl", "little.ply", "ascii.ply", "cube.glb"]:
             content = FILES[name] if isinstance(FILES[name], bytes) else FILES[name].encode()
             for cut in range(0, len(content) - 20, len(content) // 12):
                 with self.subTest(name=name, cut=cut):

@@ -143,6 +143,7 @@ class Options(ctypes.Structure):
         ("mesh_vertices", c_void_p),
         ("mesh_triangle_count", c_uint64),
         ("mesh_triangles", c_void_p),
+        ("mesh_tolerance", c_double),
     ]
 
 
@@ -178,6 +179,8 @@ class Stats(ctypes.Structure):
         ("fallback_domain", c_uint64),
         ("tiny_faces", c_int64),
         ("seconds_open", c_double),
+        ("moved_vertices", c_uint64),
+        ("moved_distance", c_double),
     ]
 
 

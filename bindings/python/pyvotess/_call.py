@@ -49,7 +49,8 @@ def _argument(option: re.Match[str]) -> str:
         return f'want="{name}"'
     if value is None:
         is_subject = option.string[option.end() :].startswith((":", " is ", " has ", " hold "))
-        return name if is_subject else _ARGUMENTS.get(name, name + "=")
+        argument = _ARGUMENTS.get(name, name + "=")
+        return re.sub("=.*", "", argument) if is_subject and "." in name else name if is_subject else argument
     return name + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
 
 

@@ -162,21 +162,32 @@ def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
 
 def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
     """Returns (V, 3) float64 vertices and (T, 3) int32 triangles of a pair, or of a mesh of trimesh, PyVista or Open3D."""
-    if hasattr(mesh, "regular_faces") and hasattr(mesh, "points"):  # PyVista
+    kind = type(mesh).__name__
+    if hasattr(mesh, "is_all_triangles") and hasattr(mesh, "points"):  # PyVista; regular_faces raises for mixed faces
         if not mesh.is_all_triangles:
             raise ValueError("mesh has faces that are not triangles: give mesh.triangulate()")
         pair: Tuple[Any, ...] = (mesh.points, mesh.regular_faces)
+    elif hasattr(mesh, "extract_surface"):  # the other data sets of PyVista
+        combined = "combine()." if hasattr(mesh, "combine") else ""
+        raise ValueError(f"mesh is a {kind}: give its surface, mesh.{combined}extract_surface().triangulate()")
+    elif hasattr(mesh, "GetPolys") or hasattr(mesh, "GetCells"):  # VTK
+        raise ValueError(f"mesh is a {kind}: give pyvista.wrap(mesh).extract_surface().triangulate()")
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
         pair = (mesh.vertices, mesh.faces)
     elif hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):  # Open3D
         pair = (mesh.vertices, mesh.triangles)
+    elif hasattr(mesh, "geometry") and hasattr(mesh, "graph"):  # a scene of trimesh
+        whole = mesh.to_mesh() if hasattr(mesh, "to_mesh") else mesh.dump(concatenate=True)
+        pair = (whole.vertices, whole.faces)
+    elif hasattr(mesh, "vertex") and hasattr(mesh, "triangle"):  # tensors of Open3D
+        pair = tuple(x.cpu().numpy() for x in (mesh.vertex.positions, mesh.triangle.indices))
     else:
         try:
             pair = tuple(mesh)
         except TypeError:
             pair = ()
     if len(pair) != 2:
-        raise ValueError(f"mesh is a {type(mesh).__name__}: give (vertices, triangles), or a mesh with both")
+        raise ValueError(f"mesh is a {kind}: give (vertices, triangles), or a mesh with both")
     vertices = np.ascontiguousarray(as_float64_or_float32(pair[0], "vertices of mesh"), np.float64)
     triangles = as_array(pair[1], "triangles of mesh")
     if vertices.ndim != 2 or vertices.shape[1] != 3:
@@ -237,6 +248,7 @@ class Domain:
     walls: Any = ()
     mesh: Any = None
     mesh_repair: Optional[str] = None
+    mesh_tolerance: float = 0.0
 
     @property
     def is_given(self) -> bool:
@@ -288,12 +300,15 @@ class Domain:
         require_one_of(self.mesh_repair, "mesh_repair", ("merge",))
         if self.mesh_repair is not None and self.mesh is None:
             raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
+        if self.mesh_tolerance != 0 and self.mesh_repair is None:
+            raise ValueError("mesh_tolerance needs mesh_repair='merge': set it, or leave mesh_tolerance out")
         if self.mesh is not None:
             vertices, triangles = as_mesh(self.mesh)
             options.has_mesh = 1
             options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
             options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
             options.mesh_merge = int(self.mesh_repair is not None)
+            options.mesh_tolerance = float(self.mesh_tolerance)
             kept += [vertices, triangles]
         if is_hull and points is not None:
             walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)

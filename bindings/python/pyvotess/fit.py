@@ -81,6 +81,7 @@ def fit_volumes(
     threads: int = 0,
     precision: PrecisionWord = "single",
     progress: Union[None, bool, Progress] = None,
+    mesh_tolerance: float = 0.0,
 ) -> VolumeFit:
     """Returns the power diagram in which the cell of point i has the volume ``volumes[i]``, and its weights.
 
@@ -95,7 +96,7 @@ def fit_volumes(
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
-    mesh, mesh_repair : as for :func:`tessellate`. Without weights each point must have a cell in the mesh.
+    mesh, mesh_repair, mesh_tolerance : as for :func:`tessellate`. Without weights each point must have a cell in the mesh.
     box, periodic, cell, walls, origin, want, list_walls, device, threads, precision : as for :func:`tessellate`, for the
         tessellation that is returned. The steps use double precision.
     progress : as for :func:`tessellate`; the fraction is the share of the digits.
@@ -111,7 +112,7 @@ def fit_volumes(
     array = as_points(points).astype(np.float64, order="C", copy=False)
     count = len(array)
     targets = as_one_each(volumes, "volumes", count, "points")
-    domain = Domain(box, periodic, weights, None, cell, origin, walls, mesh=mesh, mesh_repair=mesh_repair)
+    domain = Domain(box, periodic, weights, None, cell, origin, walls, mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
     options = new_options(want=want, list_walls=list_walls, device=device, threads=threads, precision=precision)
     kept = domain.fill(options, array)
     wanted = implied_words(options)

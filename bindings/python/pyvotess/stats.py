@@ -50,6 +50,8 @@ class Stats:
     mean_faces: float  #: faces divided by the number of cells that are not empty
     volume_sum: float  #: sum of all volumes; 0 without "volumes" in want
     box_volume: float  #: volume of the domain
+    moved_vertices: int  #: of a mesh: those that ``mesh_tolerance`` made one with others
+    moved_distance: float  #: the largest of these moves
     duplicates: int  #: seeds with status DUPLICATE
     empty_cells: int  #: seeds without a cell: duplicate, empty or outside
     fallback_cells: int  #: cells that the CPU computed again after another device

@@ -62,7 +62,7 @@ class Tessellation(SeedCells):
         outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
             points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
-            origin=self.origin, walls=self.walls, mesh=None, mesh_repair=None, outside=outside, only=self.ids, want=self.wanted,
+            origin=self.origin, walls=self.walls, mesh=None, mesh_repair=None, mesh_tolerance=0.0, outside=outside, only=self.ids, want=self.wanted,
             list_walls=self.lists_walls, min_area=self.least_face, progress=None,
         )  # fmt: skip
         result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), given)

@@ -47,6 +47,7 @@ def tessellate(
     only: Optional[npt.ArrayLike] = None,
     mesh: Any = None,
     mesh_repair: Optional[RepairWord] = None,
+    mesh_tolerance: float = 0.0,
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
@@ -105,6 +106,9 @@ def tessellate(
         is its part inside, see the page "Domains". Points may lie outside. Refused with walls, outside, min_face and
         min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
     mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
+    mesh_tolerance : with "merge", vertices at most this far apart become one too. A share of the longest side of the
+        mesh's bounds, at most 0.01; 1e-9 closes meshes whose corners differ by rounding. ``stats.moved_vertices`` and
+        ``stats.moved_distance`` report what moved.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -184,6 +188,7 @@ class Tessellator:
         only: Optional[npt.ArrayLike] = None,
         mesh: Any = None,
         mesh_repair: Optional[RepairWord] = None,
+        mesh_tolerance: float = 0.0,
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())

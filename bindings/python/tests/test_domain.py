@@ -22,6 +22,35 @@ def lattice_of(count, dimensions):
     return np.stack(np.meshgrid(*axes), -1).reshape(-1, dimensions)
 
 
+class Tensor:
+    """An array of Open3D."""
+
+    def __init__(self, array):
+        self.numpy = lambda: array
+
+    def cpu(self):
+        return self
+
+
+class MixedFaces:
+    """A mesh of PyVista with polygons of several sizes."""
+
+    points, is_all_triangles = np.zeros((4, 3)), False
+
+    @property
+    def regular_faces(self):
+        raise ValueError("Mesh does not have regular faces")
+
+
+class Scene:
+    """A scene of trimesh."""
+
+    geometry, graph = {}, None
+
+    def __init__(self, vertices, triangles):
+        self.to_mesh = lambda: types.SimpleNamespace(vertices=vertices, faces=triangles)
+
+
 class Domains(unittest.TestCase):
     def test_one_seed_in_a_periodic_cube(self):
         t = vt.tessellate([[0.1, 0.7, 0.3]], box=UNIT, periodic=True, device="cpu")
@@ -229,6 +258,10 @@ class Domains(unittest.TestCase):
             types.SimpleNamespace(vertices=vertices, faces=triangles.astype(np.uint64)),  # trimesh
             types.SimpleNamespace(vertices=vertices.tolist(), triangles=triangles.astype(np.int16)),  # Open3D
             types.SimpleNamespace(points=vertices.astype(np.float32), regular_faces=triangles, is_all_triangles=True),
+            Scene(vertices, triangles),
+            types.SimpleNamespace(  # tensors of Open3D
+                vertex=types.SimpleNamespace(positions=Tensor(vertices)), triangle=types.SimpleNamespace(indices=Tensor(triangles))
+            ),
         ):
             np.testing.assert_array_equal(vt.tessellate(p, mesh=kind, device="cpu").volumes, t.volumes)
         some = vt.tessellate(p, mesh=(vertices, triangles), want=want, device="cpu", only=[7, 3])
@@ -240,6 +273,15 @@ class Domains(unittest.TestCase):
         for repair, message in ((None, "merge vertices at equal places"), ("holes", "mesh_repair is 'holes': the words are merge")):
             with self.assertRaisesRegex((ValueError, vt.VotessError), message):
                 vt.tessellate(p, mesh=corners, mesh_repair=repair)
+        rough = corners[0] + 1e-13 * np.random.default_rng(3).random((36, 3)), corners[1]
+        with self.assertRaisesRegex(ValueError, "36 edges are open or turned.*mesh_tolerance"):
+            vt.tessellate(p, mesh=rough, mesh_repair="merge")
+        with self.assertRaisesRegex(ValueError, "mesh_tolerance needs mesh_repair"):
+            vt.tessellate(p, mesh=rough, mesh_tolerance=1e-9)
+        closed = vt.tessellate(p, mesh=rough, mesh_repair="merge", mesh_tolerance=1e-9, device="cpu")
+        np.testing.assert_allclose(closed.volumes, t.volumes, rtol=1e-9)
+        self.assertEqual((closed.stats.moved_vertices, merged.stats.moved_vertices), (28, 0))
+        self.assertTrue(0 < closed.stats.moved_distance < 2e-13)
         again = pickle.loads(pickle.dumps(t))
         np.testing.assert_array_equal(again.mesh_areas, t.mesh_areas)
         with tempfile.TemporaryDirectory() as folder:
@@ -251,7 +293,7 @@ class Domains(unittest.TestCase):
             with self.assertRaisesRegex((ValueError, vt.VotessError), "mesh"):
                 call()
         for mesh, message in (
-            ((vertices, triangles[1:]), "the edge between vertices 0 and 1 belongs to triangle 4 alone"),
+            ((vertices, triangles[1:]), r"the edge between vertices 0 \(.*\) and 1 \(.*\) belongs to triangle 4 alone"),
             ((vertices, triangles + 1), "triangle 2 names vertex 8, but there are 8"),
             ((vertices, triangles - 1), "triangle 0 names vertex -1"),
             ((vertices, triangles.astype(np.int64) + 2**32), "names vertex 4294967296"),
@@ -262,7 +304,10 @@ class Domains(unittest.TestCase):
             ((vertices * np.nan, triangles), "not finite"),
             (vertices, "mesh is a ndarray"),
             (7, "mesh is a int"),
-            (types.SimpleNamespace(points=vertices, regular_faces=0, is_all_triangles=False), "triangulate"),
+            (MixedFaces(), "give mesh.triangulate"),
+            (types.SimpleNamespace(points=vertices, extract_surface=0), r"give its surface, mesh.extract_surface\(\)"),
+            (types.SimpleNamespace(combine=0, extract_surface=0), r"mesh.combine\(\).extract_surface\(\).triangulate"),
+            (types.SimpleNamespace(GetCells=0), "pyvista.wrap"),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(p, mesh=mesh, device="cpu")

@@ -7,6 +7,7 @@ Needs NumPy and h5py. The files are kept in the repository, so that tests need n
 """
 import gzip
 import io
+import json
 import pathlib
 import struct
 import sys
@@ -104,6 +105,15 @@ def meshes():
     put("stl", "text", "solid a b\n" + loops + "endsolid a b\nsolid\nendsolid\n")
     put("stl", "binary", b"solid".ljust(80, b"\0") + struct.pack("<I", 4) + b"".join(
         struct.pack("<12fH", 0, 0, 0, *(x for v in f for x in corners[v]), 0) for f in faces))
+    data = b"".join(struct.pack("<3f", *x) for x in corners) + struct.pack("<12B", *(v for f in faces for v in f))
+    text = json.dumps({
+        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "scale": [1, 2, 3], "children": [1]}, {"rotation": [0, 0, 0, 1]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}], "buffers": [{"byteLength": len(data)}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+                      {"bufferView": 1, "componentType": 5121, "count": 12, "type": "SCALAR"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}]}).encode()
+    put("glb", "plain", struct.pack("<4sIII4s", b"glTF", 2, 28 + len(text) + len(data), len(text), b"JSON") + text +
+        struct.pack("<I4s", len(data), b"BIN\0") + data)
     head = "ply\nformat {} 1.0\nelement face 4\nproperty uchar red\nproperty list uchar int vertex_indices\nelement vertex 4\n" \
            "property double x\nproperty double y\nproperty double z\nend_header\n"
     put("ply_mesh", "ascii", head.format("ascii") + "".join("9 3 {} {} {}\n".format(*f) for f in faces) + plain)

@@ -281,6 +281,7 @@ const std::map<std::string, Target>& targets() {
             {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>}, {"npy", parse_npy},
             {"npz", parse<parse_npz>}, {"off", parse_surface<parse_off>}, {"obj", parse_surface<parse_obj>},
             {"stl", parse_surface<parse_stl>}, {"ply_mesh", parse_surface<parse_ply_surface>},
+            {"glb", parse_surface<parse_glb>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif

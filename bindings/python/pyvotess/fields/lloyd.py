@@ -95,6 +95,7 @@ def lloyd(
     walls: npt.ArrayLike = (),
     mesh: Any = None,
     mesh_repair: Optional[RepairWord] = None,
+    mesh_tolerance: float = 0.0,
     fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     over_relaxation: float = 1.0,
@@ -119,7 +120,7 @@ def lloyd(
     steps : maximum number of steps; 0 returns the energy of the given points.
     density : a function of (K, 3) points inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
         called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
-    box, periodic, cell, origin, walls, mesh, mesh_repair : the domain, as for :func:`tessellate`. The default box, around
+    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance : the domain, as for :func:`tessellate`. The default box, around
         the initial points, stays fixed. In a mesh the centroid is that of the cell's part inside. It may lie outside.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
@@ -153,7 +154,7 @@ def lloyd(
         raise ValueError("volumes are those of a uniform density: leave out density or volumes")
 
     domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
-    domain.update(mesh=mesh, mesh_repair=mesh_repair)
+    domain.update(mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
     want = _WANT if mesh is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
     energies: List[float] = []

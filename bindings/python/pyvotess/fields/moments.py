@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optional, Tuple
 
 import numpy as np
 
@@ -32,10 +33,37 @@ _FACES = 2048  # in a block, so that its arrays stay in the cache
 _TRIANGLES = 4 * _FACES  # in a block of pieces
 
 
+def _reduced(edges: Float64Array) -> Float64Array:
+    """Returns a basis of the lattice of up to three rows, in which no sum or difference is shorter. Each is rounded once."""
+    basis = [[Fraction(x) for x in row] for row in edges.tolist()]
+
+    def dot(a: List[Fraction], b: List[Fraction]) -> Fraction:
+        return sum((x * y for x, y in zip(a, b)), Fraction())
+
+    def moved(k: int, by: Iterable[int]) -> List[Fraction]:
+        return [sum((n * row[i] for n, row in zip(by, basis)), basis[k][i]) for i in range(len(basis[k]))]
+
+    changed = True
+    while changed:
+        changed = False
+        for k in range(len(basis)):
+            for j in range(len(basis)):  # one at a time, as Lagrange
+                by = [0] * len(basis)
+                if j != k:
+                    by[j] = -round(dot(basis[k], basis[j]) / dot(basis[j], basis[j]))
+                changed |= any(by)
+                basis[k] = moved(k, by)
+            choices = [by for by in itertools.product((-1, 0, 1), repeat=len(basis)) if by[k] == 0]
+            shortest = min((moved(k, by) for by in choices), key=lambda row: dot(row, row))
+            if dot(shortest, shortest) < dot(basis[k], basis[k]):
+                basis[k], changed = shortest, True
+    return np.array([[float(x) for x in row] for row in basis])
+
+
 def _to_nearest(t: Tessellation, vectors: Float64Array) -> Float64Array:
     """Returns the multiples of the periodic edges that are nearest to these vectors (M, 3)."""
-    edges = edges_of(t)
-    inverse = np.where(t.periodic, np.linalg.inv(edges), 0)
+    edges = _reduced(edges_of(t)[np.asarray(t.periodic)])
+    inverse = np.linalg.pinv(edges)
     first = np.round(vectors @ inverse)
     rest = vectors - first @ edges
     best, distance = first, np.linalg.norm(rest, axis=1)
