@@ -1,6 +1,7 @@
 #include "queries/query_run.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "domain.hpp"
@@ -43,6 +44,9 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
         (arguments.has_radii ? options.radii : options.weights) = one_each(column);
     }
     input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
+    // As votess::Diagram takes it. Its box has all of its ends or none.
+    input.has_ends = arguments.hull || !options.walls.empty() || options.cell ||
+                     (options.box && !std::isinf(options.box->upper[0]));
     times.end("read");
     input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;

@@ -87,7 +87,11 @@ Table results_of(const OutputData& data) {
     if (wanted.neighbors)
         table.push_back({"neighbors", 'I', 1,
                          [&cells](OutputBuffer& row, std::size_t i, char) { row.put_number(neighbors_of(cells, i)); }});
-    if (wanted.faces && !planar) table.push_back(voronoi_index_of(cells));
+    // Faces that reach infinity have no number of edges, so no cell of such a domain has an index.
+    const auto reaches_infinity = [](double bound) { return std::isinf(bound); };
+    const bool endless = std::ranges::any_of(cells.box().lower, reaches_infinity) ||
+                         std::ranges::any_of(cells.box().upper, reaches_infinity);
+    if (wanted.faces && !planar && !endless) table.push_back(voronoi_index_of(cells));
     if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), size_of_vectors(cells)));
     if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
     if (wanted.surfaces && cells.in_mesh()) table.push_back(of_numbers("mesh_area", cells.mesh_areas()));

@@ -79,7 +79,9 @@ bool NearerSeeds::find(std::vector<Member>& members) {
             const auto id = static_cast<std::int32_t>(place);
             const Member member =
                 seeds_.images == nullptr ? Member{id} : Member{seeds_.images->home(id), seeds_.images->shift(id)};
-            const double weight = seeds_.weights[static_cast<std::size_t>(member.home)];
+            const auto home = static_cast<std::size_t>(member.home);
+            if (seeds_.weights.empty() && !seeds_.is_beyond(home)) continue;  // it has a face
+            const double weight = seeds_.weights.empty() ? 0 : seeds_.weights[home];
             if (may_be_nearer(place, weight) && std::ranges::find(members, member) == members.end())
                 members.push_back(member);
         }

@@ -5,12 +5,13 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from ._c_api import CellStatus, ErrorCode
-from ._call import Handle, Progress, VotessError, array_of, raise_on_failure
+from ._call import Handle, Progress, VotessError, array_of, raise_on_failure, watched
 from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -88,7 +89,7 @@ class Tessellation(SeedCells):
         image: then give a smaller ``min_face``.
         """
         handle = Handle(lib.votess_delaunay_free)
-        raise_on_failure(lib.votess_delaunay_new(self._handle().pointer, ctypes.byref(handle.pointer)))
+        raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(
             lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
@@ -156,7 +157,7 @@ class Tessellation(SeedCells):
         array = as_one_each(values, "values", len(self), "cells")
         handle = Handle(lib.votess_zones_free)
         arguments = (array.ctypes.data, len(array), bool(maxima), ctypes.byref(handle.pointer))
-        raise_on_failure(lib.votess_zones_new(self._handle().pointer, *arguments))
+        raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
         return read_zones(handle, self.lists_walls, bool(maxima))
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
@@ -288,9 +289,9 @@ class Tessellation(SeedCells):
                 raise
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
-        report = verify(lib.votess_verify, seeds, sample, rng_seed)
+        report = verify(partial(watched, lib.votess_verify), seeds, sample, rng_seed)
         if self.planar or self.in_mesh:
             return report
         tiny = ctypes.c_uint64()
-        raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
+        raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, ctypes.byref(tiny)))
         return replace(report, tiny_faces=tiny.value)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import numpy as np
 
-from ._call import Handle, array_of, raise_on_failure
+from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Zones:
         if self._handle is None:
             raise ValueError("a pickle holds no merge tree of the library: merge the zones that watershed() returned")
         handle = Handle(lib.votess_zones_free)
-        raise_on_failure(lib.votess_zones_merge(self._handle.pointer, float(threshold), ctypes.byref(handle.pointer)))
+        raise_on_failure(watched(lib.votess_zones_merge, self._handle.pointer, float(threshold), ctypes.byref(handle.pointer)))
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 

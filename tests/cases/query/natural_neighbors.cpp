@@ -68,6 +68,11 @@ QueryCase hard_case(Random& random) {
             for (std::size_t k = 0; k < 3; ++k)
                 c.points.push_back(std::clamp(c.points[3 * i + k] + apart * random.uniform(-1, 1), 0.0, 0.9));
         }
+    // Seeds outside have a part of the domain, too.
+    if (random.below(3) == 0) {
+        c.options.outside = votess::Outside::keep;
+        for (double& x : c.points) x = 0.5 + 1.75 * (x - 0.5);
+    }
     // Short numbers keep rational arithmetic fast.
     if (kind > 2)
         for (double& x : c.points) x = rounded(x);
@@ -215,7 +220,7 @@ TEST_SUITE("query") {
     TEST_CASE("natural neighbors: queries against rational arithmetic") {
         Random random(20);
         const std::size_t wanted = test::by_size(200, 30);
-        std::size_t checked = 0, buried = 0, at_walls = 0, periodic = 0;
+        std::size_t checked = 0, buried = 0, buried_outside = 0, at_walls = 0, periodic = 0;
         for (int number = 0; checked < wanted; ++number) {
             CAPTURE(number);
             const QueryCase c = hard_case(random);
@@ -264,9 +269,11 @@ TEST_SUITE("query") {
                 at_walls += exact.at_wall ? 1 : 0;
                 periodic += diagram.size() > 0 && (c.options.periodic[0] || c.options.cell) ? 1 : 0;
                 buried += areas.seeds.size() < row.seeds.size() ? 1 : 0;
+                buried_outside += c.weights.empty() && areas.seeds.size() < row.seeds.size() ? 1 : 0;
             }
         }
         CHECK(buried >= wanted / 40);
+        CHECK(buried_outside > 0);
         CHECK(at_walls > wanted / 4);
         CHECK(periodic > wanted / 10);
     }
@@ -282,13 +289,34 @@ TEST_SUITE("query") {
         CHECK(row.weights[2] == doctest::Approx(0.381131).epsilon(1e-5));
     }
 
+    TEST_CASE("natural neighbors: a query takes the whole part of a seed outside") {
+        votess::Options options;
+        options.box = test::unit_box();
+        options.outside = votess::Outside::keep;
+        const votess::Diagram beyond_box(Coordinates{0.5, 0.5, 0.5, 1.3, 0.5, 0.5}, options);
+        NaturalRow row = row_of(beyond_box.natural_neighbors(Coordinates{0.8, 0.5, 0.5}), 0);
+        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
+        CHECK(row.weights[0] == doctest::Approx(5.0 / 7).epsilon(1e-12));
+        options.walls = {{{1, 0, 0}, 0.8}};
+        const votess::Diagram beyond_wall(Coordinates{0.5, 0.5, 0.5, 0.9, 0.5, 0.5}, options);
+        row = row_of(beyond_wall.natural_neighbors(Coordinates{0.75, 0.5, 0.5}), 0);
+        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
+        CHECK(row.weights[0] == doctest::Approx(3.0 / 7).epsilon(1e-12));
+    }
+
     // The graph of all vertices answers many queries at once.
     TEST_CASE("natural neighbors: many queries among many seeds") {
         Random random(21);
-        for (const bool weighted : {false, true}) {
-            CAPTURE(weighted);
+        for (const int kind : {0, 1, 2, 3}) {
+            CAPTURE(kind);
+            const bool weighted = kind % 2 == 1, outside = kind >= 2;
             QueryCase c;
             c.points = test::uniform(64, weighted ? 22 : 23).points;
+            if (outside) {
+                c.options.outside = votess::Outside::keep;
+                c.options.walls = {{{1, 1, 0.5}, 2}};
+                for (double& x : c.points) x = 0.5 + 1.25 * (x - 0.5);
+            }
             for (int i = 0; i < 64 && weighted; ++i) c.weights.push_back(random.uniform(0, 0.02));
             c.options.box = test::unit_box();
             votess::Options options = c.options;
@@ -303,8 +331,13 @@ TEST_SUITE("query") {
             sibson.gradients = true;
             sibson.weights = weights;
             const auto found = diagram.natural_neighbors(queries, sibson);
+            const std::vector<std::int32_t> owners = diagram.locate(queries);
             for (std::size_t q = 0; q < count; ++q) {
                 CAPTURE(q);
+                if (owners[q] < 0) {
+                    CHECK(row_of(found, q).seeds.empty());
+                    continue;
+                }
                 const auto exact = test::exact_shares(c.points, c.weights, c.options,
                                                       {queries[3 * q], queries[3 * q + 1], queries[3 * q + 2]},
                                                       weighted ? weights[q] : 0);
