@@ -173,6 +173,34 @@ class Running(unittest.TestCase):
         self.assertEqual(errors.getvalue(), "")
         self.assertEqual(len(tessellator.tessellate(points[:50])), 50)
 
+    def test_methods_of_a_result_can_be_stopped(self):
+        class Alarm(Exception):
+            pass
+
+        def handler(number, frame):
+            raise Alarm
+
+        points = uniform(30_000, seed=3)
+        t = vt.tessellate(points, UNIT_BOX, periodic=True, want="neighbors,volumes,areas,faces,counts", device="cpu")
+        network = t.network()
+        calls = {
+            "delaunay": t.delaunay, "network": t.network, "largest_free": network.largest_free,
+            "alpha_complex": t.alpha_complex, "verify": t.verify, "watershed": lambda: t.watershed(t.volumes),
+        }  # fmt: skip
+        before = signal.signal(signal.SIGALRM, handler)
+        try:
+            for name, call in calls.items():
+                with self.subTest(name):
+                    with self.assertRaises(Alarm) as raised:
+                        signal.setitimer(signal.ITIMER_REAL, 1e-3)
+                        call()
+                    # In a callback of the library, not after it.
+                    frames = [frame.name for frame in traceback.extract_tb(raised.exception.__traceback__)]
+                    self.assertIn("_answers", frames)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+
     def test_callbacks_of_a_run_stop_at_the_first_error(self):
         from pyvotess import _c_api, _call
 
