@@ -57,6 +57,7 @@ private:
     double farthest_ = 0, highest_ = 0;
     std::vector<Vertex> vertices_;
     std::vector<Node> nodes_;
+    std::vector<Member> known_;  // sorted
 };
 
 }  // namespace votess::cpu
