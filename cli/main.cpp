@@ -169,16 +169,19 @@ int run(Arguments& arguments) {
     std::vector<double> masses = masses_of(arguments, input);
     merge_masses(tessellation.duplicate_of(), masses);
     fill_density(arguments, masses, tessellation.volumes(), carried);
-    fill_zones(arguments, input, tessellation, carried);
-    std::optional<votess::AlphaComplex> alpha;
-    if (const std::int32_t n = arguments.alpha; n > 0)
-        alpha = votess::alpha_complex(tessellation, input.points, {n, n, n});
+    const std::optional<votess::AlphaComplex> alpha = run_watched(arguments.quiet, run_began, [&] {
+        fill_zones(arguments, input, tessellation, carried);
+        const std::int32_t n = arguments.alpha;
+        return n > 0 ? std::optional(votess::alpha_complex(tessellation, input.points, {n, n, n})) : std::nullopt;
+    });
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
     summary.domain_json = domain_json(tessellation, domain_from);
     summary.has_volumes = arguments.wanted.volumes;
 
-    if (arguments.verify) summary.verified = votess::verify(tessellation, input.points);
+    if (arguments.verify)
+        summary.verified = run_watched(arguments.quiet, run_began,
+                                       [&] { return votess::verify(tessellation, input.points); });
     const std::string failure = summary.failure();
 
     if (failure.empty()) {

@@ -235,7 +235,7 @@ without an extension, such as /dev/null, gets text)",
   %n  neighbors of the faces, ids ascending, walls first; in this order:
   %f  areas     %e  perimeters  %a  numbers of edges  %l  outward normals
   %t  vertices of each face "(0,3,1) ...", numbers into %p, clockwise
-      seen from outside
+      seen from outside; -1 at infinity
   %A  how many faces have 0, 1, 2, ... edges
   %F  area of the surface       %v  volume
   %c  centroid relative to the point "x y z"          %C  absolute

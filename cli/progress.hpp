@@ -5,6 +5,7 @@
 #include <chrono>
 #include <string>
 #include <utility>
+#include <votess/progress.hpp>
 #include <votess/votess.hpp>
 
 #include "failure.hpp"
@@ -52,6 +53,16 @@ auto run_stoppable(Progress& progress, const Work& work) {
         if (error.code() == votess::ErrorCode::cancelled) throw_if_interrupted();
         throw;
     }
+}
+
+// Returns work(), whose calls of the library take no callback. Also shows the bar, and stops them after a signal.
+template <class Work>
+auto run_watched(bool quiet, Progress::Clock::time_point run_began, const Work& work) {
+    Progress progress(!quiet, run_began);
+    return run_stoppable(progress, [&work](const votess::ProgressCallback& callback) {
+        const votess::ProgressScope scope(callback);
+        return work();
+    });
 }
 
 // Returns the exit code for an error of the library.

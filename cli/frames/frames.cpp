@@ -408,6 +408,7 @@ Summary run_frames(const Arguments& arguments, FrameClock::time_point run_began)
     Summary summary;
     Progress progress(!arguments.quiet, run_began);
     run_stoppable(progress, [&](const votess::ProgressCallback&) {
+        const votess::ProgressScope scope([](double) { return interrupting_signal() == 0; });  // for verify()
         FrameRun(arguments, progress, summary).run();
         return true;
     });

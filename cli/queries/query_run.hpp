@@ -34,6 +34,7 @@ private:
 struct QueryInput {
     Input seeds, queries;
     DomainFrom domain_from;
+    bool has_ends = true;  // false: all of space
     votess::Diagram diagram;
 };
 

@@ -117,7 +117,11 @@ Table results_of(const OutputData& data) {
     if (wanted.neighbors)
         table.push_back({"neighbors", 'I', 1,
                          [&cells](OutputBuffer& row, std::size_t i, char) { row.put_number(neighbors_of(cells, i)); }});
-    if (wanted.faces && !planar) table.push_back(voronoi_index_of(cells));
+    // Faces that reach infinity have no number of edges, so no cell of such a domain has an index.
+    const auto reaches_infinity = [](double bound) { return std::isinf(bound); };
+    const bool endless = std::ranges::any_of(cells.box().lower, reaches_infinity) ||
+                         std::ranges::any_of(cells.box().upper, reaches_infinity);
+    if (wanted.faces && !planar && !endless) table.push_back(voronoi_index_of(cells));
     if (wanted.centroids) {
         const auto centroids = std::make_shared<const std::vector<double>>(centroids_of(data));
         table.push_back(of_numbers("centroid", *centroids, size_of_vectors(cells)));

@@ -1,6 +1,7 @@
 // Text rows, in blocks that threads make.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -206,12 +207,14 @@ private:
         return cells_.vertices().data() + size_ * static_cast<std::size_t>(index);
     }
 
-    // Returns the number of a mesh vertex among those of the cell, which ascend.
-    [[nodiscard]] std::size_t local_number(Polygon vertices, std::int32_t index) const {
-        return static_cast<std::size_t>(std::ranges::lower_bound(vertices, index) - vertices.begin());
+    // Returns the number of a mesh vertex among those of the cell, which ascend; -1 for infinity.
+    [[nodiscard]] std::int64_t local_number(Polygon vertices, std::int32_t index) const {
+        return index < 0 ? index : std::ranges::lower_bound(vertices, index) - vertices.begin();
     }
 
+    // Only infinity, as a neighbor, has no corners.
     [[nodiscard]] double perimeter(Polygon corners) const {
+        if (corners.empty() || std::ranges::count(corners, -1) > 0) return std::numeric_limits<double>::infinity();
         double length = 0;
         for (std::size_t k = 0; k < corners.size(); ++k) {
             const double* const a = vertex(corners[k]);
@@ -240,7 +243,7 @@ private:
         });
     }
 
-    // Numbers count the cell's vertices in %p and %P. The order is clockwise seen from outside, as in Voro++.
+    // Numbers count the cell's vertices in %p and %P, and -1 is infinity. The order is clockwise seen from outside, as in Voro++.
     void put_polygon(std::size_t i, Polygon corners) {
         const Polygon vertices = vertices_of(i);
         buffer_.put('(');
@@ -256,7 +259,8 @@ private:
         const Polygon vertices = vertices_of(i);
         counts_.assign(vertices.size(), 0);
         for (const std::size_t entry : order_) {
-            for (const std::int32_t index : polygon(entry)) ++counts_[local_number(vertices, index)];
+            for (const std::int32_t index : polygon(entry))
+                if (index >= 0) ++counts_[static_cast<std::size_t>(local_number(vertices, index))];
         }
         put_list(counts_, [&](std::size_t count) { buffer_.put_number(count); });
     }

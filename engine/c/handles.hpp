@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 #include <votess/alpha.hpp>
 #include <votess/diagram.hpp>
@@ -139,10 +140,13 @@ auto call_back(const char* name, const Function& function) {
     }
 }
 
+// Calls function(data). Meanwhile the callback of votess_set_progress() may stop it.
+VOTESS_API void call_watched(void (*function)(void*), void* data);
+
 template <typename Function>
 votess_status guarded(Function&& function) noexcept {
     try {
-        function();
+        call_watched([](void* data) { (*static_cast<std::remove_reference_t<Function>*>(data))(); }, &function);
         return VOTESS_OK;
     } catch (const votess::Error& error) {
         set_last_error(error.what());

@@ -1,5 +1,7 @@
 #include "core/progress.hpp"
 
+#include "votess/progress.hpp"
+
 namespace votess {
 namespace {
 
@@ -95,5 +97,13 @@ void check_stop() {
 void report_stage(std::size_t done, std::size_t total) {
     if (Stoppable* const own = of_thread.stoppable) own->check(own->stage_.at(done, total));
 }
+
+struct ProgressScope::State {
+    explicit State(ProgressCallback callback) : progress(std::move(callback)), stoppable(progress) {}
+    Progress progress;
+    Stoppable stoppable;
+};
+ProgressScope::ProgressScope(ProgressCallback callback) : state_(std::make_unique<State>(std::move(callback))) {}
+ProgressScope::~ProgressScope() = default;
 
 }  // namespace votess

@@ -55,14 +55,15 @@ std::vector<double> weights_of(const DiagramState& state) {
     return weights;
 }
 
-namespace {
-
 Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights) {
     Options options = state.job.options;
-    options.box = box;
+    if (!options.cell) options.box = box;
     options.weights = weights;
+    options.device = "cpu";
     return options;
 }
+
+namespace {
 
 Box far_box_of(const DiagramState& state, std::span<const double> weights) {
     return far_box({state.points, {}}, weights, *state.endless);
@@ -87,7 +88,6 @@ DiagramState& far_state(DiagramState& state) {
 DiagramState& hull_state(DiagramState& state) {
     return other_state(state, state.hull, [&](const std::vector<double>& weights) {
         Options options = options_in(state, state.endless, weights);
-        options.device = "cpu";
         options.want = {.neighbors = true, .volumes = false};
         options.list_walls = true;
         const Tessellation t = tessellate(state.points, options);

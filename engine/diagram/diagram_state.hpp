@@ -69,6 +69,8 @@ struct DiagramState {
 std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options);
 // Returns the weights as given; none without a power diagram.
 std::vector<double> weights_of(const DiagramState& state);
+// Returns the options of the Diagram, for its cells in another box and on the CPU. A triclinic box stays.
+Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights);
 // Returns those of a state without end.
 DiagramState& far_state(DiagramState& state);
 DiagramState& hull_state(DiagramState& state);

@@ -29,13 +29,7 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
             for (const double place : {seeds.x[s], seeds.y[s], seeds.z[s]}) points.push_back(place / job.scale);
     });
     for (double& weight : weights) weight /= job.scale * job.scale;
-    Options wanted;
-    wanted.box = job.box;
-    wanted.walls = job.options.walls;
-    wanted.weights = weights;
-    wanted.device = "cpu";
-    wanted.threads = job.options.threads;
-    wanted.instructions = job.options.instructions;
+    Options wanted = options_in(state, job.box, weights);
     wanted.want = {};
     wanted.want.volumes = false;
     wanted.want.faces = true;

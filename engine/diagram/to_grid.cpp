@@ -55,12 +55,8 @@ void check(std::size_t seeds, std::span<const double> values, const GridOptions&
 
 // The cells of the seeds, with faces.
 Result build(const DiagramState& state) {
-    const Job& job = state.job;
-    Options options = job.options;
-    if (!options.cell) options.box = job.box;
     const std::vector<double> weights = weights_of(state);
-    options.weights = weights;
-    options.device = "cpu";
+    Options options = options_in(state, state.job.box, weights);
     options.want = {};
     options.want.faces = true;
     options.list_walls = false;

@@ -40,6 +40,8 @@ namespace {
 
 constexpr double share_of_neighbors = 0.5;  // of a call that computes them
 constexpr std::size_t rays_per_look = 64;   // after which the user may stop
+// More is a mistake in the length. A ray through a thousand million seeds passes some thousand cells a box.
+constexpr std::size_t max_cells_of_ray = std::size_t{1} << 24;
 constexpr std::size_t max_flights = 8;      // of a thread: while one waits for memory, the others compute
 
 std::string name_of(std::size_t ray) {
@@ -93,11 +95,8 @@ exact::Point direction_of(const Rays& rays, std::size_t ray) {
 // Needs a CallGuard.
 void make_cells(DiagramState& state) {
     if (state.cells) return;
-    Options options = state.job.options;
-    if (!options.cell) options.box = state.endless ? *state.endless : state.job.box;
     const std::vector<double> weights = weights_of(state);
-    options.weights = weights;
-    options.device = "cpu";
+    Options options = options_in(state, state.endless ? *state.endless : state.job.box, weights);
     options.want = {.neighbors = true, .volumes = false};
     options.list_walls = false;
     options.progress = Stoppable::within({0, share_of_neighbors});
@@ -107,6 +106,13 @@ void make_cells(DiagramState& state) {
 }
 
 using Image = cpu::RayTracer::Image;
+
+void check_cells(const Rays& rays, std::size_t ray, double cells) {
+    if (cells > max_cells_of_ray)
+        throw Error(ErrorCode::unsupported, name_of(ray) + ": its length " + number(rays.lengths[ray]) +
+                                                " leads through more than " + std::to_string(max_cells_of_ray) +
+                                                " cells: give a shorter length, or shorter rays one after the other");
+}
 
 // Returns the image whose cell holds the origin, counted from the seed's place in the domain.
 Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x, const cpu::Place& place) {
@@ -178,6 +184,11 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
                     throw Error(ErrorCode::invalid_argument, name_of(r) +
                                                                  ": its length is infinite, and no wall ends it: "
                                                                  "give a finite length");
+                // Images of a seed bound its cell: none is wider than the domain.
+                const Domain& domain = *state.job.domain;
+                if (domain.is_periodic())
+                    check_cells(rays, r, flight.tracer.end() * flight.speed * state.job.scale /
+                                             (2 * domain.covering_radius));
             }
             return flight.tracer.is_under_way();
         };
@@ -205,6 +216,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             for (Flight& flight : flights) {
                 if (!flight.tracer.is_under_way()) continue;
                 flight.tracer.step();
+                check_cells(rays, flight.ray, static_cast<double>(flight.tracer.pieces().size()));
                 if (flight.tracer.is_under_way()) continue;
                 store(flight);
                 if (!start_next(flight)) --under_way;

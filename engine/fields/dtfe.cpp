@@ -42,6 +42,7 @@ public:
         wraps_.resize(job_.domain->is_periodic() ? job_.points.count() : 0);
         for_tasks(pool, wraps_.size(),
                   [&](std::size_t i) { wraps_[i] = wrap(*job_.domain, point(i)).value_or(exact::Shift{}); });
+        for (std::size_t i = 0; i < job_.beyond.size(); ++i) beyond_box_.push_back(job_.beyond[i] && !is_in_box(i));
         const Delaunay dual = delaunay(built.tessellation);
         whole_ = dual.tetrahedra.size() / 4;
         for (std::size_t k = 0; k < dual.tetrahedra.size(); ++k)
@@ -61,6 +62,15 @@ public:
     [[nodiscard]] std::size_t seed(std::size_t member) const { return at(members_[member].seed); }
     // Six times the volume, at the scale of the job. 0 where WideFloat underflows, in extreme domains.
     [[nodiscard]] Volume volume(std::size_t number) const { return volumes_[number]; }
+
+    // Whether a part of it may lie beyond the box.
+    [[nodiscard]] bool may_leave_box(std::size_t number) const {
+        if (beyond_box_.empty()) return false;
+        return std::ranges::any_of(corners(number), [this](const Corner& corner) {
+            const auto members = std::span(members_).subspan(corner.begin, corner.count);
+            return std::ranges::any_of(members, [this](const Member& m) { return beyond_box_[at(m.seed)]; });
+        });
+    }
 
     // How barycentric coordinates 1 to 3 become those of the grid.
     [[nodiscard]] Place place(std::size_t number) const {
@@ -109,6 +119,14 @@ private:
     [[nodiscard]] exact::Point point(std::size_t i) const {
         return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
                 job_.points[3 * i + 2] * job_.scale};
+    }
+    [[nodiscard]] bool is_in_box(std::size_t i) const {
+        if (job_.domain->triclinic) return inside_walls(*job_.domain, point(i));
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = job_.points[3 * i + k];
+            if (!job_.domain->periodic[k] && !(x >= job_.box.lower[k] && x <= job_.box.upper[k])) return false;
+        }
+        return true;
     }
     // From the place of a seed as given to where it lies as a member.
     [[nodiscard]] exact::Shift shift_of(const Member& m) const {
@@ -183,6 +201,7 @@ private:
     const Job& job_;
     const Frame& frame_;
     std::vector<exact::Shift> wraps_;  // by seed; in periodic domains
+    std::vector<bool> beyond_box_;     // by seed; empty if all are inside
     std::size_t whole_ = 0;            // how many tetrahedra the dual has
     std::vector<Member> members_;
     std::vector<Corners> parts_;  // of polytopes
@@ -199,9 +218,9 @@ struct Masses {
 
 class Tetrahedra final : public Carrier {
 public:
-    Tetrahedra(const Triangulation& triangulation, std::span<const Volume> around, const Masses& masses,
-               std::span<double> grid)
-        : triangulation_(triangulation), around_(around), masses_(masses), grid_(grid) {
+    Tetrahedra(const Frame& frame, const Triangulation& triangulation, std::span<const Volume> around,
+               const Masses& masses, std::span<double> grid)
+        : frame_(frame), triangulation_(triangulation), around_(around), masses_(masses), grid_(grid) {
         constexpr Vector o{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
         for (const std::array<Vector, 3>& face : {std::array{o, y, x}, {o, z, y}, {o, x, z}, {x, y, z}})
             whole_.add_polygon(face);
@@ -211,6 +230,13 @@ public:
         if (triangulation_.volume(number) == 0) return false;
         body.place = triangulation_.place(number);
         body.piece.assign(whole_);
+        double inside = 1;  // share of the volume
+        if (triangulation_.may_leave_box(number)) {
+            cut_to_box(body);
+            if (body.piece.empty()) return false;
+            inside = body.piece.volume() / whole_.volume();
+            if (!(inside > 0)) return false;
+        }
         // A corner has the mass of a quarter of the volume at the density of the corner.
         const std::size_t m = masses_.columns;
         at_corners_.assign(4 * m, 0);
@@ -219,7 +245,8 @@ public:
             const auto& [begin, count] = corners[k];
             for (std::size_t i = begin; i < begin + count; ++i) {
                 const std::size_t seed = triangulation_.seed(i);
-                const double share = ratio(triangulation_.volume(number), around_[seed]) / static_cast<double>(count);
+                const double share =
+                    inside * ratio(triangulation_.volume(number), around_[seed]) / static_cast<double>(count);
                 for (std::size_t c = 0; c < m; ++c) at_corners_[k * m + c] += share * masses_.values[seed * m + c];
             }
         }
@@ -235,6 +262,18 @@ public:
     }
 
 private:
+    // Other bodies are not cut: rounding could take all of a flat one at a wall.
+    void cut_to_box(Body& body) const {
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (frame_.axis(k).periodic) continue;
+            const auto& [x, y, z] = body.place.along[k];
+            const double to_lower = -body.place.at[k];
+            const double to_upper = static_cast<double>(frame_.axis(k).count) - body.place.at[k];
+            if (!body.piece.cut({-x, -y, -z}, -to_lower) || !body.piece.cut({x, y, z}, to_upper)) return;
+        }
+    }
+
+    const Frame& frame_;
     const Triangulation& triangulation_;
     std::span<const Volume> around_;
     const Masses& masses_;
@@ -319,7 +358,7 @@ std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
     const std::vector<Volume> around = volumes_around(triangulation, built.tessellation.size());
     const Masses masses = scaled_masses(task, duplicate_of);
     overlay(task.frame, pool, triangulation.size(),
-            [&] { return std::make_unique<Tetrahedra>(triangulation, around, masses, task.grid); });
+            [&] { return std::make_unique<Tetrahedra>(task.frame, triangulation, around, masses, task.grid); });
     divide(task, masses);
     std::size_t without = 0;
     for (std::size_t i = 0; i < around.size(); ++i)

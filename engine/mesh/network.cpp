@@ -21,7 +21,7 @@ namespace {
 
 using detail::Result;
 using Vector = std::array<double, 3>;
-constexpr std::size_t cells_per_stop = 1024;  // after which the user may stop
+constexpr std::size_t cells_per_stop = 1024, vertices_per_stop = 8192;  // after which the user may stop
 
 Vector vector_at(std::span<const double> array, std::size_t i) {
     return {array[3 * i], array[3 * i + 1], array[3 * i + 2]};
@@ -92,6 +92,7 @@ public:
 private:
     void number_vertices() {
         for (std::size_t v = 0; v < number_.size(); ++v) {
+            if (v % vertices_per_stop == 0) check_stop();
             const std::size_t first = joined_.original(static_cast<std::int32_t>(v));  // at most v
             if (first == v) {
                 number_[v] = static_cast<std::int32_t>(out_.vertices.size());
@@ -174,7 +175,8 @@ private:
         seen_.clear();
         queue_ = {Member{static_cast<std::int32_t>(i), {}}};
         mark(queue_.back(), i);
-        while (!queue_.empty()) {
+        for (std::size_t seen = 0; !queue_.empty(); ++seen) {
+            if (seen % cells_per_stop == cells_per_stop - 1) check_stop();
             const Member from = queue_.back();
             queue_.pop_back();
             for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
@@ -243,6 +245,7 @@ private:
     void join_sides() {
         const bool periodic = !r_.shifts.empty();
         for (std::size_t v = 0; v < out_.vertices.size(); ++v) {
+            if (v % vertices_per_stop == 0) check_stop();
             const auto own = std::span(sides_).subspan(begin_[v], begin_[v + 1] - begin_[v]);
             std::ranges::sort(own, {}, [](const Side& s) { return std::tuple(s.to, s.shift, s.radius); });
             const auto from = static_cast<std::int32_t>(v);
@@ -368,7 +371,9 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     ConnectedVertices sets(vertex_radii.size());
     std::optional<FreeSphere> found;
     std::vector<std::int32_t> ways;  // vertices of sets with a way to their images
-    for (const std::int32_t e : order) {
+    for (std::size_t next = 0; next < order.size(); ++next) {
+        if (next % vertices_per_stop == 0) check_stop();
+        const std::int32_t e = order[next];
         if (found && edge_radii[at(e)] < found->radius) break;
         const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
         const std::int8_t* s = &shifts[3 * at(e)];
@@ -381,9 +386,11 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     std::vector<bool> has_way(vertex_radii.size());
     for (const std::int32_t v : ways) has_way[sets.find(at(v)).root] = true;
     found->included = {-std::numeric_limits<double>::infinity(), -1};
-    for (std::size_t v = 0; v < vertex_radii.size(); ++v)
-        if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
-            found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+    in_pieces(vertex_radii.size(), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
+                found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+    });
     return found;
 }
 

@@ -79,7 +79,7 @@ void NaturalRows::take(std::size_t k, Cell& cell) {
 
 // After the division. Appends the seeds that the probe may bury to its neighbors.
 bool NaturalRows::buries_none(std::size_t k) {
-    if (seeds_.weights.empty()) return true;
+    if (!nearer_.may_bury()) return true;
     nearer_.begin(probes_[k]);
     sibson_.for_vertices(probes_[k].weight,
                          [this](const Vector& x, double power, double error) { nearer_.add_vertex(x, power, error); });
@@ -256,12 +256,9 @@ void NaturalRows::add_gradients(double total) {
 // In ascending order. A seed of which several images are neighbors has one entry.
 void NaturalRows::give(std::size_t k) {
     order_.resize(entries_.size());
-    for (std::size_t e = 0; e < order_.size(); ++e) {
-        const std::uint64_t key = std::uint64_t{static_cast<std::uint32_t>(entries_[e].seed)} << 32 | e;
-        std::size_t place = e;
-        for (; place > 0 && order_[place - 1] > key; --place) order_[place] = order_[place - 1];
-        order_[place] = key;
-    }
+    for (std::size_t e = 0; e < order_.size(); ++e)
+        order_[e] = std::uint64_t{static_cast<std::uint32_t>(entries_[e].seed)} << 32 | e;
+    std::ranges::sort(order_);
     row_seeds_.clear();
     row_weights_.clear();
     row_gradients_.clear();

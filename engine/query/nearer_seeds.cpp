@@ -62,6 +62,8 @@ bool NearerSeeds::find(std::vector<Member>& members) {
     if (seeds_.images != nullptr &&
         !(reach(hierarchy_.largest_weight(top, 0)) + 2 * rounding_ < seeds_.images->reach(at_)))
         return false;
+    known_ = members;
+    std::ranges::sort(known_);
     nodes_.assign(1, {top, 0});
     while (!nodes_.empty()) {
         const auto [level, index] = nodes_.back();
@@ -79,9 +81,10 @@ bool NearerSeeds::find(std::vector<Member>& members) {
             const auto id = static_cast<std::int32_t>(place);
             const Member member =
                 seeds_.images == nullptr ? Member{id} : Member{seeds_.images->home(id), seeds_.images->shift(id)};
-            const double weight = seeds_.weights[static_cast<std::size_t>(member.home)];
-            if (may_be_nearer(place, weight) && std::ranges::find(members, member) == members.end())
-                members.push_back(member);
+            const auto home = static_cast<std::size_t>(member.home);
+            if (seeds_.weights.empty() && !seeds_.is_beyond(home)) continue;  // it has a face
+            const double weight = seeds_.weights.empty() ? 0 : seeds_.weights[home];
+            if (!std::ranges::binary_search(known_, member) && may_be_nearer(place, weight)) members.push_back(member);
         }
     }
     return true;

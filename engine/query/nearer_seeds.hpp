@@ -1,4 +1,5 @@
-// Seeds of a power diagram that a probe may bury: inside of its cell they are nearer than all seeds known so far. The
+// Seeds that a probe may bury: inside of its cell they are nearer than all seeds known so far. They belong to a power
+// diagram or lie outside of the domain, in which they have a part all the same. The
 // parts of the known seeds are convex, and on each of them the difference of two powers is linear. So a seed that is
 // nearer anywhere is nearer at a vertex of some part.
 #pragma once
@@ -26,6 +27,8 @@ class NearerSeeds {
 public:
     NearerSeeds(const SortedSeeds& seeds, const Hierarchy& hierarchy) : seeds_(seeds), hierarchy_(hierarchy) {}
 
+    // Whether a probe may bury seeds. Otherwise each seed lies in its own part, which no probe takes whole.
+    [[nodiscard]] bool may_bury() const { return !seeds_.weights.empty() || !seeds_.beyond.empty(); }
     void begin(const Probe& probe);
     // Adds a vertex of a part, relative to the probe. power: the squared distance of its seed, less the weight; error:
     // a bound on that of the place.
@@ -54,6 +57,7 @@ private:
     double farthest_ = 0, highest_ = 0;
     std::vector<Vertex> vertices_;
     std::vector<Node> nodes_;
+    std::vector<Member> known_;  // sorted
 };
 
 }  // namespace votess::cpu

@@ -13,6 +13,8 @@ namespace {
 constexpr double accepted_sum_error = 0x1p-37;
 constexpr double accepted_of_moments = 0x1p-34;  // of a volume and an area, of themselves, where moments are wanted
 constexpr std::size_t min_faces = 4;
+// Members from which on a triangulation costs less than to try each for each part.
+constexpr std::size_t min_triangulated = 64;
 
 exact::Shift difference(const exact::Shift& a, const exact::Shift& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
@@ -44,10 +46,16 @@ Cell& Parts::build(std::size_t k, std::span<const exact::Plane> guards) {
     if (search_) return builder_.build(home, guards);
     homes_.clear();
     shifts_.clear();
-    for (std::size_t other = 0; other < members_.size(); ++other) {
-        if (other == k) continue;
-        homes_.push_back(members_[other].home);
-        shifts_.push_back(difference(members_[other].shift, members_[k].shift));
+    const auto add = [&](const Member& other) {
+        homes_.push_back(other.home);
+        shifts_.push_back(difference(other.shift, members_[k].shift));
+    };
+    if (triangulation_) {
+        triangulation_->neighbors(k, around_, marks_);
+        for (const std::int32_t other : around_) add(members_[static_cast<std::size_t>(other)]);
+    } else {
+        for (std::size_t other = 0; other < members_.size(); ++other)
+            if (other != k) add(members_[other]);
     }
     return builder_.build_from(home, homes_, shifts_, guards);
 }
@@ -80,7 +88,8 @@ void Parts::add_neighbors_of(std::size_t k) {
 
 // The vertices of the cell at hand.
 void Parts::add_vertices_of(std::size_t k) {
-    const double weight = seeds_.weights[static_cast<std::size_t>(members_[k].home)];
+    const double weight =
+        seeds_.weights.empty() ? 0 : seeds_.weights[static_cast<std::size_t>(members_[k].home)];
     for (int slot = 0; slot < cell_->slots(); ++slot) {
         if (!cell_->alive(slot)) continue;
         const Vector3 x = cell_->position(slot);
@@ -88,13 +97,26 @@ void Parts::add_vertices_of(std::size_t k) {
     }
 }
 
+void Parts::triangulate() {
+    triangulation_.reset();
+    if (members_.size() < min_triangulated || !seeds_.weights.empty() || seeds_.images != nullptr) return;
+    std::array<std::vector<double>, 3> x;
+    for (const Member& member : members_) {
+        const exact::Point at = base_of(member.home).point;
+        for (std::size_t axis = 0; axis < 3; ++axis) x[axis].push_back(at[axis]);
+    }
+    triangulation_.emplace(members_.size(), x[0], x[1], x[2]);
+    if (!triangulation_->valid()) triangulation_.reset();
+}
+
 void Parts::clip_all() {
+    triangulate();
     known_.clear();
-    if (!seeds_.weights.empty()) nearer_.begin(*probe_);
+    if (nearer_.may_bury()) nearer_.begin(*probe_);
     for (std::size_t k = 0; k < members_.size(); ++k) {
         if (!clip(k)) continue;
         known_.push_back(measure(k, Precision::cell));
-        if (!seeds_.weights.empty()) add_vertices_of(k);
+        if (nearer_.may_bury()) add_vertices_of(k);
     }
 }
 
@@ -127,7 +149,7 @@ std::span<const Part> Parts::divide(const Probe& probe, std::span<const Member> 
     for (std::size_t known = 0; !search_ && known < members_.size();) {
         clip_all();
         known = members_.size();
-        search_ = !seeds_.weights.empty() && !nearer_.find(members_);
+        search_ = nearer_.may_bury() && !nearer_.find(members_);
     }
     if (search_) clip_by_search();
     double total = 0;

@@ -1,12 +1,13 @@
 // The division of a probe's cell by the exact clipper. Part a is the set of points nearer to the probe than to seed a,
 // and nearer to a than to any other seed. It is clipped as the cell of a, with the bisector of the probe reversed.
 //
-// Without weights, the neighbors of the probe are all seeds that have a part. In a power diagram the probe may bury
-// seeds: their whole cell was inside its cell. NearerSeeds finds them. Where it cannot, a search goes from part to
+// The neighbors of the probe are all seeds that have a part, unless the probe may bury seeds: their whole cell was inside
+// its cell. That happens in a power diagram, and to seeds outside of the domain. NearerSeeds finds them. Where it cannot, a search goes from part to
 // part: the parts fill the cell, so each has a face in common with another.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "cpu/cell_builder.hpp"
 #include "polytope/piece.hpp"
 #include "query/nearer_seeds.hpp"
+#include "triangulate/delaunay.hpp"
 
 namespace votess::cpu {
 
@@ -41,6 +43,7 @@ private:
     [[nodiscard]] Cell& build(std::size_t k, std::span<const exact::Plane> guards);
     // Returns whether the part of members_[k] has a volume. Its cell is then in cell_, faces_.
     [[nodiscard]] bool clip(std::size_t k);
+    void triangulate();
     void clip_all();
     void clip_by_search();
     void add_vertices_of(std::size_t k);
@@ -61,6 +64,11 @@ private:
     const Probe* probe_ = nullptr;
     bool moments_ = false;
     bool search_ = false;  // builds each part among all seeds, not among the members
+    // Of many members, in their order: each part is cut by few of them. It is not made in periodic domains, whose images
+    // have no exact coordinates.
+    std::optional<Delaunay> triangulation_;
+    std::vector<std::int32_t> around_;
+    std::vector<std::uint8_t> marks_;
     std::vector<Member> members_;
     std::set<Member> found_;  // the same, while it searches
     std::vector<std::int32_t> homes_;

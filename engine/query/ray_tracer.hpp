@@ -118,6 +118,8 @@ public:
     [[nodiscard]] bool start(const exact::Ray& ray, double end, const Image& start);
     // Whether look() and step() are due, in turns.
     [[nodiscard]] bool is_under_way() const { return is_under_way_; }
+    // Returns the time at which the ray ends.
+    [[nodiscard]] double end() const { return 0.5 * stop_.time; }
     // Selects the neighbors that may be next.
     void look();
     // Finds the next, and the piece before it.

@@ -37,16 +37,16 @@ std::vector<std::int32_t> insertion_order(std::size_t count) {
 
 }  // namespace
 
-Delaunay::Delaunay(const SortedSeeds& seeds) : count_(seeds.size()) {
+Delaunay::Delaunay(std::size_t count, std::span<const double> x, std::span<const double> y, std::span<const double> z)
+    : count_(count) {
     // Seeds that are small beside their box get the size that filters are made for.
     double largest = 0;
     for (std::size_t i = 0; i < count_; ++i)
-        largest = std::max({largest, std::abs(seeds.x[i]), std::abs(seeds.y[i]), std::abs(seeds.z[i])});
+        largest = std::max({largest, std::abs(x[i]), std::abs(y[i]), std::abs(z[i])});
     constexpr double small = 0x1p-64, smallest = 0x1p-1000;
     const double scale = largest < small && largest > smallest ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
     points_.reserve(count_ + 4);
-    for (std::size_t i = 0; i < count_; ++i)
-        points_.push_back({seeds.x[i] * scale, seeds.y[i] * scale, seeds.z[i] * scale});
+    for (std::size_t i = 0; i < count_; ++i) points_.push_back({x[i] * scale, y[i] * scale, z[i] * scale});
     points_.insert(points_.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
     first_.assign(points_.size(), Triangulation::unused);
     Triangulation triangulation(points_);

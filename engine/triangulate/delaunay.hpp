@@ -6,7 +6,9 @@
 // only from nearly all seeds: those of seeds near a common sphere.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "index/sort.hpp"
@@ -16,7 +18,9 @@ namespace votess::cpu {
 
 class Delaunay {
 public:
-    explicit Delaunay(const SortedSeeds& seeds);
+    explicit Delaunay(const SortedSeeds& seeds) : Delaunay(seeds.size(), seeds.x, seeds.y, seeds.z) {}
+    // Of `count` points, no two of them equal. Fastest where successive ones are near each other.
+    Delaunay(std::size_t count, std::span<const double> x, std::span<const double> y, std::span<const double> z);
 
     // False when there are too many tetrahedra (up to N^2 / 2).
     [[nodiscard]] bool valid() const { return valid_; }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 #include "core/text.hpp"
 #include "input/domain_of_result.hpp"
 #include "plane/sheet.hpp"
@@ -18,6 +19,7 @@ namespace {
 using detail::Result;
 
 constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+constexpr std::size_t rows_per_stop = 1024;  // after which the user may stop
 
 std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
@@ -107,6 +109,7 @@ std::string check_polygons(const Result& r) {
     const Rows rows{r.indptr, r.indices, r.shifts};
     std::vector<std::uint64_t> edges;
     for (std::size_t i = 0; i < r.status.size(); ++i) {
+        if (i % rows_per_stop == 0) check_stop();
         if (!is_watertight(r, rows, i, edges)) return "cell " + std::to_string(i) + " is not watertight";
         for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
             const FaceLabel label = rows.label(entry);

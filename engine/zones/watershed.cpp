@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "core/progress.hpp"
 #include "votess/zones.hpp"
 
 namespace votess {
@@ -15,6 +16,7 @@ namespace {
 
 using Rank = std::uint32_t;
 constexpr std::int32_t none = -1;
+constexpr std::size_t cells_per_stop = 4096;  // after which the user may stop
 
 std::size_t at(std::int32_t index) {
     return static_cast<std::size_t>(index);
@@ -71,6 +73,7 @@ void descend(const Tessellation& t, const Order& order, Zones& out) {
     if (t.lists_walls()) out.at_walls.assign(t.size(), 0);
     std::vector<Rank> lowest(t.size());  // rank of the lowest of each cell and its neighbors
     for (std::size_t i = 0; i < t.size(); ++i) {
+        if (i % cells_per_stop == 0) check_stop();
         if (t.status()[i] != CellStatus::certified) continue;
         lowest[i] = order.ranks[i];
         for (const std::int32_t j : t.neighbors(i)) {
@@ -118,7 +121,10 @@ std::vector<Pass> find_passes(const Tessellation& t, const Order& order, const Z
         }
         met.clear();
     };
-    for (const std::int32_t i : by_zone(order, zones)) {
+    const std::vector<std::int32_t> members = by_zone(order, zones);
+    for (std::size_t k = 0; k < members.size(); ++k) {
+        if (k % cells_per_stop == 0) check_stop();
+        const std::int32_t i = members[k];
         if (zones.labels[at(i)] != zone) {
             finish_zone();
             zone = zones.labels[at(i)];
@@ -166,6 +172,7 @@ void build_tree(const Order& order, std::span<const double> values, Zones& out) 
     std::vector<std::int32_t> up(out.size());
     std::iota(up.begin(), up.end(), 0);
     for (std::size_t p = 0; p < out.saddles.size(); ++p) {
+        if (p % cells_per_stop == 0) check_stop();
         std::int32_t mine = out.pairs[2 * p], other = out.pairs[2 * p + 1];
         std::int32_t younger = root_of(up, mine), older = root_of(up, other);
         if (younger == older) continue;

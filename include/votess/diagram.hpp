@@ -71,6 +71,9 @@ enum class GridMethod : std::int32_t {
     // outside of all. The average is exact: the grid times the volume of a grid cell sums to the total mass, to a
     // relative 1e-12, however flat or small the tetrahedra are.
     //
+    // Tetrahedra of seeds outside (Outside::keep) may reach beyond the box. Each grid cell has the average over itself,
+    // so mass beyond the box is not in the grid. Oblique walls do not end the field.
+    //
     // A polytope is divided into tetrahedra from its center and the centers of its facets, where the density is the
     // mean of the corners. W is then four times the integral of the field that is 1 at the seed and 0 at the others. So
     // the result does not depend on the order of the seeds.
@@ -153,7 +156,8 @@ public:
     //
     // The first call computes the neighbors of all cells and stores them for later calls: 200 bytes a seed. Throws as
     // locate(); invalid_argument for a bad direction or length, and for an infinite ray without a wall in its way;
-    // `unsupported` for directions whose components no common scale holds, and beyond 500 million periods.
+    // `unsupported` for directions whose components no common scale holds, for a ray through more than 2^24 cells, and
+    // beyond 500 million periods.
     [[nodiscard]] RayCells trace(std::span<const double> origins, std::span<const double> directions,
                                  std::span<const double> lengths, const TraceOptions& options = {}) const;
     // Returns Q cells: the cell that each query would have if it alone were added to the seeds. Rows are bit for bit

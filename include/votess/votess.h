@@ -85,6 +85,9 @@ typedef enum votess_precision {
 // Called by the thread that runs votess_tessellate or a query, about ten times a second. Return 0 to cancel, else
 // nonzero. A C++ exception of the callback ends the call with VOTESS_ERROR_CANCELLED; votess_last_error() names it.
 typedef int (*votess_progress_callback)(double fraction, void* user);
+// Sets the callback of this thread, which later calls use where they have none: votess_delaunay_new(),
+// votess_network_new(), votess_alpha_new(), votess_verify() and all others. NULL removes it. user: passed to it.
+VOTESS_API void votess_set_progress(votess_progress_callback progress, void* user);
 // message: zero-terminated, valid during the call.
 typedef void (*votess_log_callback)(const char* message, void* user);
 

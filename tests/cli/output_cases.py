@@ -240,6 +240,43 @@ class TextOutput(CliTest):
         self.put("d.txt", "0 0 0\n1 1 1\n0 0 0\n")
         self.assertEqual(self.rows("d.txt", "--format", form)[2], "||||0||0|0|0|0.5|nan nan nan||||")
 
+    def test_codes_of_open_faces(self):
+        # Without a box faces may reach infinity, which is no vertex.
+        self.put("a.txt", text_of(random_points(40)))
+        form = "%n|%a|%e|%E|%o|%g|%w|%P|%t"
+        open_cells = open_faces = 0
+        for text in self.rows("a.txt", "--box", "none", "--format", form):
+            row = dict(zip(re.sub("[%|]", "", form), text.split("|"), strict=True))
+            corners = np.array(self.brackets(row["P"])).reshape(-1, 3)
+            polygons = [[int(v) for v in polygon if v != ""] for polygon in
+                        (word.split(",") for word in re.findall(r"\(([^)]*)\)", row["t"]))]
+            numbers = {name: row[name].split() for name in "naeo"}
+            self.assertEqual(len(corners), int(row["w"]))
+            self.assertEqual([int(n) for n in numbers["a"]], [len(polygon) for polygon in polygons])
+            self.assertTrue(all(-1 <= v < len(corners) for polygon in polygons for v in polygon))
+            edges = {frozenset((a, b)) for p in polygons for a, b in zip(p, p[1:] + p[:1]) if min(a, b) >= 0}
+            around = [sum(v in p for p in polygons) for v in range(len(corners))]
+            self.assertEqual([int(n) for n in numbers["o"]], around)
+            ends = [sum(v in edge for edge in edges) for v in range(len(corners))]
+            # Faces and edges at a vertex are equally many, and the edges that are missing are rays.
+            self.assertEqual(sum(around) - sum(ends), int(row["g"]) - len(edges))
+            total = 0.0
+            for neighbor, polygon, length in zip(numbers["n"], polygons, numbers["e"], strict=True):
+                if -1 in polygon or int(neighbor) == -1:
+                    open_faces += 1
+                    self.assertEqual(length, "inf")
+                else:
+                    expected = np.linalg.norm(corners[polygon] - np.roll(corners[polygon], 1, axis=0), axis=1).sum()
+                    self.assertAlmostEqual(float(length), expected, places=9)
+                total += float(length)
+            np.testing.assert_allclose(float(row["E"]), total / 2)
+            open_cells += row["E"] == "inf"
+            self.assertEqual(row["E"] == "inf", "-1" in numbers["n"])
+        self.assertGreater(open_cells, 10)
+        self.assertGreater(open_faces, 3 * open_cells)
+        self.run_cli("a.txt", "-q", "--box", "none", "-o", "a.csv")
+        self.assertEqual((self.folder / "a.csv").read_text().split("\n")[0], "id,x,y,z,volume,neighbors")
+
     def test_faces_list_walls(self):
         # Without polygons the rows list walls only by --list-walls.
         self.put("a.txt", CUBE)

@@ -156,6 +156,28 @@ class Probe(CliTest):
         self.assertEqual(list(summary["seconds"]), ["total", "read", "sort", "probe", "write"])
         self.assertEqual(self.rows("p.txt", "--probe", self.put("none.txt", "")), [])
 
+    def test_without_a_box(self):
+        """Cells of queries that reach infinity, in each output."""
+        self.put("p.txt", text_of(random_points(20)))
+        self.put("q.txt", "0.5 0.5 0.5\n3 3 3\n")
+        asked = ["p.txt", "--probe", "q.txt"]
+        codes = "%n;%v;%w;%g;%s;%t;%o;%a;%e;%E"
+        inner, outer = (dict(zip(codes[1::3], row.split(";"))) for row in self.rows(*asked, "--format", codes))
+        self.assertNotIn("inf", "".join(inner.values()))
+        self.assertNotIn("-1", inner["t"])
+        self.put("all.txt", text_of([*random_points(20), (3, 3, 3)]))
+        again = self.rows("all.txt", "--box", "none", "--list-walls", "--format", codes)[20]
+        for code, other in zip(codes[1::3], again.split(";"), strict=True):
+            if code in "nvwgsaE":  # vertices have other numbers
+                self.assertEqual(outer[code], other, code)
+        for name in ("a.vtu", "a.xyz", "a.dump"):
+            self.refuse(*asked, "-o", name, says="needs a box with ends, and without a box")
+        self.run_cli(*asked, "-q", "-o", "a.csv", "-o", "a.npz")
+        self.run_cli(*asked, "-q", "--box", "0,0,0,4,4,4", "-o", "b.csv", "-o", "a.vtu", "-o", "a.xyz", "-o", "a.dump")
+        first = [(self.folder / name).read_text().split("\n")[0] for name in ("a.csv", "b.csv")]
+        self.assertEqual(first[0], "id,x,y,z,volume,neighbors")
+        self.assertEqual(first[1], first[0] + ",n3,n4,n5,n6,n7")
+
     def test_refused(self):
         self.put("cube.txt", CUBE)
         self.put("q.txt", "0 0 0\n")

@@ -278,6 +278,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_sizeof_options": (c_size_t, ()),
     "votess_sizeof_stats": (c_size_t, ()),
     "votess_last_error": (c_char_p, ()),
+    "votess_set_progress": (None, (ProgressCallback, c_void_p)),
     "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
     "votess_want_of": (c_int, (c_char_p, POINTER(c_uint32))),
     "votess_options_implied_want": (c_int, (POINTER(Options), POINTER(c_uint32))),

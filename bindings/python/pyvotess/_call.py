@@ -221,6 +221,16 @@ def run(function: Any, arguments: Tuple[Any, ...], options: _c_api.Options, out:
     raise_on_failure(status)
 
 
+def watched(function: Any, *arguments: Any) -> int:
+    """Returns the status of a function of the library that takes no callback. Ctrl-C stops it."""
+    with Callbacks() as callbacks:
+        lib.votess_set_progress(callbacks.progress(None), None)
+        try:
+            return int(function(*arguments))
+        finally:
+            lib.votess_set_progress(_c_api.ProgressCallback(), None)
+
+
 # Display of progress=True: a bar of tqdm if it is installed, else a line on stderr.
 class _Line:
     """Overwrites the percentage when it changes."""

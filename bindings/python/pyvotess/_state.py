@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 import numpy as np
 
 from ._arguments import as_number
-from ._call import Handle, array_of, raise_on_failure
+from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 from .mesh import Faces, Lists, Neighbors, Rows, count_edges
 from .stats import Stats, read_stats
@@ -478,7 +478,7 @@ class SeedCells(Cells):
             return points  # the domain is not periodic
         places = np.empty_like(points)
         raise_on_failure(
-            lib.votess_wrapped_points(self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
+            watched(lib.votess_wrapped_points, self._result.pointer, points.ctypes.data, len(points), places.ctypes.data)
         )
         return places
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._arguments import as_each_axis
-from ._call import Handle, array_of, raise_on_failure
+from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]
     copies = np.array(as_each_axis(replicate, "replicate"), np.int32)
     handle = Handle(lib.votess_alpha_free)
     arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
-    raise_on_failure(lib.votess_alpha_new(result.pointer, *arguments))
+    raise_on_failure(watched(lib.votess_alpha_new, result.pointer, *arguments))
 
     def arrays(name: str, dtype: Any, columns: Sequence[int] = (0, 0, 0, 0)) -> Tuple[npt.NDArray[Any], ...]:
         return tuple(

@@ -325,8 +325,8 @@ class Diagram:
         """Returns the field at each query: the seeds' values weighted by the coordinates of :meth:`natural_neighbors`.
 
         The result is (Q,) or (Q, m) float64, NaN without coordinates: without a box outside of the convex hull of the
-        seeds. ``beyond="nearest"`` takes the value of the nearest seed there, with gradient 0. With ``gradient`` the gradient follows, (Q, 3) or
-        (Q, m, 3), per length unit, also NaN on seeds.
+        seeds. ``beyond="nearest"`` takes the value of the nearest seed there, with gradient 0. Values that are NaN stay NaN.
+        With ``gradient`` the gradient follows, (Q, 3) or (Q, m, 3), per length unit, also NaN on seeds.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
         """
@@ -334,13 +334,16 @@ class Diagram:
         of_seeds = self._as_values(values)
         as_word(beyond, "beyond", dict.fromkeys(("nan", "nearest")))
         numbers = _as_weights(weights, len(array))
-        field = np.empty((len(array), *of_seeds.shape[1:]))
+        asked = of_seeds
+        if beyond == "nearest":  # a column of ones is NaN exactly where there are no coordinates
+            asked = np.column_stack((of_seeds, np.ones(len(of_seeds))))
+        field = np.empty((len(array), *asked.shape[1:]))
         slopes = np.empty((*field.shape, 3)) if as_flag(gradient, "gradient") else None
         self._ask(
             lib.votess_diagram_interpolate,
             progress,
-            of_seeds.ctypes.data,
-            of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
+            asked.ctypes.data,
+            asked.shape[1] if asked.ndim == 2 else 1,
             array.ctypes.data,
             len(array),
             as_word(method, "method", _c_api.NATURAL_METHODS),
@@ -350,12 +353,14 @@ class Diagram:
             _address(slopes),
         )
         if beyond == "nearest":
-            unknown = np.flatnonzero(np.isnan(field.reshape(len(field), -1)).all(axis=1))
+            unknown = np.flatnonzero(np.isnan(field[:, -1]))
             nearest = self.locate(array[unknown], progress)
             unknown, nearest = unknown[nearest >= 0], nearest[nearest >= 0]
-            field[unknown] = of_seeds[nearest]
+            field[unknown] = asked[nearest]
             if slopes is not None:
                 slopes[unknown] = 0
+                slopes = np.ascontiguousarray(slopes[:, :-1]).reshape(*field.shape[:1], *of_seeds.shape[1:], 3)
+            field = np.ascontiguousarray(field[:, :-1]).reshape(len(field), *of_seeds.shape[1:])
         return field if slopes is None else (field, slopes)
 
     def to_grid(
@@ -370,6 +375,7 @@ class Diagram:
 
         Grid cells divide the box along x, y and z, a triclinic box along a, b and c. The sum of the grid times the volume
         of a grid cell is the total, to a relative 1e-12: of values times volumes with ``mean``, of all mass with ``dtfe``.
+        With ``outside="keep"`` tetrahedra may reach beyond the box, and the mass that lies there is not in the grid.
         ``mean`` and ``dtfe`` compute all cells with faces first. The GIL is released.
 
         Parameters

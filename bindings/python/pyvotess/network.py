@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from ._arguments import as_axis
-from ._call import Handle, WithHandle, array_of, raise_on_failure
+from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
 from ._library import lib
 from .pairs import edges_of
 
@@ -74,7 +74,9 @@ class Network(WithHandle):
         """
         radius, vertex = ctypes.c_double(), ctypes.c_int32()
         raise_on_failure(
-            lib.votess_network_largest_included(self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex))
+            watched(
+                lib.votess_network_largest_included, self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex)
+            )
         )
         if vertex.value < 0:
             raise ValueError("the network has no vertices, so no sphere")
@@ -91,7 +93,9 @@ class Network(WithHandle):
         """
         radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
         out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
-        raise_on_failure(lib.votess_network_largest_free(self._pointer("network()"), as_axis(axis, "axis"), *out))
+        raise_on_failure(
+            watched(lib.votess_network_largest_free, self._pointer("network()"), as_axis(axis, "axis"), *out)
+        )
         if edge.value < 0:
             along = "" if axis is None else f" along axis {axis}"
             raise ValueError(f"no edges lead to an image of themselves{along}: give a domain that is periodic there")
@@ -123,7 +127,7 @@ def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
     handle = Handle(lib.votess_network_free)
     raise_on_failure(
-        lib.votess_network_new(result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
+        watched(lib.votess_network_new, result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
     )
 
     def array(name: str, dtype: Any, columns: int = 0) -> Any:

@@ -5,13 +5,14 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from ._arguments import as_flag
 from ._c_api import CellStatus, ErrorCode
-from ._call import Handle, Progress, VotessError, array_of, raise_on_failure
+from ._call import Handle, Progress, VotessError, array_of, raise_on_failure, watched
 from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -89,7 +90,7 @@ class Tessellation(SeedCells):
         image: then give a smaller ``min_face``.
         """
         handle = Handle(lib.votess_delaunay_free)
-        raise_on_failure(lib.votess_delaunay_new(self._handle().pointer, ctypes.byref(handle.pointer)))
+        raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(
             lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
         )
@@ -158,7 +159,7 @@ class Tessellation(SeedCells):
         handle = Handle(lib.votess_zones_free)
         falls = as_flag(maxima, "maxima")
         arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
-        raise_on_failure(lib.votess_zones_new(self._handle().pointer, *arguments))
+        raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
         return read_zones(handle, self.lists_walls, falls)
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
@@ -291,9 +292,9 @@ class Tessellation(SeedCells):
                 raise
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
-        report = verify(lib.votess_verify, *seeds, *drawn)
+        report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
         if self.planar or self.in_mesh:
             return report
         tiny = ctypes.c_uint64()
-        raise_on_failure(lib.votess_count_tiny_faces(*seeds, ctypes.byref(tiny)))
+        raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, ctypes.byref(tiny)))
         return replace(report, tiny_faces=tiny.value)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from ._arguments import as_number
-from ._call import Handle, WithHandle, array_of, raise_on_failure
+from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -51,7 +51,9 @@ class Zones(WithHandle):
         """
         handle = Handle(lib.votess_zones_free)
         level = as_number(threshold, "threshold")
-        raise_on_failure(lib.votess_zones_merge(self._pointer("watershed()"), level, ctypes.byref(handle.pointer)))
+        raise_on_failure(
+            watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer))
+        )
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 

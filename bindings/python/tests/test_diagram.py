@@ -299,6 +299,16 @@ class NaturalNeighbors(unittest.TestCase):
         np.testing.assert_array_equal(everywhere[~known], values[d.locate(queries[~known])])
         np.testing.assert_array_equal(slopes[~known], 0)
         np.testing.assert_array_equal(slopes[known], slope[known])
+        # A value that is NaN stays so, where there are coordinates and for the nearest seed.
+        for columns in ((), (1,), (2,)):
+            with_gaps = np.broadcast_to(values.reshape(-1, *([1] * len(columns))), (len(values), *columns)).copy()
+            with_gaps[::2] = np.nan
+            field = d.interpolate(with_gaps, queries)
+            everywhere, slopes = d.interpolate(with_gaps, queries, gradient=True, beyond="nearest")
+            self.assertEqual((everywhere.shape, slopes.shape), ((len(queries), *columns), (len(queries), *columns, 3)))
+            self.assertTrue(np.isnan(field[known]).any())
+            np.testing.assert_array_equal(everywhere[known], field[known])
+            np.testing.assert_array_equal(everywhere[~known], with_gaps[d.locate(queries[~known])])
         with self.assertRaisesRegex(ValueError, "beyond"):
             d.interpolate(values, queries, beyond="far")
 

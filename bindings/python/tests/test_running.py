@@ -173,6 +173,31 @@ class Running(unittest.TestCase):
         self.assertEqual(errors.getvalue(), "")
         self.assertEqual(len(tessellator.tessellate(points[:50])), 50)
 
+    def test_methods_of_a_result_can_be_stopped(self):
+        from pyvotess import _c_api, _call
+
+        class Alarm(Exception):
+            pass
+
+        def work(fraction):  # as when a signal handler raises
+            raise Alarm
+
+        def progress(callbacks, given):
+            return callbacks.guarded(_c_api.ProgressCallback, work, 0)
+
+        t = vt.tessellate(uniform(500), UNIT_BOX, periodic=True, want="neighbors,volumes,areas,faces,counts", device="cpu")
+        network = t.network()
+        calls = {
+            "delaunay": t.delaunay, "network": t.network, "largest_free": network.largest_free,
+            "alpha_complex": t.alpha_complex, "verify": t.verify, "watershed": lambda: t.watershed(t.volumes),
+            "pairs": vt.tessellate(uniform(500), UNIT_BOX, periodic=True, device="cpu").pairs,
+        }  # fmt: skip
+        for name, call in calls.items():
+            with self.subTest(name):
+                with mock.patch.object(_call.Callbacks, "progress", progress), self.assertRaises(Alarm):
+                    call()
+                self.assertIsNotNone(call())
+
     def test_callbacks_of_a_run_stop_at_the_first_error(self):
         from pyvotess import _c_api, _call
 

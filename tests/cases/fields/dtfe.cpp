@@ -195,21 +195,18 @@ struct Part {
     mpq_class volume;
 };
 
-// Adds the integrals of the coordinates where x < h, times `sign`, by halving along edges that cross the plane.
-void add_below(const Part& part, const mpq_class& h, int sign, std::array<mpq_class, 4>& sums) {
+// Visits parts that fill the place below h along an axis, by halving along edges that cross the plane.
+template <class Visit>
+void for_below(const Part& part, std::size_t axis, const mpq_class& h, const Visit& visit) {
     std::size_t below = 4, beyond = 4;
     for (std::size_t k = 0; k < 4; ++k) {
-        if (part.place[k][0] < h) below = k;
-        if (part.place[k][0] > h) beyond = k;
+        if (part.place[k][axis] < h) below = k;
+        if (part.place[k][axis] > h) beyond = k;
     }
     if (below == 4) return;
-    if (beyond == 4) {
-        for (const auto& corner : part.coordinates)
-            for (std::size_t k = 0; k < 4; ++k) sums[k] += sign * part.volume * corner[k] / 4;
-        return;
-    }
+    if (beyond == 4) return visit(part);
     const Rational &from = part.place[below], &to = part.place[beyond];
-    const mpq_class share = (h - from[0]) / (to[0] - from[0]);
+    const mpq_class share = (h - from[axis]) / (to[axis] - from[axis]);
     for (const std::size_t moved : {below, beyond}) {
         Part half = part;
         for (std::size_t k = 0; k < 3; ++k) half.place[moved][k] = from[k] + share * (to[k] - from[k]);
@@ -217,8 +214,85 @@ void add_below(const Part& part, const mpq_class& h, int sign, std::array<mpq_cl
             half.coordinates[moved][k] =
                 part.coordinates[below][k] + share * (part.coordinates[beyond][k] - part.coordinates[below][k]);
         half.volume *= moved == beyond ? share : 1 - share;
-        add_below(half, h, sign, sums);
+        for_below(half, axis, h, visit);
     }
+}
+
+// Adds the integrals of the coordinates, times `sign`.
+void add_whole(const Part& part, int sign, std::array<mpq_class, 4>& sums) {
+    for (const auto& corner : part.coordinates)
+        for (std::size_t k = 0; k < 4; ++k) sums[k] += sign * part.volume * corner[k] / 4;
+}
+
+// Does so where x < h.
+void add_below(const Part& part, const mpq_class& h, int sign, std::array<mpq_class, 4>& sums) {
+    for_below(part, 0, h, [&](const Part& below) { add_whole(below, sign, sums); });
+}
+
+Part part_of(const Dual& d, std::size_t tetrahedron, const test::Coordinates& points) {
+    Part part;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const Member m = d.corner(tetrahedron, k);
+        part.coordinates[k][k] = 1;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            part.place[k][axis] = mpq_class(points[3 * static_cast<std::size_t>(m.seed) + axis]) + m.shift[axis];
+    }
+    const auto edge = [&](std::size_t k, std::size_t axis) -> mpq_class {
+        return part.place[k][axis] - part.place[0][axis];
+    };
+    for (std::size_t k = 0; k < 3; ++k)
+        part.volume +=
+            edge(1, k) * (edge(2, (k + 1) % 3) * edge(3, (k + 2) % 3) - edge(2, (k + 2) % 3) * edge(3, (k + 1) % 3));
+    REQUIRE(part.volume > 0);
+    return part;
+}
+
+// By seed and octant of the unit box, for unit masses: the mass there. -1 for seeds without a tetrahedron.
+std::vector<std::array<double, 8>> masses_in_octants(const Dual& d, const test::Coordinates& points) {
+    const std::size_t n = points.size() / 3;
+    std::vector<mpq_class> around(n);
+    std::vector<std::array<mpq_class, 8>> inside(n);
+    const auto visit_octants = [&](const Part& part, const std::array<int, 3>& image, const auto& visit) {
+        // Each octant is a sum of corners, of everything below 0, 1/2 or 1 along the axes.
+        for (int corner = 0; corner < 27; ++corner) {
+            const std::array<int, 3> at{corner % 3, corner / 3 % 3, corner / 9};
+            const auto height = [&](std::size_t axis) -> mpq_class {
+                return mpq_class(at[axis], 2) + image[axis];
+            };
+            std::array<mpq_class, 4> sums;
+            for_below(part, 0, height(0), [&](const Part& x) {
+                for_below(x, 1, height(1), [&](const Part& y) {
+                    for_below(y, 2, height(2), [&](const Part& z) { add_whole(z, 1, sums); });
+                });
+            });
+            for (int octant = 0; octant < 8; ++octant) {
+                int sign = 1;
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const int lower = octant >> (2 - axis) & 1;
+                    if (at[axis] != lower && at[axis] != lower + 1) sign = 0;
+                    if (at[axis] == lower) sign = -sign;
+                }
+                if (sign != 0) visit(octant, sign, sums);
+            }
+        }
+    };
+    for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t) {
+        const Part part = part_of(d, t, points);
+        for (std::size_t k = 0; k < 4; ++k)
+            around[static_cast<std::size_t>(d.corner(t, k).seed)] += part.volume / 4;
+        const int images = d.t.periodic()[2] ? 2 : 0;
+        for (int image = -images; image <= images; ++image)
+            visit_octants(part, {0, 0, image}, [&](int octant, int sign, const std::array<mpq_class, 4>& sums) {
+                for (std::size_t k = 0; k < 4; ++k)
+                    inside[static_cast<std::size_t>(d.corner(t, k).seed)][static_cast<std::size_t>(octant)] +=
+                        sign * sums[k];
+            });
+    }
+    std::vector<std::array<double, 8>> masses(n);
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t o = 0; o < 8; ++o)
+            masses[i][o] = around[i] > 0 ? mpq_class(inside[i][o] / around[i]).get_d() : -1;
+    return masses;
 }
 
 // By seed, for unit masses in the unit box: the mass where x < 1/2. -1 for seeds without a tetrahedron.
@@ -226,20 +300,7 @@ std::vector<double> masses_below(const Dual& d, const test::Coordinates& points)
     const std::size_t n = points.size() / 3;
     std::vector<mpq_class> around(n), below(n);
     for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t) {
-        Part part;
-        for (std::size_t k = 0; k < 4; ++k) {
-            const Member m = d.corner(t, k);
-            part.coordinates[k][k] = 1;
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                part.place[k][axis] = mpq_class(points[3 * static_cast<std::size_t>(m.seed) + axis]) + m.shift[axis];
-        }
-        const auto edge = [&](std::size_t k, std::size_t axis) -> mpq_class {
-            return part.place[k][axis] - part.place[0][axis];
-        };
-        for (std::size_t k = 0; k < 3; ++k)
-            part.volume += edge(1, k) *
-                           (edge(2, (k + 1) % 3) * edge(3, (k + 2) % 3) - edge(2, (k + 2) % 3) * edge(3, (k + 1) % 3));
-        REQUIRE(part.volume > 0);
+        const Part part = part_of(d, t, points);
         std::array<mpq_class, 4> sums;
         for (int image = -2; image <= 2; ++image) {
             add_below(part, mpq_class(2 * image + 1, 2), 1, sums);
@@ -384,6 +445,63 @@ TEST_SUITE("dtfe") {
             }
         }
         CHECK(compared > 300);
+    }
+
+    TEST_CASE("dtfe: with seeds outside each grid cell has the mass of the tetrahedra in it") {
+        // One tetrahedron around the box has one density.
+        votess::Options around = with_faces(votess::Box{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}}, false);
+        around.outside = votess::Outside::keep;
+        const votess::Diagram one(test::Coordinates{2, 2, 2, 2, -2, -2, -2, 2, -2, -2, -2, 2}, around);
+        const std::vector<double> unit(4, 1);
+        for (const double density :
+             test::grid_of(one, unit, {.shape = {3, 2, 4}, .method = votess::GridMethod::dtfe}))
+            CHECK(std::abs(density - 0.1875) < 1e-15);
+        for (const double column :
+             test::grid_of(one, unit, {.shape = {3, 2, 4}, .method = votess::GridMethod::dtfe, .project = 1}))
+            CHECK(std::abs(column - 0.1875) < 1e-15);
+
+        test::Random random(14);
+        std::size_t compared = 0, partly = 0;
+        for (std::size_t set = 0; set < test::by_size(40, 8); ++set) {
+            CAPTURE(set);
+            votess::Options options = with_faces(test::unit_box(), false);
+            options.outside = votess::Outside::keep;
+            options.periodic[2] = set % 4 == 3;
+            if (set % 4 == 2) options.walls = {{{1, 1, 0}, 1.5}};
+            const std::size_t n = 6 + random.below(5);
+            test::Coordinates points;
+            for (std::size_t i = 0; i < 3 * n; ++i)
+                points.push_back(std::round(0x1p10 * (options.periodic[2] && i % 3 == 2 ? random.uniform()
+                                                                                        : random.uniform(-0.4, 1.4))) *
+                                 0x1p-10);
+            CAPTURE(points);
+            const Dual d(points, options);
+            if (!d.simplices.polytope_centers.empty()) continue;
+            const auto expected = masses_in_octants(d, d.places);
+            std::vector<double> masses(n * n, 0), grid(8 * n), column(4 * n);
+            for (std::size_t i = 0; i < n; ++i) masses[i * n + i] = 1;
+            const votess::Diagram diagram(points, options);
+            votess::GridOptions request{.shape = {2, 2, 2}, .method = votess::GridMethod::dtfe, .columns = n};
+            const std::size_t without = diagram.to_grid(masses, request, grid);
+            CHECK(static_cast<std::ptrdiff_t>(without) ==
+                  std::ranges::count_if(expected, [](const auto& octants) { return octants[0] == -1; }));
+            request.project = 0;
+            (void)diagram.to_grid(masses, request, column);
+            for (std::size_t i = 0; i < n; ++i) {
+                if (expected[i][0] == -1) continue;
+                double inside = 0;
+                for (std::size_t o = 0; o < 8; ++o) {
+                    REQUIRE(std::abs(grid[o * n + i] / 8 - expected[i][o]) < 1e-12);
+                    inside += expected[i][o];
+                }
+                for (std::size_t o = 0; o < 4; ++o)
+                    REQUIRE(std::abs(column[o * n + i] / 4 - expected[i][o] - expected[i][4 + o]) < 1e-12);
+                ++compared;
+                partly += inside > 1e-6 && inside < 1 - 1e-6 ? 1 : 0;
+            }
+        }
+        CHECK(compared > 20);
+        CHECK(partly > compared / 4);
     }
 
     TEST_CASE("dtfe: densities that float64 cannot hold are refused, and others are kept at any scale") {

@@ -12,8 +12,12 @@
 #include <string>
 #include <thread>
 #include <vector>
+#include <votess/alpha.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
+#include <votess/network.hpp>
+#include <votess/progress.hpp>
+#include <votess/zones.hpp>
 
 #include "core/thread_pool.hpp"
 #include "support/check.hpp"
@@ -241,6 +245,70 @@ TEST_SUITE("interface") {
         CHECK(calls == 3);
         pool.run(5, [&](std::size_t, unsigned) { ++done; });
         CHECK(done == 5);
+    }
+
+    TEST_CASE("progress: a ProgressScope stops calls that take no callback") {
+        const test::PointSet set = test::uniform(600, 87);
+        votess::Options options = test::all_options(set.box);
+        options.device = "cpu";
+        options.want.faces = true;
+        const auto inside = votess::tessellate(set.points, options);
+        options.periodic = {true, true, true};
+        const auto t = votess::tessellate(set.points, options);
+        const votess::Network network = votess::network(t, set.points);
+        const std::vector<double> values = numbers(t.volumes());
+        const std::vector<std::pair<std::string, std::function<std::vector<double>()>>> all{
+            {"delaunay", [&] { return numbers(votess::delaunay(t).tetrahedra); }},
+            {"network", [&] { return votess::network(t, set.points).edge_radii; }},
+            {"largest_free", [&] { return std::vector{network.largest_free().value().radius}; }},
+            {"alpha_complex", [&] { return votess::alpha_complex(t, set.points).simplices[3].values; }},
+            {"alpha_complex in a box", [&] { return votess::alpha_complex(inside, set.points).simplices[3].values; }},
+            {"watershed", [&] { return numbers(votess::watershed(t, values).labels); }},
+            {"verify", [&] { return std::vector{votess::verify(t, set.points).passed ? 1.0 : 0.0}; }}};
+        for (const auto& [name, call] : all) {
+            CAPTURE(name);
+            const std::vector<double> expected = call();
+            int count = 0;
+            const auto stops = [&](int last) {
+                return [&, last](double) {
+                    if (++count == last) return false;
+                    std::this_thread::sleep_for(pause);
+                    return true;
+                };
+            };
+            for (const int last : {1, 2}) {
+                count = 0;
+                const votess::ProgressScope scope(stops(last));
+                CHECK(test::error_of([&] { (void)call(); }) == votess::ErrorCode::cancelled);
+                CHECK(count == last);
+            }
+            {
+                const votess::ProgressScope scope([](double) -> bool { throw Mine{}; });
+                CHECK_THROWS_AS((void)call(), Mine);
+                const votess::ProgressScope inner([](double) { return true; });
+                CHECK(call() == expected);
+            }
+            CHECK(call() == expected);
+        }
+        // In C a callback of the thread does the same.
+        votess_options c_options;
+        REQUIRE(votess_options_init(&c_options, sizeof c_options) == VOTESS_OK);
+        c_options.want = VOTESS_WANT_NEIGHBORS | VOTESS_WANT_FACES;
+        votess_result* result = nullptr;
+        votess_delaunay* dual = nullptr;
+        REQUIRE(votess_tessellate(nullptr, set.points.data(), 600, &c_options, &result) == VOTESS_OK);
+        const auto dual_status = [&] { return votess_delaunay_new(result, &dual); };
+        int user = 0;
+        votess_set_progress([](double, void* calls) { return ++*static_cast<int*>(calls) < 0 ? 1 : 0; }, &user);
+        CHECK(dual_status() == VOTESS_ERROR_CANCELLED);
+        CHECK(user == 1);
+        votess_set_progress([](double, void*) -> int { throw Mine{}; }, nullptr);
+        CHECK(dual_status() == VOTESS_ERROR_CANCELLED);
+        CHECK(std::string(votess_last_error()) == "the callback progress threw an exception of unknown type");
+        votess_set_progress(nullptr, nullptr);
+        CHECK(dual_status() == VOTESS_OK);
+        votess_delaunay_free(dual);
+        votess_result_free(result);
     }
 
     TEST_CASE("progress: C reports what a callback throws") {

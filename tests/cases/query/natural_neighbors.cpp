@@ -68,6 +68,11 @@ QueryCase hard_case(Random& random) {
             for (std::size_t k = 0; k < 3; ++k)
                 c.points.push_back(std::clamp(c.points[3 * i + k] + apart * random.uniform(-1, 1), 0.0, 0.9));
         }
+    // Seeds outside have a part of the domain, too.
+    if (random.below(3) == 0) {
+        c.options.outside = votess::Outside::keep;
+        for (double& x : c.points) x = 0.5 + 1.75 * (x - 0.5);
+    }
     // Short numbers keep rational arithmetic fast.
     if (kind > 2)
         for (double& x : c.points) x = rounded(x);
@@ -282,13 +287,89 @@ TEST_SUITE("query") {
         CHECK(row.weights[2] == doctest::Approx(0.381131).epsilon(1e-5));
     }
 
+    TEST_CASE("natural neighbors: a query takes the whole part of a seed outside") {
+        votess::Options options;
+        options.box = test::unit_box();
+        options.outside = votess::Outside::keep;
+        const votess::Diagram beyond_box(Coordinates{0.5, 0.5, 0.5, 1.3, 0.5, 0.5}, options);
+        NaturalRow row = row_of(beyond_box.natural_neighbors(Coordinates{0.8, 0.5, 0.5}), 0);
+        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
+        CHECK(row.weights[0] == doctest::Approx(5.0 / 7).epsilon(1e-12));
+        options.walls = {{{1, 0, 0}, 0.8}};
+        const votess::Diagram beyond_wall(Coordinates{0.5, 0.5, 0.5, 0.9, 0.5, 0.5}, options);
+        row = row_of(beyond_wall.natural_neighbors(Coordinates{0.75, 0.5, 0.5}), 0);
+        REQUIRE(row.seeds == std::vector<std::int32_t>{0, 1});
+        CHECK(row.weights[0] == doctest::Approx(3.0 / 7).epsilon(1e-12));
+    }
+
+    TEST_CASE("natural neighbors: seeds outside against rational arithmetic") {
+        Random random(24);
+        std::size_t checked = 0, buried = 0;
+        const std::size_t sets = test::by_size(150, 30);
+        for (std::size_t set = 0; set < sets; ++set) {
+            CAPTURE(set);
+            QueryCase c;
+            c.options.box = test::unit_box();
+            c.options.outside = votess::Outside::keep;
+            const auto domain = random.below(4);
+            if (domain == 1) c.options.periodic[2] = true;
+            if (domain == 2) {
+                c.options.box.reset();
+                c.options.cell =
+                    votess::TriclinicBox{{}, {1, 0, 0}, {0.25, 1, 0}, {-0.25, 0.25, 1}, {true, false, true}};
+            }
+            if (domain == 3) c.options.walls = {{{1, 1, 0}, 1.5}};
+            for (auto inside = 1 + random.below(3); inside > 0; --inside)
+                for (int k = 0; k < 3; ++k) c.points.push_back(rounded(random.uniform(0.2, 0.8)));
+            for (auto outside = 1 + random.below(3); outside > 0; --outside) {
+                const auto axis = domain == 2 ? 1 : random.below(2);
+                for (std::uint64_t k = 0; k < 3; ++k) {
+                    const double x = random.uniform(0, 1);
+                    c.points.push_back(rounded(k != axis ? x : x < 0.5 ? -x : 0.5 + x));
+                }
+            }
+            if (random.below(3) == 0)
+                for (std::size_t i = 0; 3 * i < c.points.size(); ++i) c.weights.push_back(random.uniform(0, 0.1));
+            c = without_duplicates(c);
+            votess::Options options = c.options;
+            options.weights = c.weights;
+            const votess::Diagram diagram(c.points, options);
+            for (int q = 0; q < 4; ++q) {
+                CAPTURE(q);
+                const std::array<double, 3> x{rounded(random.uniform()), rounded(random.uniform()),
+                                              rounded(random.uniform())};
+                if (diagram.locate(x)[0] < 0) continue;
+                const auto exact = test::exact_shares(c.points, c.weights, c.options, x, 0);
+                NaturalRow row;
+                votess::NaturalOptions sibson;
+                sibson.gradients = true;
+                const auto code = test::error_of([&] { row = row_of(diagram.natural_neighbors(x, sibson), 0); });
+                CHECK((code == votess::ErrorCode::unsupported) == exact.meets_itself);
+                if (code || exact.volume == 0 || (!row.gradients.empty() && std::isnan(row.gradients[0]))) continue;
+                CHECK(check_sibson(row, exact) == "");
+                ++checked;
+                buried += std::ranges::any_of(exact.of, [](const auto& of) {
+                    return of.second.volume > 0 && of.second.area == 0;
+                });
+            }
+        }
+        CHECK(checked > sets);
+        CHECK(buried > sets / 10);
+    }
+
     // The graph of all vertices answers many queries at once.
     TEST_CASE("natural neighbors: many queries among many seeds") {
         Random random(21);
-        for (const bool weighted : {false, true}) {
-            CAPTURE(weighted);
+        for (const int kind : {0, 1, 2, 3}) {
+            CAPTURE(kind);
+            const bool weighted = kind % 2 == 1, outside = kind >= 2;
             QueryCase c;
             c.points = test::uniform(64, weighted ? 22 : 23).points;
+            if (outside) {
+                c.options.outside = votess::Outside::keep;
+                c.options.walls = {{{1, 1, 0.5}, 2}};
+                for (double& x : c.points) x = 0.5 + 1.25 * (x - 0.5);
+            }
             for (int i = 0; i < 64 && weighted; ++i) c.weights.push_back(random.uniform(0, 0.02));
             c.options.box = test::unit_box();
             votess::Options options = c.options;
@@ -303,8 +384,13 @@ TEST_SUITE("query") {
             sibson.gradients = true;
             sibson.weights = weights;
             const auto found = diagram.natural_neighbors(queries, sibson);
+            const std::vector<std::int32_t> owners = diagram.locate(queries);
             for (std::size_t q = 0; q < count; ++q) {
                 CAPTURE(q);
+                if (owners[q] < 0) {
+                    CHECK(row_of(found, q).seeds.empty());
+                    continue;
+                }
                 const auto exact = test::exact_shares(c.points, c.weights, c.options,
                                                       {queries[3 * q], queries[3 * q + 1], queries[3 * q + 2]},
                                                       weighted ? weights[q] : 0);

@@ -554,6 +554,24 @@ TEST_SUITE("query") {
         const votess::Diagram tube(set.points, options);
         CHECK_THROWS_AS(tube.trace(x, d, Numbers{far}), votess::Error);
         CHECK(tube.trace(x, Numbers{1, 1e-3, 0}, Numbers{far}).seeds.size() > 100);  // many times around
+        // A mistake in a length is refused before it takes memory, wherever its ray is among others.
+        votess::Options tilted;
+        tilted.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.25, 1}};
+        const votess::Diagram torus(set.points, tilted);
+        for (const votess::Diagram* repeats : {&tube, &torus})
+            for (const double length : {1e9, 1e18, 1e300}) {
+                std::string message;
+                CHECK(test::error_of(
+                          [&] {
+                              (void)repeats->trace(Numbers{0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, Numbers{1, 0, 0, 1, 0, 0},
+                                                   Numbers{1, length});
+                          },
+                          &message) == votess::ErrorCode::unsupported);
+                CHECK(message.starts_with("ray 1: its length 1"));
+                CHECK(message.ends_with("leads through more than 16777216 cells: give a shorter length, or shorter "
+                                        "rays one after the other"));
+            }
+        CHECK(torus.trace(x, d, Numbers{1000}).seeds.size() > 1000);
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
         CHECK(trace(x, d, {1}).middles.empty());
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers(50), Numbers(150)), votess::Error);  // without middles

@@ -1,0 +1,30 @@
+// The progress callback of a thread, for functions that take none.
+#include "c/handles.hpp"
+#include "core/progress.hpp"
+
+namespace votess::c {
+namespace {
+
+struct Watch {
+    votess_progress_callback callback = nullptr;
+    void* user = nullptr;
+};
+thread_local Watch watch_of_thread;
+
+}  // namespace
+
+void call_watched(void (*function)(void*), void* data) {
+    const Watch watch = watch_of_thread;
+    if (watch.callback == nullptr) return function(data);
+    Progress progress([watch](double fraction) {
+        return call_back("progress", [&] { return watch.callback(fraction, watch.user) != 0; });
+    });
+    const Stoppable stoppable(progress);
+    function(data);
+}
+
+}  // namespace votess::c
+
+void votess_set_progress(votess_progress_callback progress, void* user) {
+    votess::c::watch_of_thread = {progress, user};
+}
