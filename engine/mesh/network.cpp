@@ -15,6 +15,7 @@
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
+#include "result/handle.hpp"
 
 namespace votess {
 namespace {
@@ -331,7 +332,7 @@ private:
 Network network(const Tessellation& tessellation, std::span<const double> points) {
     require_whole_diagram(tessellation, "network");
     require_points(tessellation, points, "network");
-    const Result& result = *tessellation.result_;
+    const Result& result = detail::result_of(tessellation.result_);
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "network: " + message);
     };
@@ -357,6 +358,7 @@ IncludedSphere Network::largest_included() const {
 }
 
 // Edges join vertices from the widest edge down. The first way from a vertex to an image of itself has the most room.
+// Where ways of several regions have as much, that of the largest sphere counts.
 std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     if (axis && (*axis < 0 || *axis > 2))
         throw Error(ErrorCode::invalid_argument,
@@ -366,24 +368,24 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, std::ranges::greater(), [&](std::int32_t e) { return edge_radii[at(e)]; });
     ConnectedVertices sets(vertex_radii.size());
-    std::optional<FreeSphere> found;
-    std::vector<std::int32_t> ways;  // vertices of sets with a way to their images
+    std::vector<std::int32_t> ways;  // edges of equal room that close a way to an image
     for (const std::int32_t e : order) {
-        if (found && edge_radii[at(e)] < found->radius) break;
+        if (!ways.empty() && edge_radii[at(e)] < edge_radii[at(ways[0])]) break;
         const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
         const std::int8_t* s = &shifts[3 * at(e)];
         const ConnectedVertices::Shift net = sets.unite(from, to, {s[0], s[1], s[2]});
-        if (axis ? net[at(*axis)] == 0 : net == ConnectedVertices::Shift{}) continue;
-        if (!found) found = FreeSphere{edge_radii[at(e)], e, {}};
-        ways.push_back(static_cast<std::int32_t>(from));
+        if (axis ? net[at(*axis)] != 0 : net != ConnectedVertices::Shift{}) ways.push_back(e);
     }
-    if (!found) return {};
-    std::vector<bool> has_way(vertex_radii.size());
-    for (const std::int32_t v : ways) has_way[sets.find(at(v)).root] = true;
-    found->included = {-std::numeric_limits<double>::infinity(), -1};
+    if (ways.empty()) return {};
+    std::vector<std::int32_t> way_of(vertex_radii.size(), -1);  // by root: the first
+    for (const std::int32_t e : ways)
+        if (auto& way = way_of[sets.find(at(edges[2 * at(e)])).root]; way < 0) way = e;
+    FreeSphere found{edge_radii[at(ways[0])], -1, {-std::numeric_limits<double>::infinity(), -1}};
     for (std::size_t v = 0; v < vertex_radii.size(); ++v)
-        if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
-            found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+        if (const std::int32_t way = way_of[sets.find(v).root]; way >= 0 && vertex_radii[v] > found.included.radius) {
+            found.edge = way;
+            found.included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+        }
     return found;
 }
 

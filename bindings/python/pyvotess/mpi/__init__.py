@@ -114,7 +114,7 @@ def _box(result: Handle) -> Float64Array:
     return corners
 
 
-def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellation:
+def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool) -> MpiTessellation:
     arrays: Dict[str, Any] = {
         name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
@@ -124,10 +124,10 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
             arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
-    rows = len(arrays["neighbors"])
-    for name, needed in (("duplicate_of", len(arrays["ids"])), ("shifts", rows)):
-        if len(arrays[name]) != needed or needed == 0:
-            arrays[name] = None
+    if not periodic:
+        arrays["shifts"] = None
+    if len(arrays["duplicate_of"]) != len(arrays["ids"]) or len(arrays["ids"]) == 0:
+        arrays["duplicate_of"] = None
     for name in ("neighbors", "send", "receive"):
         indptr = arrays.pop("indptr" if name == "neighbors" else name + "_indptr")
         arrays[name] = Lists(indptr if len(indptr) else np.zeros(1, np.int64), arrays[name])
@@ -227,4 +227,5 @@ def tessellate(
             )
         raise_on_failure(status)
     del kept
-    return _read(result, options.want, cells == "made", cell is None)
+    axes = options.cell_periodic if options.has_cell else options.periodic
+    return _read(result, options.want, cells == "made", cell is None, any(axes))
