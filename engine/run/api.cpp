@@ -34,7 +34,7 @@ struct TessellatorState {
 
 Tessellation::Tessellation() : Tessellation(nullptr) {}
 Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {
-    detail::result_of(nullptr);  // here it may throw, in an accessor not
+    (void)detail::result_of(nullptr);  // here it may throw, in an accessor not
 }
 
 std::size_t Tessellation::size() const noexcept {
