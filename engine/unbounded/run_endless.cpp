@@ -30,24 +30,31 @@ bool reaches_end(const Result& r, std::size_t i, const auto& is_end) {
     return std::ranges::any_of(all.subspan(begin, to_index(r.indptr[i + 1]) - begin), is_end);
 }
 
-// Makes the wanted measures of a result. Those of some rows come from a run of these alone.
-void take_measures(Result& result, const Want& want, const Result& some, std::span<const std::size_t> rows) {
+// Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
+// row_of: of each of `rows` in the other.
+void take_measures(Result& result, const Want& want, const Result& some, std::span<const std::size_t> rows,
+                   const auto& row_of) {
     const std::size_t count = result.status.size();
     const auto take = [&]<class T>(bool wanted, Buffer<T>& to, const Buffer<T>& from, std::size_t each) {
         if (!wanted) return;
-        to.resize_uninitialized(each * count);
-        std::ranges::fill(to, 0);
-        for (std::size_t k = 0; k < rows.size(); ++k) std::copy_n(&from[each * k], each, &to[each * rows[k]]);
+        if (to.size() != each * count) {
+            to.resize_uninitialized(each * count);
+            std::ranges::fill(to, 0);
+        }
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            std::copy_n(&from[each * row_of(k)], each, &to[each * rows[k]]);
     };
     take(want.volumes, result.volumes, some.volumes, 1);
     take(want.centroids, result.centroids, some.centroids, 3);
     take(want.surfaces, result.surface_areas, some.surface_areas, 1);
     take(want.radii, result.security_radii, some.security_radii, 1);
     if (!want.areas) return;
-    result.face_areas.resize_uninitialized(result.indices.size());
-    std::ranges::fill(result.face_areas, 0);
+    if (result.face_areas.size() != result.indices.size()) {
+        result.face_areas.resize_uninitialized(result.indices.size());
+        std::ranges::fill(result.face_areas, 0);
+    }
     for (std::size_t k = 0; k < rows.size(); ++k)
-        std::copy(some.face_areas.begin() + some.indptr[k], some.face_areas.begin() + some.indptr[k + 1],
+        std::copy(some.face_areas.begin() + some.indptr[row_of(k)], some.face_areas.begin() + some.indptr[row_of(k) + 1],
                   result.face_areas.begin() + result.indptr[rows[k]]);
 }
 
@@ -115,24 +122,25 @@ private:
         result.lone_tetrahedron = {seeds[0], seeds[1], seeds[2], seeds[3]};
     }
 
-    // Returns the cells of these points. weights: or radii. The first run finds the rows; a second one measures the
-    // cells that have an end, since the others take long to measure in so large a box.
-    Result far_cells(const Points& points, std::span<const double> weights, const Only& only, const Share& share) {
+    // A run in far_box(). weights: or radii.
+    Result run_far(const Points& points, std::span<const double> weights, const Want& want, const Only& only,
+                   const Share& share) {
         std::vector<double> squares;
         if (squares_)
             for (const double radius : weights) squares.push_back(radius * radius);
-        const Box box = far_box(points, squares_ ? squares : weights, *options_.box);
+        Options options = part(far_box(points, squares_ ? squares : weights, *options_.box), want, only, share);
+        options.device = "cpu";  // no device clips so large a box
+        (squares_ ? options.radii : options.weights) = weights;
+        return run_(points, options);
+    }
+
+    // Returns the cells of these points. weights: or radii. The first run finds the rows; a second one measures the
+    // cells that have an end, since the others take long to measure in so large a box.
+    Result far_cells(const Points& points, std::span<const double> weights, const Only& only, const Share& share) {
         Want rows = wanted_;
         rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
         rows.faces |= needs_polygons();
-        const auto run = [&](const Want& want, const Only& some, const Share& of) {
-            Options options = part(box, want, some, of);
-            options.device = "cpu";  // no device clips so large a box
-            (squares_ ? options.radii : options.weights) = weights;
-            return run_(points, options);
-        };
-        const double middle = 0.8 * share.begin + 0.2 * share.end;
-        Result result = run(rows, only, {share.begin, middle});
+        Result result = run_far(points, weights, rows, only, share.part(0, 0.8));
         if (wanted_.volumes || wanted_.centroids || wanted_.surfaces || wanted_.radii || wanted_.areas) {
             std::vector<std::int64_t> ids;
             std::vector<std::size_t> closed;
@@ -144,54 +152,87 @@ private:
             Want measures = wanted_;
             measures.counts = measures.normals = measures.vertices = measures.faces = false;
             Result some;
-            if (!ids.empty()) some = run(measures, ids, {middle, share.end});
-            take_measures(result, wanted_, some, closed);
+            if (!ids.empty()) some = run_far(points, weights, measures, ids, share.part(0.8, 1));
+            take_measures(result, wanted_, some, closed, [](std::size_t k) { return k; });
         }
         open_cells(result, *options_.box);
         return result;
     }
 
-    Result in_both_boxes() {
+    Result near_cells() {
         Want want = wanted_;
         want.faces |= needs_polygons();
-        Result near = run_(points_, part(near_box(points_, weights_of(options_), *options_.box), want, options_.only,
-                                         {0, 0.7}));
-        const std::size_t rows = near.status.size();
-        const auto seed_of = [&](std::size_t row) {
-            return options_.only ? near.ids[row] : static_cast<std::int32_t>(row);
-        };
-        // A cell that is empty here may lie beyond. All of its neighbors then reach beyond, too.
-        std::vector<bool> taken(rows), needed(rows);
-        std::vector<std::int32_t> far_rows, seeds;
-        for (std::size_t i = 0; i < rows; ++i) {
-            taken[i] = near.status[i] == CellStatus::empty || reaches_end(near, i, [&](std::int32_t id) {
-                           return sides_.has(id) && !slab_.has(id);
-                       });
-            if (!taken[i]) continue;
-            needed[i] = true;
-            for (auto e = near.indptr[i]; e < near.indptr[i + 1] && !options_.only; ++e)
-                if (near.indices[to_index(e)] >= 0) needed[to_index(near.indices[to_index(e)])] = true;
+        return run_(points_,
+                    part(near_box(points_, weights_of(options_), *options_.box), want, options_.only, {0, 0.7}));
+    }
+    // Returns the rows whose cells reach beyond the near box. A cell that is empty there may lie beyond it.
+    std::vector<bool> find_taken(const Result& near) {
+        std::vector<bool> taken(near.status.size());
+        std::vector<std::int64_t> empty;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+            taken[i] =
+                reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !slab_.has(id); });
+            if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
-        const bool any = std::ranges::find(taken, true) != taken.end();
-        open_cells(near, *options_.box);
-        if (!any) return near;
+        if (options_.only || empty.empty()) {
+            for (const std::int64_t i : empty) taken[to_index(i)] = true;
+            return taken;
+        }
+        const Result beyond = run_far(points_, weights_, {.neighbors = true, .volumes = false}, empty, {0.7, 0.8});
+        for (std::size_t k = 0; k < empty.size(); ++k) taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
+        return taken;
+    }
 
-        // Cells with vertices in common must be made together.
-        std::vector<std::int64_t> only;
+    Result in_both_boxes() {
+        Result near = near_cells();
+        const std::vector<bool> taken = find_taken(near);
+        open_cells(near, *options_.box);
+        if (std::ranges::find(taken, true) == taken.end()) return near;
+        if (options_.only) return with_far(std::move(near), taken);
+
+        // Vertices that taken cells share with others are found by all cells around them.
+        std::vector<bool> needed = taken;
+        for (std::size_t i = 0; i < taken.size(); ++i)
+            for (auto e = near.indptr[i]; e < near.indptr[i + 1] && taken[i]; ++e)
+                if (near.indices[to_index(e)] >= 0) needed[to_index(near.indices[to_index(e)])] = true;
+        std::vector<std::int32_t> seeds, taken_seeds;
         std::vector<double> some_points, some_weights;
-        for (std::size_t i = 0; i < rows; ++i) {
-            const bool made = needs_polygons() ? needed[i] || options_.only.has_value() : taken[i];
-            if (made) far_rows.push_back(static_cast<std::int32_t>(i));
-            if (made) only.push_back(options_.only ? seed_of(i) : std::ssize(seeds));
-            if (options_.only || !needed[i]) continue;
+        std::vector<std::int64_t> only;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+            if (!needed[i]) continue;
+            if (taken[i]) {
+                only.push_back(std::ssize(seeds));
+                taken_seeds.push_back(static_cast<std::int32_t>(i));
+            }
             seeds.push_back(static_cast<std::int32_t>(i));
             for (std::size_t k = 0; k < 3; ++k) some_points.push_back(points_[3 * i + k]);
             if (!weights_.empty()) some_weights.push_back(weights_[i]);
         }
-        const bool all = !options_.only && only.size() == seeds.size();
-        const Result far = options_.only ? far_cells(points_, weights_, only, {0.7, 0.95})
-                                         : far_cells({some_points, {}}, some_weights, all ? Only() : only, {0.7, 0.95});
-        return join_cells(std::move(near), far, far_rows, taken, seeds, *options_.box);
+        const bool all = needs_polygons();
+        const Result far = far_cells({some_points, {}}, some_weights, all ? Only() : Only(only), {0.8, 0.95});
+        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, *options_.box);
+    }
+
+    // Takes cells of a subset into its near result, from among all points. Where there are polygons all come from the
+    // far box, since those of two runs may share vertices that no cell of the subset tells.
+    Result with_far(Result near, const std::vector<bool>& taken) {
+        if (needs_polygons()) {
+            Result far = far_cells(points_, weights_, options_.only, {0.7, 0.95});
+            std::vector<std::size_t> kept;
+            for (std::size_t i = 0; i < taken.size(); ++i)
+                if (!taken[i]) kept.push_back(i);
+            take_measures(far, wanted_, near, kept, [&](std::size_t k) { return kept[k]; });
+            return far;
+        }
+        std::vector<std::int32_t> rows;
+        std::vector<std::int64_t> only;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+            if (!taken[i]) continue;
+            rows.push_back(static_cast<std::int32_t>(i));
+            only.push_back((*options_.only)[i]);
+        }
+        const Result far = far_cells(points_, weights_, only, {0.7, 0.95});
+        return join_cells(std::move(near), far, rows, taken, {}, *options_.box);
     }
 
     const Options& options_;
