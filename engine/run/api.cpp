@@ -43,7 +43,8 @@ std::size_t Tessellation::size() const noexcept {
 std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
     const auto& p = detail::result_of(result_).indptr;
     if (i + 1 >= p.size()) return {};
-    return view(detail::result_of(result_).indices).subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
+    return view(detail::result_of(result_).indices)
+        .subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
 std::span<const std::int64_t> Tessellation::indptr() const noexcept {
     return view(detail::result_of(result_).indptr);
@@ -247,7 +248,7 @@ Want implied_want(const Options& options) {
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     if (t.probed()) require_whole_diagram(t, "wrapped_points");
     if (!t.is_subset()) require_points(t, points, "wrapped_points");  // a subset does not know how many there were
-    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    const std::vector<double> copy(points.begin(), points.end());     // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const Options options = domain_options(t);

@@ -17,7 +17,7 @@ public:
     explicit EndlessSides(const std::optional<Box>& box);
 
     [[nodiscard]] bool any() const { return sides_ != 0; }
-    // Whether the wall of this id, -1 to -6, is at infinity. Others are those of a slab.
+    // Whether the wall of this id is at infinity. Those below -6 are FlatEnds.
     [[nodiscard]] bool has(std::int32_t id) const { return id < -6 || (id < 0 && (sides_ >> (-1 - id) & 1) != 0); }
     // The id of infinity in rows: of the sides that are there, the one nearest to -1.
     [[nodiscard]] std::int32_t id() const;

@@ -9,8 +9,8 @@
 #include "exact/insphere.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "unbounded/flat_ends.hpp"
 #include "unbounded/open_cells.hpp"
-#include "unbounded/slab.hpp"
 
 namespace votess {
 namespace {
@@ -41,8 +41,7 @@ void take_measures(Result& result, const Want& want, const Result& some, std::sp
             to.resize_uninitialized(each * count);
             std::ranges::fill(to, 0);
         }
-        for (std::size_t k = 0; k < rows.size(); ++k)
-            std::copy_n(&from[each * row_of(k)], each, &to[each * rows[k]]);
+        for (std::size_t k = 0; k < rows.size(); ++k) std::copy_n(&from[each * row_of(k)], each, &to[each * rows[k]]);
     };
     take(want.volumes, result.volumes, some.volumes, 1);
     take(want.centroids, result.centroids, some.centroids, 3);
@@ -54,7 +53,8 @@ void take_measures(Result& result, const Want& want, const Result& some, std::sp
         std::ranges::fill(result.face_areas, 0);
     }
     for (std::size_t k = 0; k < rows.size(); ++k)
-        std::copy(some.face_areas.begin() + some.indptr[row_of(k)], some.face_areas.begin() + some.indptr[row_of(k) + 1],
+        std::copy(some.face_areas.begin() + some.indptr[row_of(k)],
+                  some.face_areas.begin() + some.indptr[row_of(k) + 1],
                   result.face_areas.begin() + result.indptr[rows[k]]);
 }
 
@@ -66,7 +66,7 @@ public:
           points_(points),
           progress_(options.progress),
           sides_(options.box),
-          slab_(points, *options.box) {
+          flat_ends_(points, *options.box) {
         check_endless(options);
         Options with_default_box = options;
         with_default_box.box.reset();
@@ -77,7 +77,8 @@ public:
     }
 
     Result make() {
-        Result result = points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
+        Result result =
+            points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
         if (result.vertices.size() == 3 && !options_.only) find_tetrahedron(result);
         result.walls.clear();
         keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
@@ -91,7 +92,7 @@ private:
     [[nodiscard]] Options part(const Box& box, const Want& want, const Only& only, const Share& share) {
         Options part = options_;
         part.box = box;
-        slab_.cut(part);
+        flat_ends_.cut(part);
         part.list_walls = true;
         part.want = want;
         part.want.neighbors = true;
@@ -170,8 +171,7 @@ private:
         std::vector<bool> taken(near.status.size());
         std::vector<std::int64_t> empty;
         for (std::size_t i = 0; i < taken.size(); ++i) {
-            taken[i] =
-                reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !slab_.has(id); });
+            taken[i] = reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !flat_ends_.has(id); });
             if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
         if (options_.only || empty.empty()) {
@@ -179,7 +179,8 @@ private:
             return taken;
         }
         const Result beyond = run_far(points_, weights_, {.neighbors = true, .volumes = false}, empty, {0.7, 0.8});
-        for (std::size_t k = 0; k < empty.size(); ++k) taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
+        for (std::size_t k = 0; k < empty.size(); ++k)
+            taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
         return taken;
     }
 
@@ -240,7 +241,7 @@ private:
     Points points_;
     Progress progress_;
     EndlessSides sides_;
-    Slab slab_;
+    FlatEnds flat_ends_;
     Want wanted_;
     std::span<const double> weights_;  // or radii
     bool squares_ = false;

@@ -184,7 +184,8 @@ struct ExpectedRow {
         if (t.indptr().empty()) return "";
         const std::size_t begin = at(t.indptr()[i]), size = ids.size();
         if (!std::ranges::equal(t.neighbors(i), ids)) return "neighbors";
-        if (!t.shifts().empty() && !std::ranges::equal(t.shifts().subspan(components * begin, components * size), shifts))
+        if (!t.shifts().empty() &&
+            !std::ranges::equal(t.shifts().subspan(components * begin, components * size), shifts))
             return "shifts";
         const double tolerance = tolerance_of(t);
         for (std::size_t k = 0; k < size && !t.face_areas().empty(); ++k)
@@ -235,8 +236,8 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
         if (t.status()[i] != prisms.status()[i]) fail(i, "status");
         if (const char* what = row.difference(t, i); *what != 0) fail(i, what);
         if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], area, tolerance, mean)) fail(i, "area");
-        if (!t.face_counts().empty() && std::array{t.face_counts()[i], t.edge_counts()[i], t.vertex_counts()[i]} !=
-                                            std::array{edges, edges, edges})
+        if (!t.face_counts().empty() &&
+            std::array{t.face_counts()[i], t.edge_counts()[i], t.vertex_counts()[i]} != std::array{edges, edges, edges})
             fail(i, "numbers of edges");
     }
     return report;
@@ -309,7 +310,10 @@ VerifyReport verify_endless(const Tessellation& t, std::span<const double> point
     options.weights = t.weights();
     options.list_walls = true;
     options.device = "cpu";
-    options.want = {.neighbors = true, .volumes = true, .counts = true, .normals = !t.face_normals().empty(),
+    options.want = {.neighbors = true,
+                    .volumes = true,
+                    .counts = true,
+                    .normals = !t.face_normals().empty(),
                     .faces = counts || areas};
     const Tessellation far = tessellate(std::span<const double>(copy), options);
     VerifyReport report = verify(far, copy, how);

@@ -166,19 +166,35 @@ TEST_SUITE("interface") {
         const votess::Tessellation taken = std::move(t);
         CHECK(taken.size() == 20);
         const votess::Tessellation none, null(nullptr);
-        for (const votess::Tessellation* empty : {&std::as_const(t), &none, &null}) {  // NOLINT(bugprone-use-after-move)
+        for (const votess::Tessellation* empty :
+             {&std::as_const(t), &none, &null}) {  // NOLINT(bugprone-use-after-move)
             const votess::Tessellation& e = *empty;
             CHECK(e.size() == 0);
             CHECK(e.indptr().size() == 1);
             CHECK(e.indptr()[0] == 0);
             CHECK(e.neighbors(0).empty());
-            for (const auto size :
-                 {e.indices().size(), e.face_areas().size(), e.face_normals().size(), e.shifts().size(),
-                  e.volumes().size(), e.centroids().size(), e.face_counts().size(), e.edge_counts().size(),
-                  e.vertex_counts().size(), e.surface_areas().size(), e.mesh_areas().size(), e.security_radii().size(),
-                  e.vertices().size(), e.face_offsets().size(), e.face_vertices().size(),
-                  e.cell_vertex_indptr().size(), e.cell_vertex_indices().size(), e.status().size(),
-                  e.duplicate_of().size(), e.walls().size(), e.weights().size(), e.ids().size()})
+            for (const auto size : {e.indices().size(),
+                                    e.face_areas().size(),
+                                    e.face_normals().size(),
+                                    e.shifts().size(),
+                                    e.volumes().size(),
+                                    e.centroids().size(),
+                                    e.face_counts().size(),
+                                    e.edge_counts().size(),
+                                    e.vertex_counts().size(),
+                                    e.surface_areas().size(),
+                                    e.mesh_areas().size(),
+                                    e.security_radii().size(),
+                                    e.vertices().size(),
+                                    e.face_offsets().size(),
+                                    e.face_vertices().size(),
+                                    e.cell_vertex_indptr().size(),
+                                    e.cell_vertex_indices().size(),
+                                    e.status().size(),
+                                    e.duplicate_of().size(),
+                                    e.walls().size(),
+                                    e.weights().size(),
+                                    e.ids().size()})
                 CHECK(size == 0);
             CHECK(e.least_face() == 0);
             CHECK(e.box().upper == std::array<double, 3>{});

@@ -1,6 +1,6 @@
-// Seeds in one plane or on one line. Their diagram does not change along the normals, and neither do the walls of the
-// domain. So two ends across each normal leave the whole diagram between them, wherever they are and however they are
-// rounded, if they are parallel. In a thin slab the cells are as compact as in a box.
+// Ends of a domain without end, for seeds in one plane or on one line. Along the normals their diagram does not change,
+// nor does the domain. So two parallel ends across each normal leave the whole diagram between them, wherever they are
+// and however their direction is rounded. If they are close, cells are as compact as in a box.
 #pragma once
 
 #include <array>
@@ -11,17 +11,16 @@
 
 namespace votess {
 
-class Slab {
+class FlatEnds {
 public:
     // No ends if the seeds span space, or if a wall of the box with infinite bounds is not along the normals.
-    Slab(const Points& points, const Box& box);
+    FlatEnds(const Points& points, const Box& box);
 
-    [[nodiscard]] bool any() const { return !walls_.empty() || thin_ != std::array<bool, 3>{}; }
-    // Whether a wall of a run in the slab is one of its ends.
+    // Whether the wall of this id is one of them, in a run with cut() options.
     [[nodiscard]] bool has(std::int32_t id) const {
         return id <= -7 || (id < 0 && thin_[static_cast<std::size_t>((-1 - id) / 2)]);
     }
-    // Sets the ends in options with a box.
+    // Adds the ends to options with a box.
     void cut(Options& options) const;
 
 private:

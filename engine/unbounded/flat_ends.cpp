@@ -1,4 +1,4 @@
-#include "unbounded/slab.hpp"
+#include "unbounded/flat_ends.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,7 @@ private:
 
 }  // namespace
 
-Slab::Slab(const Points& points, const Box& box) {
+FlatEnds::FlatEnds(const Points& points, const Box& box) {
     const Scaled x(points);
     if (!x.exact() || x.size() < 2) return;
     const Point a = x[0];
@@ -116,7 +116,7 @@ Slab::Slab(const Points& points, const Box& box) {
     }
 }
 
-void Slab::cut(Options& options) const {
+void FlatEnds::cut(Options& options) const {
     options.walls = walls_;
     for (std::size_t k = 0; k < 3; ++k)
         if (thin_[k]) options.box->lower[k] = sides_.lower[k], options.box->upper[k] = sides_.upper[k];
