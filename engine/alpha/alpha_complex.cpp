@@ -24,6 +24,7 @@
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "mesh/dual.hpp"
+#include "result/handle.hpp"
 #include "votess/alpha.hpp"
 
 namespace votess {
@@ -598,8 +599,8 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
     {
         auto level = [&] {
             const Delaunay dual = delaunay(diagram.tessellation);
-            return sorted_level(Cutter(*diagram.tessellation.result_, dual, places).cut(), seeds, added, places,
-                                tetrahedra);
+            return sorted_level(Cutter(detail::result_of(diagram.tessellation.result_), dual, places).cut(), seeds,
+                                added, places, tetrahedra);
         }();
         const std::size_t count = level.size();
         auto of_triangles = faces_of<3>(std::move(level), triangles_of(count), places, triangles);

@@ -30,6 +30,10 @@ std::vector<std::int32_t> CpuClipper::collect_hard() {
 
 void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
+    const Domain& domain = *job_.domain;
+    // Walls only cut the cells.
+    const bool has_delaunay =
+        !domain.is_periodic() && !domain.has_weights() && job_.beyond.empty() && count <= max_triangulated;
     std::vector<std::int32_t> hard = collect_hard();
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
@@ -37,7 +41,7 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
         if (tests >= 2 * count) tests = unlimited;
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
         const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
-        if (job_.domain->is_plain() && count <= max_triangulated && (delaunay_ || many) && triangulate()) {
+        if (has_delaunay && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
                 delaunay_->neighbors(seed, worker.candidates, worker.marks);
                 return &worker.builder.build_from(seed, worker.candidates);

@@ -58,7 +58,7 @@ std::shared_ptr<DiagramState> new_state(std::span<const double> points, const Op
         throw Error(ErrorCode::unsupported,
                     "a Diagram needs a box with all of its ends, or with none: give the same for all sides");
     Options near = options;
-    near.box = near_box({points, {}}, *endless);
+    near.box = near_box({points, {}}, weights_of(options), *endless);
     std::shared_ptr<DiagramState> state = detail::make_state(points, near);
     state->endless = endless;
     return state;

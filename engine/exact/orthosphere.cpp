@@ -27,8 +27,9 @@ int sure_sign(double x, double error) {
 }
 
 // error: of the square's numerator over its denominator. relative: share by which the denominator's root may be wrong.
+// It may be all of it for a simplex that is flat up to rounding; then the square is infinite or any number.
 bool is_sure(double square, double weight, double error, double relative) {
-    return error + square * (2 * relative + 10 * u) <= tolerance * std::abs(square - weight);
+    return relative <= tolerance && error + square * (2 * relative + 10 * u) <= tolerance * std::abs(square - weight);
 }
 
 // The barycentric coordinates of the center, times a positive number, and |c|^2 = numerator / denominator.

@@ -10,6 +10,7 @@
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
+#include "result/handle.hpp"
 
 namespace votess {
 namespace {
@@ -192,7 +193,7 @@ private:
 
 Delaunay delaunay(const Tessellation& tessellation) {
     require_whole_diagram(tessellation, "delaunay");
-    const Result& result = *tessellation.result_;
+    const Result& result = detail::result_of(tessellation.result_);
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument,
                     "delaunay(): the tessellation has no polygons, set Options::want.faces");

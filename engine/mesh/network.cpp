@@ -15,6 +15,7 @@
 #include "input/domain_of_result.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
+#include "result/handle.hpp"
 
 namespace votess {
 namespace {
@@ -58,13 +59,6 @@ struct Sphere {
     double radius;
 };
 
-// A vertex of a cell, from its seed.
-struct End {
-    Vector place;
-    double distance;
-    double room;  // to the surfaces seen so far, at least 0
-};
-
 // Returns the distance from the segment between two points to a sphere.
 double distance_to_surface(const Vector& a, const Vector& b, const Sphere& sphere) {
     return distance_to_segment(difference(a, sphere.center), difference(b, sphere.center)) - sphere.radius;
@@ -78,12 +72,12 @@ public:
         radii_.reserve(result.weights.size());
         for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
         if (radii_.empty()) return;
-        max_radius_ = std::ranges::max(radii_);
-        last_cell_.assign(radii_.size(), radii_.size());
+        last_sphere_.assign(radii_.size(), radii_.size());
     }
 
     Network make() {
         number_vertices();
+        find_larger();
         place_sides();
         join_sides();
         return std::move(out_);
@@ -157,72 +151,64 @@ private:
         return {center, radius(at(m.seed))};
     }
 
-    // Sets larger_ to all spheres larger than that of cell i which may be nearer to a place on its edges.
+    // Lists for each cell the spheres larger than its own that are nearer to some place in it.
     //
-    // Smaller ones are not nearer, as their power is not less. From a place outside of the spheres go straight to the
-    // nearest surface. The end is in the cell of that sphere, or another sphere would be nearer. So the cells on the
-    // way lead there from neighbor to neighbor, and all reach into the ball that touches the sphere of cell i. The
-    // balls around the ends of an edge contain those around its places.
-    void find_larger(std::size_t i) {
-        larger_.clear();
-        if (radius(i) >= max_radius_) return;
-        ends_.clear();
+    // Smaller ones are not nearer, as their power is not less. From a place go straight to the nearest surface. On the
+    // way the same sphere stays the nearest. So each cell on the way has a smaller sphere and a place that the larger
+    // one is nearer to, up to the cell of the larger one. From there they are found neighbor by neighbor.
+    void find_larger() {
+        std::vector<std::pair<std::size_t, Member>> found;  // by cell
+        if (!radii_.empty())
+            for_cells([&](std::size_t g) {
+                queue_.assign(1, {static_cast<std::int32_t>(g), {}});
+                seen_.clear();
+                mark(queue_.back(), g);
+                for (std::size_t seen = 0; !queue_.empty(); ++seen) {
+                    if (seen % cells_per_stop == cells_per_stop - 1) check_stop();
+                    const Member from = queue_.back();
+                    queue_.pop_back();
+                    for (auto e = at(r_.indptr[at(from.seed)]); e < at(r_.indptr[at(from.seed) + 1]); ++e) {
+                        if (r_.indices[e] < 0) continue;
+                        const Member next{r_.indices[e], sum(from.shift, shift_in(r_.shifts, e, 1))};
+                        const Member back{static_cast<std::int32_t>(g), negative(next.shift)};
+                        if (!(radius(at(next.seed)) < radius(g)) || !mark(next, g)) continue;
+                        if (!is_nearer(at(next.seed), sphere(at(next.seed), back))) continue;
+                        found.emplace_back(at(next.seed), back);
+                        queue_.push_back(next);
+                    }
+                }
+            });
+        larger_begin_.assign(r_.status.size() + 2, 0);
+        for (const auto& [cell, member] : found) ++larger_begin_[cell + 2];
+        std::partial_sum(larger_begin_.begin(), larger_begin_.end(), larger_begin_.begin());
+        larger_.resize(found.size());
+        for (const auto& [cell, member] : found) larger_[larger_begin_[cell + 1]++] = member;
+    }
+    // Returns whether sphere g sees this cell for the first time.
+    bool mark(const Member& m, std::size_t g) {
+        if (m.shift != ByteShift{}) return seen_.insert(m).second;
+        return std::exchange(last_sphere_[at(m.seed)], g) != g;
+    }
+    // Whether a larger sphere may be nearer than that of cell i at an end. A place is nearer if a convex function is
+    // positive there, so a sphere that is nearer at no end is nearer nowhere in the cell.
+    [[nodiscard]] bool is_nearer(std::size_t i, const Sphere& other) const {
+        constexpr double slack = 1e-9;
+        const double wider = other.radius - radius(i), square = dot(other.center, other.center);
+        const double limit = square - wider * wider - slack * (square + wider * wider);
         for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
             const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
-            const double distance = std::sqrt(dot(end, end));
-            ends_.push_back({end, distance, std::max(distance - radius(i), 0.0)});
+            if (2 * (std::sqrt(dot(end, end)) * wider + dot(end, other.center)) > limit) return true;
         }
-        seen_.clear();
-        queue_ = {Member{static_cast<std::int32_t>(i), {}}};
-        mark(queue_.back(), i);
-        for (std::size_t seen = 0; !queue_.empty(); ++seen) {
-            if (seen % cells_per_stop == cells_per_stop - 1) check_stop();
-            const Member from = queue_.back();
-            queue_.pop_back();
-            for (auto entry = at(r_.indptr[at(from.seed)]); entry < at(r_.indptr[at(from.seed) + 1]); ++entry) {
-                if (r_.indices[entry] < 0) continue;
-                const Member next{r_.indices[entry], sum(from.shift, shift_in(r_.shifts, entry, 1))};
-                if (!mark(next, i)) continue;
-                const Sphere other = sphere(i, next);
-                if (!may_reach(other, radius(i))) continue;
-                queue_.push_back(next);
-                if (other.radius > radius(i) && is_nearer(other, radius(i))) larger_.push_back(other);
-            }
-        }
-    }
-    // Returns whether cell i sees this sphere for the first time.
-    bool mark(const Member& m, std::size_t i) {
-        if (m.shift != ByteShift{}) return seen_.insert(m).second;
-        return std::exchange(last_cell_[at(m.seed)], i) != i;
-    }
-    // Whether the cell of a sphere may reach into a ball around an end. `own` is the radius of this cell's sphere.
-    [[nodiscard]] bool may_reach(const Sphere& other, double own) const {
-        constexpr double slack = 1e-9;
-        const double squared = dot(other.center, other.center), distance = std::sqrt(squared);
-        const double power = squared - other.radius * other.radius + own * own;  // less that of this cell, at its seed
-        return std::ranges::any_of(ends_, [&](const End& end) {
-            const double more = power - 2 * dot(end.place, other.center);
-            return more <= 2 * distance * end.room + slack * (squared + own * own);
-        });
-    }
-    // Whether a larger sphere is nearer than that of this cell at an end, and limits the room there. A place is nearer
-    // if a convex function is positive there, so a sphere that is nearer at no end is nearer nowhere in the cell.
-    bool is_nearer(const Sphere& other, double own) {
-        const double wider = other.radius - own, limit = dot(other.center, other.center) - wider * wider;
-        bool nearer = false;
-        for (End& end : ends_) {
-            if (2 * (end.distance * wider + dot(end.place, other.center)) <= limit) continue;
-            nearer = true;
-            end.room = std::clamp(distance_to_surface(end.place, end.place, other), 0.0, end.room);
-        }
-        return nearer;
+        return false;
     }
 
     void measure(std::size_t i) {
-        find_larger(i);
+        larger_here_.clear();
+        for (std::size_t k = larger_begin_[i]; k < larger_begin_[i + 1]; ++k)
+            larger_here_.push_back(sphere(i, larger_[k]));
         const auto room = [&](const Vector& a, const Vector& b) {
             double least = distance_to_segment(a, b) - radius(i);
-            for (const Sphere& other : larger_) least = std::min(least, distance_to_surface(a, b, other));
+            for (const Sphere& other : larger_here_) least = std::min(least, distance_to_surface(a, b, other));
             return least;
         };
         for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
@@ -265,15 +251,15 @@ private:
     std::span<const double> places_;
     const std::array<Vector, 3> box_;
     std::vector<double> radii_;  // N in a power diagram, else empty
-    double max_radius_ = 0;
     const JoinedCorners joined_;
     std::vector<std::int32_t> number_;  // by vertex of the mesh
     std::vector<std::size_t> begin_;    // of the sides of each vertex
     std::vector<Side> sides_;
-    std::vector<Sphere> larger_;  // see find_larger()
-    std::vector<End> ends_;
-    std::vector<std::size_t> last_cell_;  // by seed: the last cell that saw it, without a shift
-    std::set<Member> seen_;               // with a shift, by this cell
+    std::vector<std::size_t> larger_begin_;  // of the larger spheres of each cell, see find_larger()
+    std::vector<Member> larger_;
+    std::vector<Sphere> larger_here_;       // of one cell
+    std::vector<std::size_t> last_sphere_;  // by seed: the last sphere that saw its cell, without a shift
+    std::set<Member> seen_;                 // cells with a shift, by this sphere
     std::vector<Member> queue_;
     Network out_;
 };
@@ -334,7 +320,7 @@ private:
 Network network(const Tessellation& tessellation, std::span<const double> points) {
     require_whole_diagram(tessellation, "network");
     require_finite_points(tessellation, points, "network");
-    const Result& result = *tessellation.result_;
+    const Result& result = detail::result_of(tessellation.result_);
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "network(): " + message);
     };
@@ -360,6 +346,7 @@ IncludedSphere Network::largest_included() const {
 }
 
 // Edges join vertices from the widest edge down. The first way from a vertex to an image of itself has the most room.
+// Where ways of several regions have as much, that of the largest sphere counts.
 std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     if (axis && (*axis < 0 || *axis > 2))
         throw Error(ErrorCode::invalid_argument,
@@ -369,27 +356,28 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     std::iota(order.begin(), order.end(), 0);
     std::ranges::stable_sort(order, std::ranges::greater(), [&](std::int32_t e) { return edge_radii[at(e)]; });
     ConnectedVertices sets(vertex_radii.size());
-    std::optional<FreeSphere> found;
-    std::vector<std::int32_t> ways;  // vertices of sets with a way to their images
+    std::vector<std::int32_t> ways;  // edges of equal room that close a way to an image
     for (std::size_t next = 0; next < order.size(); ++next) {
         if (next % vertices_per_stop == 0) check_stop();
         const std::int32_t e = order[next];
-        if (found && edge_radii[at(e)] < found->radius) break;
+        if (!ways.empty() && edge_radii[at(e)] < edge_radii[at(ways[0])]) break;
         const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
         const std::int8_t* s = &shifts[3 * at(e)];
         const ConnectedVertices::Shift net = sets.unite(from, to, {s[0], s[1], s[2]});
-        if (axis ? net[at(*axis)] == 0 : net == ConnectedVertices::Shift{}) continue;
-        if (!found) found = FreeSphere{edge_radii[at(e)], e, {}};
-        ways.push_back(static_cast<std::int32_t>(from));
+        if (axis ? net[at(*axis)] != 0 : net != ConnectedVertices::Shift{}) ways.push_back(e);
     }
-    if (!found) return {};
-    std::vector<bool> has_way(vertex_radii.size());
-    for (const std::int32_t v : ways) has_way[sets.find(at(v)).root] = true;
-    found->included = {-std::numeric_limits<double>::infinity(), -1};
+    if (ways.empty()) return {};
+    std::vector<std::int32_t> way_of(vertex_radii.size(), -1);  // by root: the first
+    for (const std::int32_t e : ways)
+        if (auto& way = way_of[sets.find(at(edges[2 * at(e)])).root]; way < 0) way = e;
+    FreeSphere found{edge_radii[at(ways[0])], -1, {-std::numeric_limits<double>::infinity(), -1}};
     in_pieces(vertex_radii.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v)
-            if (has_way[sets.find(v).root] && vertex_radii[v] > found->included.radius)
-                found->included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+        for (std::size_t v = begin; v < end; ++v) {
+            const std::int32_t way = way_of[sets.find(v).root];
+            if (way < 0 || !(vertex_radii[v] > found.included.radius)) continue;
+            found.edge = way;
+            found.included = {vertex_radii[v], static_cast<std::int32_t>(v)};
+        }
     });
     return found;
 }

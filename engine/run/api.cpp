@@ -6,6 +6,7 @@
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
 #include "plane/sheet.hpp"
+#include "result/handle.hpp"
 #include "result/result_pool.hpp"
 #include "run/engines.hpp"
 #include "solid/run_in_mesh.hpp"
@@ -31,120 +32,118 @@ struct TessellatorState {
 };
 }  // namespace detail
 
-Tessellation::Tessellation() {
-    auto empty = std::make_shared<detail::Result>();
-    empty->indptr.resize_uninitialized(1);
-    empty->indptr[0] = 0;
-    result_ = std::move(empty);
+Tessellation::Tessellation() : Tessellation(nullptr) {}
+Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {
+    (void)detail::result_of(nullptr);  // here it may throw, in an accessor not
 }
-Tessellation::Tessellation(std::shared_ptr<const detail::Result> result) : result_(std::move(result)) {}
 
 std::size_t Tessellation::size() const noexcept {
-    return result_->status.size();
+    return detail::result_of(result_).status.size();
 }
 std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
-    const auto& p = result_->indptr;
+    const auto& p = detail::result_of(result_).indptr;
     if (i + 1 >= p.size()) return {};
-    return view(result_->indices).subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
+    return view(detail::result_of(result_).indices)
+        .subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
 std::span<const std::int64_t> Tessellation::indptr() const noexcept {
-    return view(result_->indptr);
+    return view(detail::result_of(result_).indptr);
 }
 std::span<const std::int32_t> Tessellation::indices() const noexcept {
-    return view(result_->indices);
+    return view(detail::result_of(result_).indices);
 }
 std::span<const double> Tessellation::face_areas() const noexcept {
-    return view(result_->face_areas);
+    return view(detail::result_of(result_).face_areas);
 }
 std::span<const double> Tessellation::volumes() const noexcept {
-    return view(result_->volumes);
+    return view(detail::result_of(result_).volumes);
 }
 std::span<const double> Tessellation::centroids() const noexcept {
-    return view(result_->centroids);
+    return view(detail::result_of(result_).centroids);
 }
 std::span<const std::uint32_t> Tessellation::face_counts() const noexcept {
-    return view(result_->face_counts);
+    return view(detail::result_of(result_).face_counts);
 }
 std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept {
-    return view(result_->edge_counts);
+    return view(detail::result_of(result_).edge_counts);
 }
 std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept {
-    return view(result_->vertex_counts);
+    return view(detail::result_of(result_).vertex_counts);
 }
 std::span<const double> Tessellation::face_normals() const noexcept {
-    return view(result_->face_normals);
+    return view(detail::result_of(result_).face_normals);
 }
 std::span<const std::int8_t> Tessellation::shifts() const noexcept {
-    return view(result_->shifts);
+    return view(detail::result_of(result_).shifts);
 }
 std::span<const double> Tessellation::surface_areas() const noexcept {
-    return view(result_->surface_areas);
+    return view(detail::result_of(result_).surface_areas);
 }
 std::span<const double> Tessellation::mesh_areas() const noexcept {
-    return view(result_->mesh_areas);
+    return view(detail::result_of(result_).mesh_areas);
 }
 std::span<const double> Tessellation::security_radii() const noexcept {
-    return view(result_->security_radii);
+    return view(detail::result_of(result_).security_radii);
 }
 std::span<const double> Tessellation::vertices() const noexcept {
-    return view(result_->vertices);
+    return view(detail::result_of(result_).vertices);
 }
 std::span<const std::int64_t> Tessellation::face_offsets() const noexcept {
-    return view(result_->face_offsets);
+    return view(detail::result_of(result_).face_offsets);
 }
 std::span<const std::int32_t> Tessellation::face_vertices() const noexcept {
-    return view(result_->face_vertices);
+    return view(detail::result_of(result_).face_vertices);
 }
 std::span<const std::int64_t> Tessellation::cell_vertex_indptr() const noexcept {
-    return view(result_->cell_vertex_indptr);
+    return view(detail::result_of(result_).cell_vertex_indptr);
 }
 std::span<const std::int32_t> Tessellation::cell_vertex_indices() const noexcept {
-    return view(result_->cell_vertex_indices);
+    return view(detail::result_of(result_).cell_vertex_indices);
 }
 double Tessellation::least_face() const noexcept {
-    return result_->least_face;
+    return detail::result_of(result_).least_face;
 }
 std::span<const CellStatus> Tessellation::status() const noexcept {
-    return view(result_->status);
+    return view(detail::result_of(result_).status);
 }
 std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept {
-    return view(result_->duplicate_of);
+    return view(detail::result_of(result_).duplicate_of);
 }
 const Box& Tessellation::box() const noexcept {
-    return result_->box;
+    return detail::result_of(result_).box;
 }
 const std::array<bool, 3>& Tessellation::periodic() const noexcept {
-    return result_->periodic;
+    return detail::result_of(result_).periodic;
 }
 const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
-    return result_->cell;
+    return detail::result_of(result_).cell;
 }
 std::span<const Wall> Tessellation::walls() const noexcept {
-    return result_->walls;
+    return detail::result_of(result_).walls;
 }
 std::span<const double> Tessellation::weights() const noexcept {
-    return view(result_->weights);
+    return view(detail::result_of(result_).weights);
 }
 bool Tessellation::planar() const noexcept {
-    return result_->planar;
+    return detail::result_of(result_).planar;
 }
 bool Tessellation::lists_walls() const noexcept {
-    return result_->lists_walls;
+    return detail::result_of(result_).lists_walls;
 }
 bool Tessellation::in_mesh() const noexcept {
-    return result_->mesh_cells != nullptr;
+    return detail::result_of(result_).mesh_cells != nullptr;
 }
 bool Tessellation::is_subset() const noexcept {
-    return result_->is_subset;
+    return detail::result_of(result_).is_subset;
 }
 std::span<const std::int32_t> Tessellation::ids() const noexcept {
-    return view(result_->ids);
+    return view(detail::result_of(result_).ids);
 }
 bool Tessellation::probed() const noexcept {
-    return result_->probed;
+    return detail::result_of(result_).probed;
 }
 const Stats& Tessellation::stats() const noexcept {
-    return result_->stats;
+    return detail::result_of(result_).stats;
 }
 
 Tessellator::Tessellator() : state_(std::make_shared<detail::TessellatorState>()) {}
@@ -251,9 +250,9 @@ Want implied_want(const Options& options) {
 }
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
-    if (!t.planar() && (!t.in_mesh() || t.is_subset())) require_whole_diagram(t, "wrapped_points");
-    require_finite_points(t, points, "wrapped_points");
-    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
+    if (t.probed()) require_whole_diagram(t, "wrapped_points");
+    if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");  // a subset does not know how many there were
+    const std::vector<double> copy(points.begin(), points.end());     // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const Options options = domain_options(t);
@@ -261,12 +260,11 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
         move_into_domain(validate({copy, {}}, options), wrapped);
         return wrapped;
     }
-    const Sheet sheet({copy, {}}, options);
+    const Sheet sheet({copy, {}}, options);  // refuses half points
     const std::span<const double> places = sheet.points().f64;
     std::vector<double> moved(places.begin(), places.end());
     move_into_domain(validate(sheet.points(), sheet.options()), moved);
-    for (std::size_t i = 0; i < t.size(); ++i)
-        for (std::size_t k = 0; k < 2; ++k) wrapped[2 * i + k] = moved[3 * i + k];
+    for (std::size_t i = 0; i < wrapped.size(); ++i) wrapped[i] = moved[i / 2 * 3 + i % 2];
     return wrapped;
 }
 

@@ -13,6 +13,7 @@
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/options.hpp"
+#include "result/handle.hpp"
 #include "result/result.hpp"
 #include "solid/cell_pieces.hpp"
 #include "solid/mesh_cells.hpp"
@@ -67,7 +68,7 @@ Pieces no_pieces() {
 }  // namespace
 
 Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
-    const solid::MeshCells* const cells = tessellation.result_->mesh_cells.get();
+    const solid::MeshCells* const cells = detail::result_of(tessellation.result_).mesh_cells.get();
     if (cells == nullptr)
         throw Error(ErrorCode::invalid_argument,
                     "pieces(): the cells are not cut by a mesh: tessellate with Options::mesh");

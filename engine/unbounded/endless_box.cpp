@@ -52,6 +52,12 @@ struct Spread {
             largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
         }
     }
+    // Returns a length of the order of the coordinates and of the roots of the weights, for seeds at one place.
+    [[nodiscard]] double length(std::span<const double> weights) const {
+        double length = largest;
+        for (const double weight : weights) length = std::max(length, std::sqrt(std::abs(weight)));
+        return length > 0 ? length : 1;
+    }
 };
 
 }  // namespace
@@ -68,6 +74,12 @@ std::int32_t EndlessSides::id() const {
     return -1 - std::countr_zero(sides_);
 }
 
+std::vector<double> weights_of(const Options& options) {
+    std::vector<double> weights(options.weights.begin(), options.weights.end());
+    for (const double radius : options.radii) weights.push_back(radius * radius);
+    return weights;
+}
+
 void check_endless(const Options& options) {
     if (options.periodic[0] || options.periodic[1] || options.periodic[2])
         refuse_endless("Options::box without end and Options::periodic are both given: leave one out");
@@ -79,9 +91,9 @@ void check_endless(const Options& options) {
             "Options::min_face and Options::min_area need a domain with an end: leave them out, or give Options::box");
 }
 
-Box near_box(const Points& points, const Box& box) {
+Box near_box(const Points& points, std::span<const double> weights, const Box& box) {
     const Spread spread(points);
-    const double margin = spread.longest > 0 ? near_margin * spread.longest : spread.largest > 0 ? spread.largest : 1;
+    const double margin = spread.longest > 0 ? near_margin * spread.longest : spread.length(weights);
     Box near = box;
     for (std::size_t k = 0; k < 3; ++k) {
         if (box.lower[k] == -infinity) near.lower[k] = std::min(spread.bounds.lower[k], box.upper[k]) - margin;
@@ -96,23 +108,34 @@ Box far_box(const Points& points, std::span<const double> weights, const Box& bo
     const int max_exponent = weights.empty() ? 700 : 484;
     const Spread spread(points);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
+    if (spread.longest == 0) size = largest = spread.length(weights);
     for (std::size_t k = 0; k < 3; ++k)
         for (const double wall : {box.lower[k], box.upper[k]}) {
             if (!std::isfinite(wall)) continue;
             size = std::max({size, std::abs(wall - spread.bounds.lower[k]), std::abs(wall - spread.bounds.upper[k])});
             largest = std::max(largest, std::abs(wall));
         }
-    int exponent = std::ilogb(size) + 1, above_vertices = exponent + 4;
-    if (spread.smallest != 0) above_vertices += 3 * std::max(exponent - spread.unit, 0);
-    if (!weights.empty()) {
-        const auto [least, most] = std::ranges::minmax(weights);
-        const double difference = most - least;
+    const int exponent = std::ilogb(size) + 1;
+    int above_vertices = exponent + 4;
+    if (spread.longest > 0) {  // else there are no bisectors
+        if (spread.smallest != 0) above_vertices += 3 * std::max(exponent - spread.unit, 0);
+        const int without_weights = above_vertices;
+        double difference = 0;
+        if (!weights.empty()) {
+            const auto [least, most] = std::ranges::minmax(weights);
+            difference = most - least;
+        }
         if (difference > 0) above_vertices += std::max(std::ilogb(difference) + 2 - 2 * (exponent - 1), 0);
+        const std::string remedy = number(spread.longest) + ", for a domain without end: ";
+        if (without_weights - exponent > max_exponent)
+            throw Error(ErrorCode::unsupported, "coordinate " + number(spread.smallest) +
+                                                    " is too small beside the extent of the points, " + remedy +
+                                                    "move it to 0, or give a box");
+        if (above_vertices - exponent > max_exponent)
+            throw Error(ErrorCode::unsupported, "weights that differ by " + number(difference) +
+                                                    " are too large beside the extent of the points, " + remedy +
+                                                    "give a box");
     }
-    if (above_vertices - exponent > max_exponent)
-        throw Error(ErrorCode::unsupported,
-                    "coordinate " + number(spread.smallest) + " is too small beside the extent of the points, " +
-                        number(spread.longest) + ", for a domain without end: move it to 0, or give a box");
     if (largest > 0) above_vertices = std::max(above_vertices, std::ilogb(largest) + 3);
     const double far = std::ldexp(1.0, above_vertices);
     Box finite = box;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "input/job.hpp"
 
@@ -16,8 +17,8 @@ public:
     explicit EndlessSides(const std::optional<Box>& box);
 
     [[nodiscard]] bool any() const { return sides_ != 0; }
-    // Whether the wall of this id, -1 to -6, is at infinity.
-    [[nodiscard]] bool has(std::int32_t id) const { return id >= -6 && id < 0 && (sides_ >> (-1 - id) & 1) != 0; }
+    // Whether the wall of this id is at infinity. Those below -6 are FlatEnds.
+    [[nodiscard]] bool has(std::int32_t id) const { return id < -6 || (id < 0 && (sides_ >> (-1 - id) & 1) != 0); }
     // The id of infinity in rows: of the sides that are there, the one nearest to -1.
     [[nodiscard]] std::int32_t id() const;
     // Whether a side of this axis has an end.
@@ -27,12 +28,15 @@ private:
     unsigned sides_ = 0;
 };
 
+// Returns the weights, or the squares of the radii.
+[[nodiscard]] std::vector<double> weights_of(const Options& options);
+
 // Refuses options that need a domain with ends.
 void check_endless(const Options& options);
 
 // Returns `box` with ends on all sides: farther than the points by six times the longest side of their bounds. Nearly
 // all cells of many points end within it.
-[[nodiscard]] Box near_box(const Points& points, const Box& box);
+[[nodiscard]] Box near_box(const Points& points, std::span<const double> weights, const Box& box);
 
 // Returns `box` with ends on all sides, beyond all vertices of the diagram of these points and of any subset. Vertices
 // on walls of sides that have ends are among them.

@@ -10,6 +10,7 @@
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
 #include "result/arrays.hpp"
+#include "unbounded/flat_ends.hpp"
 #include "unbounded/open_cells.hpp"
 
 namespace votess {
@@ -23,10 +24,50 @@ std::size_t to_index(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
+// Whether row i lists a wall that is an end.
+bool reaches_end(const Result& r, std::size_t i, const auto& is_end) {
+    const std::span<const std::int32_t> all = r.indices;
+    const std::size_t begin = to_index(r.indptr[i]);
+    return std::ranges::any_of(all.subspan(begin, to_index(r.indptr[i + 1]) - begin), is_end);
+}
+
+// Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
+// row_of: of each of `rows` in the other.
+void take_measures(Result& result, const Want& want, const Result& some, std::span<const std::size_t> rows,
+                   const auto& row_of) {
+    const std::size_t count = result.status.size();
+    const auto take = [&]<class T>(bool wanted, Buffer<T>& to, const Buffer<T>& from, std::size_t each) {
+        if (!wanted) return;
+        if (to.size() != each * count) {
+            to.resize_uninitialized(each * count);
+            std::ranges::fill(to, 0);
+        }
+        for (std::size_t k = 0; k < rows.size(); ++k) std::copy_n(&from[each * row_of(k)], each, &to[each * rows[k]]);
+    };
+    take(want.volumes, result.volumes, some.volumes, 1);
+    take(want.centroids, result.centroids, some.centroids, 3);
+    take(want.surfaces, result.surface_areas, some.surface_areas, 1);
+    take(want.radii, result.security_radii, some.security_radii, 1);
+    if (!want.areas) return;
+    if (result.face_areas.size() != result.indices.size()) {
+        result.face_areas.resize_uninitialized(result.indices.size());
+        std::ranges::fill(result.face_areas, 0);
+    }
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        std::copy(some.face_areas.begin() + some.indptr[row_of(k)],
+                  some.face_areas.begin() + some.indptr[row_of(k) + 1],
+                  result.face_areas.begin() + result.indptr[rows[k]]);
+}
+
 class EndlessRun {
 public:
     EndlessRun(const Points& points, const Options& options, const RunInBox& run)
-        : options_(options), run_(run), points_(points), progress_(options.progress) {
+        : options_(options),
+          run_(run),
+          points_(points),
+          progress_(options.progress),
+          sides_(options.box),
+          flat_ends_(points, *options.box) {
         check_endless(options);
         Options with_default_box = options;
         with_default_box.box.reset();
@@ -37,32 +78,31 @@ public:
     }
 
     Result make() {
-        Result result = options_.only || points_.count() < min_near ? in_far_box() : in_both_boxes();
-        if (result.vertices.size() == 3) find_tetrahedron(result);
+        Result result =
+            points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
+        if (result.vertices.size() == 3 && !options_.only) find_tetrahedron(result);
+        result.walls.clear();
         detail::keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
         return result;
     }
 
 private:
+    using Only = std::optional<std::span<const std::int64_t>>;
+
     // The options of a part of the run, whose rows list walls.
-    [[nodiscard]] Options part(const Box& box, const Share& share) {
+    [[nodiscard]] Options part(const Box& box, const Want& want, const Only& only, const Share& share) {
         Options part = options_;
         part.box = box;
+        flat_ends_.cut(part);
         part.list_walls = true;
-        part.want = wanted_;
+        part.want = want;
         part.want.neighbors = true;
+        part.only = only;
         part.progress = progress_.within(share);
         return part;
     }
     // Open cells need polygons for areas and counts.
     [[nodiscard]] bool needs_polygons() const { return wanted_.areas || wanted_.counts || wanted_.vertices; }
-
-    [[nodiscard]] Box far(const Points& points, std::span<const double> weights) const {
-        if (!squares_) return far_box(points, weights, *options_.box);
-        std::vector<double> squares;
-        for (const double radius : weights) squares.push_back(radius * radius);
-        return far_box(points, squares, *options_.box);
-    }
 
     void find_tetrahedron(Result& result) const {
         std::vector<std::int32_t> seeds;
@@ -84,39 +124,83 @@ private:
         result.lone_tetrahedron = {seeds[0], seeds[1], seeds[2], seeds[3]};
     }
 
-    Result in_far_box() {
-        Options options = part(far(points_, weights_), {0, 1});
+    // A run in far_box(). weights: or radii.
+    Result run_far(const Points& points, std::span<const double> weights, const Want& want, const Only& only,
+                   const Share& share) {
+        std::vector<double> squares;
+        if (squares_)
+            for (const double radius : weights) squares.push_back(radius * radius);
+        Options options = part(far_box(points, squares_ ? squares : weights, *options_.box), want, only, share);
         options.device = "cpu";  // no device clips so large a box
-        options.want.faces |= needs_polygons();
-        Result result = run_(points_, options);
+        (squares_ ? options.radii : options.weights) = weights;
+        return run_(points, options);
+    }
+
+    // Returns the cells of these points. weights: or radii. The first run finds the rows; a second one measures the
+    // cells that have an end, since the others take long to measure in so large a box.
+    Result far_cells(const Points& points, std::span<const double> weights, const Only& only, const Share& share) {
+        Want rows = wanted_;
+        rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
+        rows.faces |= needs_polygons();
+        Result result = run_far(points, weights, rows, only, share.part(0, 0.8));
+        if (wanted_.volumes || wanted_.centroids || wanted_.surfaces || wanted_.radii || wanted_.areas) {
+            std::vector<std::int64_t> ids;
+            std::vector<std::size_t> closed;
+            for (std::size_t i = 0; i < result.status.size(); ++i) {
+                if (reaches_end(result, i, [&](std::int32_t id) { return sides_.has(id); })) continue;
+                closed.push_back(i);
+                ids.push_back(only ? (*only)[i] : static_cast<std::int64_t>(i));
+            }
+            Want measures = wanted_;
+            measures.counts = measures.normals = measures.vertices = measures.faces = false;
+            Result some;
+            if (!ids.empty()) some = run_far(points, weights, measures, ids, share.part(0.8, 1));
+            take_measures(result, wanted_, some, closed, [](std::size_t k) { return k; });
+        }
         open_cells(result, *options_.box);
         return result;
     }
 
-    Result in_both_boxes() {
-        Options options = part(near_box(points_, *options_.box), {0, 0.7});
-        if (needs_polygons()) options.want.faces = true;
-        Result near = run_(points_, options);
-        const EndlessSides sides(options_.box);
-        std::vector<bool> taken(points_.count()), needed(points_.count());
-        bool some_empty = false;
-        for (std::size_t i = 0; i < points_.count(); ++i) {
-            if (near.status[i] == CellStatus::empty) some_empty = true;
-            const auto begin = to_index(near.indptr[i]), end = to_index(near.indptr[i + 1]);
-            for (std::size_t e = begin; e < end; ++e)
-                if (sides.has(near.indices[e])) taken[i] = true;
-            if (!taken[i]) continue;
-            needed[i] = true;
-            for (std::size_t e = begin; e < end; ++e)
-                if (near.indices[e] >= 0) needed[to_index(near.indices[e])] = true;
+    Result near_cells() {
+        Want want = wanted_;
+        want.faces |= needs_polygons();
+        return run_(points_,
+                    part(near_box(points_, weights_of(options_), *options_.box), want, options_.only, {0, 0.7}));
+    }
+    // Returns the rows whose cells reach beyond the near box. A cell that is empty there may lie beyond it.
+    std::vector<bool> find_taken(const Result& near) {
+        std::vector<bool> taken(near.status.size());
+        std::vector<std::int64_t> empty;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+            taken[i] = reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !flat_ends_.has(id); });
+            if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
-        // A cell that is empty here may lie far away, and its empty row names no seeds around it.
-        if (some_empty) return in_far_box();
+        if (options_.only || empty.empty()) {
+            for (const std::int64_t i : empty) taken[to_index(i)] = true;
+            return taken;
+        }
+        const Result beyond = run_far(points_, weights_, {.neighbors = true, .volumes = false}, empty, {0.7, 0.8});
+        for (std::size_t k = 0; k < empty.size(); ++k)
+            taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
+        return taken;
+    }
 
+    Result in_both_boxes() {
+        Result near = near_cells();
+        const std::vector<bool> taken = find_taken(near);
+        open_cells(near, *options_.box);
+        if (std::ranges::find(taken, true) == taken.end()) return near;
+        if (options_.only) return with_far(std::move(near), taken);
+
+        // Vertices that taken cells share with others are found by all cells around them.
+        std::vector<bool> needed = taken;
+        for (std::size_t i = 0; i < taken.size(); ++i)
+            for (auto e = near.indptr[i]; e < near.indptr[i + 1] && taken[i]; ++e)
+                if (near.indices[to_index(e)] >= 0) needed[to_index(near.indices[to_index(e)])] = true;
         std::vector<std::int32_t> seeds, taken_seeds;
         std::vector<double> some_points, some_weights;
         std::vector<std::int64_t> only;
-        for (std::size_t i = 0; i < points_.count(); ++i) {
+        for (std::size_t i = 0; i < taken.size(); ++i) {
             if (!needed[i]) continue;
             if (taken[i]) {
                 only.push_back(std::ssize(seeds));
@@ -126,22 +210,39 @@ private:
             for (std::size_t k = 0; k < 3; ++k) some_points.push_back(points_[3 * i + k]);
             if (!weights_.empty()) some_weights.push_back(weights_[i]);
         }
-        options = part(far({some_points, {}}, some_weights), {0.7, 0.95});
-        options.device = "cpu";
-        (squares_ ? options.radii : options.weights) = some_weights;
-        if (needs_polygons())
-            options.want.faces = true;
-        else
-            options.only = only;
-        Result far = run_({some_points, {}}, options);
-        open_cells(far, *options_.box);
-        return join_cells(std::move(near), far, options.only ? taken_seeds : seeds, taken, seeds, *options_.box);
+        const bool all = needs_polygons();
+        const Result far = far_cells({some_points, {}}, some_weights, all ? Only() : Only(only), {0.8, 0.95});
+        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, *options_.box);
+    }
+
+    // Takes cells of a subset into its near result, from among all points. Where there are polygons all come from the
+    // far box, since those of two runs may share vertices that no cell of the subset tells.
+    Result with_far(Result near, const std::vector<bool>& taken) {
+        if (needs_polygons()) {
+            Result far = far_cells(points_, weights_, options_.only, {0.7, 0.95});
+            std::vector<std::size_t> kept;
+            for (std::size_t i = 0; i < taken.size(); ++i)
+                if (!taken[i]) kept.push_back(i);
+            take_measures(far, wanted_, near, kept, [&](std::size_t k) { return kept[k]; });
+            return far;
+        }
+        std::vector<std::int32_t> rows;
+        std::vector<std::int64_t> only;
+        for (std::size_t i = 0; i < taken.size(); ++i) {
+            if (!taken[i]) continue;
+            rows.push_back(static_cast<std::int32_t>(i));
+            only.push_back((*options_.only)[i]);
+        }
+        const Result far = far_cells(points_, weights_, only, {0.7, 0.95});
+        return join_cells(std::move(near), far, rows, taken, {}, *options_.box);
     }
 
     const Options& options_;
     const RunInBox& run_;
     Points points_;
     Progress progress_;
+    EndlessSides sides_;
+    FlatEnds flat_ends_;
     Want wanted_;
     std::span<const double> weights_;  // or radii
     bool squares_ = false;

@@ -1,12 +1,17 @@
 // verify() of a whole result: its rows go through the RowChecker in pieces, and its polygons are compared.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "core/vector3.hpp"
 #include "input/domain_of_result.hpp"
 #include "plane/sheet.hpp"
+#include "result/handle.hpp"
 #include "result/rows.hpp"
 #include "solid/mesh_cells.hpp"
 #include "unbounded/endless_box.hpp"
@@ -128,8 +133,9 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     require_whole_diagram(t, "count_tiny_faces");
     require_points(t, points, "count_tiny_faces");
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
+    if (t.size() == 0) return 0;
     Options options = domain_options(t);
-    if (EndlessSides(options.box).any()) options.box = near_box({points, {}}, *options.box);
+    if (EndlessSides(options.box).any()) options.box = near_box({points, {}}, t.weights(), *options.box);
     options.weights = t.weights();
     options.device = "cpu";
     options.want = {};
@@ -139,11 +145,60 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
 
 namespace {
 
-// mean: of all cells; the tolerance is relative to it, or to the cell where it is infinite.
-bool nearly_equal(double volume, double expected, double tolerance, double mean) {
-    return volume == expected ||
-           std::abs(volume - expected) <= tolerance * (std::isfinite(mean) ? mean : std::abs(expected));
+// scale: of the tolerance. Infinite: the expected value itself is.
+bool nearly_equal(double value, double expected, double tolerance, double scale) {
+    return value == expected ||
+           (std::isfinite(expected) &&
+            std::abs(value - expected) <= tolerance * (std::isfinite(scale) ? scale : std::abs(expected)));
 }
+
+double tolerance_of(const Tessellation& t) {
+    return t.stats().precision == Precision::single ? single_tolerance.sum : double_tolerance.sum;
+}
+
+// A row as a second run makes it. Arrays that it lacks are empty.
+struct ExpectedRow {
+    std::size_t components = 3;  // of shifts and normals
+    std::vector<std::int32_t> ids;
+    std::vector<std::int8_t> shifts;
+    std::vector<double> areas, area_scales, normals;
+
+    void clear() {
+        for (auto* values : {&areas, &area_scales, &normals}) values->clear();
+        ids.clear();
+        shifts.clear();
+    }
+    // Adds an entry without its area.
+    void add(const Tessellation& from, std::size_t entry) {
+        ids.push_back(from.indices()[entry]);
+        for (std::size_t k = 0; k < components; ++k) {
+            if (!from.shifts().empty()) shifts.push_back(from.shifts()[3 * entry + k]);
+            if (!from.face_normals().empty()) normals.push_back(from.face_normals()[3 * entry + k]);
+        }
+    }
+    void add_area(double area, double scale) {
+        areas.push_back(area);
+        area_scales.push_back(scale);
+    }
+    // Returns which array of row i of a result differs, "" for none.
+    [[nodiscard]] const char* difference(const Tessellation& t, std::size_t i) const {
+        if (t.indptr().empty()) return "";
+        const std::size_t begin = at(t.indptr()[i]), size = ids.size();
+        if (!std::ranges::equal(t.neighbors(i), ids)) return "neighbors";
+        if (!t.shifts().empty() &&
+            !std::ranges::equal(t.shifts().subspan(components * begin, components * size), shifts))
+            return "shifts";
+        const double tolerance = tolerance_of(t);
+        for (std::size_t k = 0; k < size && !t.face_areas().empty(); ++k)
+            if (!nearly_equal(t.face_areas()[begin + k], areas[k], tolerance, area_scales[k])) return "areas of faces";
+        for (std::size_t k = 0; k < components * size && !t.face_normals().empty(); ++k) {
+            const double normal = t.face_normals()[components * begin + k];
+            if (!nearly_equal(normal, normals[k], tolerance, 1) && !(std::isnan(normal) && std::isnan(normals[k])))
+                return "normals of faces";
+        }
+        return "";
+    }
+};
 
 // Checks the cells of the plane by the prisms of a sheet, which are verified.
 VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
@@ -153,7 +208,7 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
     options.list_walls = t.lists_walls();
     options.min_area = t.least_face();
     options.device = "cpu";
-    options.want = {.neighbors = true, .volumes = true, .counts = true};
+    options.want = {.neighbors = true, .volumes = true, .counts = true, .areas = true, .normals = true};
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     const Sheet sheet({copy, {}}, options);
     const std::span<const double> places = sheet.points().f64;
@@ -163,54 +218,142 @@ VerifyReport verify_plane(const Tessellation& t, std::span<const double> points,
         report.passed = false;
         report.failure = "cell " + std::to_string(i) + " has other " + what + " than in a second run";
     };
-    const double tolerance = t.stats().precision == Precision::single ? 1e-4 : 1e-9;
+    const double tolerance = tolerance_of(t);
     const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
-    std::vector<std::int32_t> row;
+    ExpectedRow row;
+    row.components = 2;
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
         row.clear();
-        for (const std::int32_t j : prisms.neighbors(i))
-            if (!Sheet::bounds(j)) row.push_back(j);
+        double perimeter = 0;
+        for (auto e = at(prisms.indptr()[i]); e < at(prisms.indptr()[i + 1]); ++e) {
+            if (Sheet::bounds(prisms.indices()[e])) continue;
+            row.add(prisms, e);
+            perimeter += prisms.face_areas()[e] / sheet.thickness();
+            row.add_area(prisms.face_areas()[e] / sheet.thickness(), 0);
+        }
+        std::ranges::fill(row.area_scales, perimeter);
         const std::uint32_t faces = prisms.face_counts()[i], edges = faces == 0 ? 0 : faces - 2;
         const double area = prisms.volumes()[i] / sheet.thickness();
         if (t.status()[i] != prisms.status()[i]) fail(i, "status");
-        if (!t.indices().empty() && !std::ranges::equal(t.neighbors(i), row)) fail(i, "neighbors");
+        if (const char* what = row.difference(t, i); *what != 0) fail(i, what);
         if (!t.volumes().empty() && !nearly_equal(t.volumes()[i], area, tolerance, mean)) fail(i, "area");
-        if (!t.face_counts().empty() && t.face_counts()[i] != edges) fail(i, "numbers of edges");
+        if (!t.face_counts().empty() &&
+            std::array{t.face_counts()[i], t.edge_counts()[i], t.vertex_counts()[i]} != std::array{edges, edges, edges})
+            fail(i, "numbers of edges");
     }
     return report;
+}
+
+// What a cell of a far box has on the walls at infinity.
+class AtInfinity {
+public:
+    AtInfinity(const Tessellation& far, const EndlessSides& sides, std::size_t i) {
+        for (auto e = at(far.indptr()[i]); e < at(far.indptr()[i + 1]); ++e) {
+            if (!sides.has(far.indices()[e])) continue;
+            any_ = true;
+            if (far.face_offsets().empty()) continue;
+            const std::span polygon = corners(far, e);
+            for (std::size_t k = 0; k < polygon.size(); ++k) {
+                const auto [a, b] = std::minmax(polygon[k], polygon[k + 1 == polygon.size() ? 0 : k + 1]);
+                edges_.emplace_back(a, b);
+                vertices_.push_back(polygon[k]);
+            }
+        }
+        const auto sort = [](auto& values) {
+            std::ranges::sort(values);
+            values.erase(std::ranges::unique(values).begin(), values.end());
+        };
+        sort(edges_);
+        sort(vertices_);
+    }
+
+    [[nodiscard]] bool any() const { return any_; }
+    [[nodiscard]] std::size_t edges() const { return edges_.size(); }
+    [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
+    [[nodiscard]] bool has(std::int32_t vertex) const { return std::ranges::binary_search(vertices_, vertex); }
+    [[nodiscard]] static std::span<const std::int32_t> corners(const Tessellation& t, std::size_t entry) {
+        const std::size_t begin = at(t.face_offsets()[entry]), end = at(t.face_offsets()[entry + 1]);
+        return t.face_vertices().subspan(begin, end - begin);
+    }
+
+private:
+    bool any_ = false;
+    std::vector<std::pair<std::int32_t, std::int32_t>> edges_;
+    std::vector<std::int32_t> vertices_;
+};
+
+// Adds the area of a face of a far box, measured from its corners.
+void add_area_of(const Tessellation& far, std::size_t entry, const AtInfinity& infinite, const double* seed,
+                 ExpectedRow& row) {
+    std::array<double, 3> doubled{};
+    std::vector<std::array<double, 3>> places;
+    double square = 0;  // of the largest distance from the seed, with which positions and areas are rounded
+    for (const std::int32_t v : AtInfinity::corners(far, entry)) {
+        if (infinite.has(v)) return row.add_area(infinity, 0);
+        auto& place = places.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) place[k] = far.vertices()[3 * at(v) + k] - seed[k];
+        square = std::max(square, dot(place, place));
+    }
+    for (std::size_t k = 1; k + 1 < places.size(); ++k) {
+        const auto part = cross(minus(places[k], places[0]), minus(places[k + 1], places[0]));
+        for (std::size_t c = 0; c < 3; ++c) doubled[c] += part[c];
+    }
+    row.add_area(0.5 * length3(doubled[0], doubled[1], doubled[2]), square);
 }
 
 // Checks the cells of a domain without end by those of a box that holds all vertices, whose own cells are verified.
 VerifyReport verify_endless(const Tessellation& t, std::span<const double> points, const VerifyOptions& how) {
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     const EndlessSides sides(t.box());
+    const bool counts = !t.face_counts().empty(), areas = !t.face_areas().empty();
     Options options = domain_options(t);
     options.box = far_box({copy, {}}, t.weights(), t.box());
     options.weights = t.weights();
     options.list_walls = true;
     options.device = "cpu";
-    options.want = {.neighbors = true, .volumes = true, .counts = true};
+    options.want = {.neighbors = true,
+                    .volumes = true,
+                    .counts = true,
+                    .normals = !t.face_normals().empty(),
+                    .faces = counts || areas};
     const Tessellation far = tessellate(std::span<const double>(copy), options);
     VerifyReport report = verify(far, copy, how);
     report.tiny_faces = count_tiny_faces(t, copy);
-    const double tolerance = t.stats().precision == Precision::single ? single_tolerance.sum : double_tolerance.sum;
-    std::vector<std::int32_t> row;
+    const double tolerance = tolerance_of(t);
+    ExpectedRow row;
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
         const auto fail = [&](const char* what) {
             report.passed = false;
             report.failure = "cell " + std::to_string(i) + " has other " + what + " than in a box that ends far away";
         };
         row.clear();
-        bool open = false;
-        for (const std::int32_t id : far.neighbors(i)) {
-            open = open || sides.has(id);
-            if (!sides.has(id) && (id >= 0 || t.lists_walls())) row.push_back(id);
+        const AtInfinity infinite(far, sides, i);
+        bool listed = !infinite.any() || !t.lists_walls();
+        const auto add_infinity = [&] {
+            row.ids.push_back(sides.id());
+            row.add_area(infinity, 0);
+            row.normals.insert(row.normals.end(), 3, std::numeric_limits<double>::quiet_NaN());
+            listed = true;
+        };
+        for (auto e = at(far.indptr()[i]); e < at(far.indptr()[i + 1]); ++e) {
+            const std::int32_t id = far.indices()[e];
+            if (!listed && id >= sides.id()) add_infinity();
+            if (sides.has(id) || (id < 0 && !t.lists_walls())) continue;
+            row.add(far, e);
+            if (areas) add_area_of(far, e, infinite, &copy[3 * i], row);
         }
-        if (open && t.lists_walls()) row.insert(std::ranges::upper_bound(row, sides.id()), sides.id());
+        if (!listed) add_infinity();
         if (t.status()[i] != far.status()[i]) fail("status");
-        if (!t.indptr().empty() && !std::ranges::equal(t.neighbors(i), row)) fail("neighbors");
-        if (t.volumes().empty()) continue;
-        if (!nearly_equal(t.volumes()[i], open ? infinity : far.volumes()[i], tolerance, infinity)) fail("volume");
+        if (const char* what = row.difference(t, i); *what != 0) fail(what);
+        if (!t.volumes().empty() &&
+            !nearly_equal(t.volumes()[i], infinite.any() ? infinity : far.volumes()[i], tolerance, infinity))
+            fail("volume");
+        if (!counts) continue;
+        std::uint32_t faces = infinite.any() ? 1 : 0;
+        for (const std::int32_t id : far.neighbors(i)) faces += sides.has(id) ? 0 : 1;
+        if (t.face_counts()[i] != faces || t.edge_counts()[i] != far.edge_counts()[i] - infinite.edges() ||
+            t.vertex_counts()[i] != far.vertex_counts()[i] - infinite.vertices())
+            fail("numbers of faces, edges or vertices");
     }
     return report;
 }
@@ -237,7 +380,7 @@ VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> point
     options.want = {.neighbors = true, .volumes = true};
     const Tessellation again = tessellate(std::span<const double>(copy), options);
     const Pieces parts = pieces(t);
-    const double tolerance = t.stats().precision == Precision::single ? single_tolerance.sum : double_tolerance.sum;
+    const double tolerance = tolerance_of(t);
     const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
     double sum = 0;
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
@@ -271,12 +414,18 @@ VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> point
 }  // namespace
 
 VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
-    if (t.in_mesh()) return verify_in_mesh(t, points, options, *t.result_->mesh_cells);
+    if (t.size() == 0 && points.empty() && !t.is_subset() && !t.probed()) {
+        VerifyReport nothing;
+        nothing.passed = true;
+        nothing.tiny_faces = 0;
+        return nothing;
+    }
+    if (t.in_mesh()) return verify_in_mesh(t, points, options, *detail::result_of(t.result_).mesh_cells);
     if (t.planar() && !t.is_subset()) return verify_plane(t, points, options);
     require_whole_diagram(t, "verify");
     require_points(t, points, "verify");
     if (EndlessSides(t.box()).any()) return verify_endless(t, points, options);
-    const Result& result = *t.result_;
+    const Result& result = detail::result_of(t.result_);
     const bool single = t.stats().precision == Precision::single;
     CheckedRun run{domain_options(t), t.size(), t.stats().box_volume, t.least_face(),
                    single ? single_tolerance : double_tolerance};

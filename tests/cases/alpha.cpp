@@ -389,6 +389,32 @@ TEST_CASE("alpha complex: seeds in a plane or a line") {
     CHECK(complex.simplices[2].seeds.empty());
 }
 
+// Exact orientation decides which simplices are flat. Squared radii reach 2^100 times the distances of the seeds.
+TEST_CASE("alpha complex: seeds in a plane or a line up to rounding") {
+    const auto decimal = [](test::Random& random) { return static_cast<double>(random.integer(0, 40)) * 0.1; };
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+        CAPTURE(seed);
+        test::Random random(seed);
+        const bool line = seed % 2 == 0, decimals = seed % 4 < 2;
+        const double turn = random.uniform(0, 3), c = std::cos(turn), s = std::sin(turn);
+        std::set<std::array<double, 3>> places;
+        const std::size_t count = line ? 3 + seed % 6 : 4 + seed % 14;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double u = decimals ? decimal(random) : random.uniform(0, 1);
+            const double v = line ? 2 * u : decimals ? decimal(random) : random.uniform(0, 1);
+            places.insert({c * u - s * v, s * u + c * v, seed % 3 == 0 ? 0.1 : 0.3 * u + 0.7 * v});
+        }
+        test::Coordinates points;
+        for (const auto& place : places) points.insert(points.end(), place.begin(), place.end());
+        votess::Options options = whole_space();
+        const std::vector<double> weights = random_weights(places.size(), 0.001, seed);
+        if (seed % 5 == 0) options.weights = weights;
+        check_alpha(points, options);
+    }
+    const test::Coordinates three{0.1, 0.2, 0.1 * 3, 0.2, 0.4, 0.3 * 2, 0.5, 1, 1.5};
+    check_alpha(three, whole_space());
+}
+
 TEST_CASE("alpha complex: copies of a box") {
     const test::Coordinates points = whole_points(5, 3, 11);
     const votess::Options options = periodic_box(4);

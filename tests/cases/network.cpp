@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <tuple>
 
@@ -147,6 +148,106 @@ TEST_CASE("network: radii are distances to the nearest seed") {
             nearest = std::min(nearest, std::sqrt(square));
         }
         CHECK(std::abs(c.n.vertex_radii[v] - nearest) < 1e-13);
+    }
+}
+
+// Small spheres and some large ones, by definition.
+TEST_CASE("network: radii are distances to the nearest surface") {
+    for (int trial = 0; trial < 16; ++trial) {
+        CAPTURE(trial);
+        test::Random random(40 + static_cast<std::uint64_t>(trial));
+        const std::size_t count = 60;
+        std::vector<double> radii(count);
+        for (double& r : radii) r = random.uniform(0, 0.05);
+        for (int k = 0; k < 1 + trial % 3; ++k) radii[static_cast<std::size_t>(7 * k)] = random.uniform(0.1, 0.4);
+        const bool periodic = trial % 2 == 0;
+        votess::Options options = periodic_cube(1);
+        options.periodic = {periodic, periodic, periodic};
+        options.radii = radii;
+        const Case c(test::uniform(count, 50 + static_cast<std::uint64_t>(trial)).points, options);
+        const auto nearest = [&](const std::array<double, 3>& x) {
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < count; ++i) {
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double d = c.points[3 * i + k] - x[k], rest = periodic ? d - std::round(d) : d;
+                    square += rest * rest;
+                }
+                least = std::min(least, std::sqrt(square) - radii[i]);
+            }
+            return least;
+        };
+        std::size_t outside = 0;
+        for (std::size_t v = 0; v < c.n.vertices.size(); ++v) {
+            const double expected = nearest({c.n.points[3 * v], c.n.points[3 * v + 1], c.n.points[3 * v + 2]});
+            if (expected < 0) continue;  // within a sphere
+            ++outside;
+            REQUIRE(std::abs(c.n.vertex_radii[v] - expected) < 1e-12);
+        }
+        CHECK(outside > count);
+        for (std::size_t e = 0; e < c.n.edge_radii.size(); ++e) {
+            if (c.n.edge_radii[e] < 0) continue;
+            double least = std::numeric_limits<double>::infinity();
+            for (int step = 0; step <= 16; ++step) {
+                std::array<double, 3> x{};
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double shift = periodic ? c.n.shifts[3 * e + k] : 0;
+                    const auto from = static_cast<std::size_t>(c.n.edges[2 * e]),
+                               to = static_cast<std::size_t>(c.n.edges[2 * e + 1]);
+                    x[k] = std::lerp(c.n.points[3 * from + k], c.n.points[3 * to + k] + shift, step / 16.0);
+                }
+                least = std::min(least, nearest(x));
+            }
+            REQUIRE(c.n.edge_radii[e] <= least + 1e-12);
+            REQUIRE(c.n.edge_radii[e] > least - 0.1);
+        }
+    }
+}
+
+// Two channels of equal room, one of which leads to a wider pore.
+TEST_CASE("network: the edge and the pore of a free sphere lie in one region") {
+    for (const bool swapped : {false, true}) {
+        votess::Network n;
+        // Vertices 0 and 1 are one channel along x, 2 and 3 the other.
+        n.vertex_radii = {2, 3, 2, 5};
+        if (swapped) n.vertex_radii = {2, 5, 2, 3};
+        n.points.assign(12, 0);
+        n.edges = {0, 1, 0, 1, 2, 3, 2, 3};
+        n.shifts = {0, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0};
+        n.edge_radii = {1.5, 1, 1.5, 1};
+        for (const std::optional<int> axis : {std::optional<int>(), std::optional<int>(0)}) {
+            const auto found = n.largest_free(axis).value();
+            CHECK(found.radius == 1);
+            CHECK(found.included.radius == 5);
+            CHECK(found.included.vertex == (swapped ? 1 : 3));
+            CHECK(found.edge == (swapped ? 1 : 3));
+        }
+        CHECK(!n.largest_free(1));
+    }
+    // Random graphs: the edge leads to the vertex by edges with as much room.
+    test::Random random(5);
+    for (int trial = 0; trial < 300; ++trial) {
+        votess::Network n;
+        const std::size_t vertices = 2 + random.below(8);
+        for (std::size_t v = 0; v < vertices; ++v) n.vertex_radii.push_back(static_cast<double>(3 + random.below(5)));
+        for (std::size_t e = 0; e < 12; ++e) {
+            n.edges.push_back(static_cast<std::int32_t>(random.below(vertices)));
+            n.edges.push_back(static_cast<std::int32_t>(random.below(vertices)));
+            for (int k = 0; k < 3; ++k) n.shifts.push_back(static_cast<std::int8_t>(random.below(2)));
+            n.edge_radii.push_back(static_cast<double>(random.below(4)));
+        }
+        const auto found = n.largest_free();
+        if (!found) continue;
+        std::set<std::int32_t> region{n.edges[2 * static_cast<std::size_t>(found->edge)]};
+        for (std::size_t rounds = 0; rounds < vertices; ++rounds)
+            for (std::size_t e = 0; e < 12; ++e)
+                if (n.edge_radii[e] >= found->radius)
+                    for (const std::size_t end : {2 * e, 2 * e + 1})
+                        if (region.contains(n.edges[end])) region.insert(n.edges[end ^ 1]);
+        CHECK(region.contains(found->included.vertex));
+        CHECK(n.edge_radii[static_cast<std::size_t>(found->edge)] == found->radius);
+        for (const std::int32_t v : region)
+            CHECK(n.vertex_radii[static_cast<std::size_t>(v)] <= found->included.radius);
     }
 }
 

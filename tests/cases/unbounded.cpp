@@ -269,6 +269,133 @@ TEST_SUITE("cases") {
         }
     }
 
+    // By rows in a box that ends far away: seeds in one plane or on one line have prisms and slabs as cells.
+    TEST_CASE("unbounded: seeds in a plane or on a line") {
+        test::Random random(14);
+        for (int trial = 0; trial < 48; ++trial) {
+            CAPTURE(trial);
+            const auto n = static_cast<std::size_t>(trial % 4 == 0 ? 2 + trial / 4 : 40);
+            Coordinates points;
+            for (std::size_t i = 0; i < n; ++i) {
+                const double whole = std::ldexp(1.0, static_cast<int>(random.below(30)));
+                const double u = std::floor(random.uniform(0, 1) * whole), v = std::floor(random.uniform(0, 1) * whole);
+                const double w = random.uniform(0, 1);
+                const std::array<std::array<double, 3>, 8> kinds{{{u, v, 0.25},
+                                                                  {0.1, w, u},
+                                                                  {u, w, u},
+                                                                  {u, v, -u - v},
+                                                                  {w, 0, 0},
+                                                                  {u, u, u},
+                                                                  {u, -2 * u, 3 * u},
+                                                                  {w, w, 7}}};
+                points.insert(points.end(), kinds[trial % 8].begin(), kinds[trial % 8].end());
+            }
+            Options options = endless_options();
+            if (trial % 16 == 8) options.box = votess::Box{{-inf, -inf, -1}, {inf, inf, inf}};
+            if (trial % 16 == 9) options.box = votess::Box{{-inf, -1, -inf}, {inf, 2, inf}};
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < n; ++i) weights.push_back(random.uniform(0, 1) * (trial % 5 == 0 ? 1 : 1e-6));
+            if (trial % 3 == 1) options.weights = weights;
+            options.want.vertices = options.want.faces = true;
+            const auto t = votess::tessellate(points, options);
+            options.box = far_away(points);
+            if (trial % 16 == 8) options.box->lower[2] = -1;
+            if (trial % 16 == 9) options.box->lower[1] = -1, options.box->upper[1] = 2;
+            const votess::Box& box = t.box();
+            const auto far = votess::tessellate(points, options);
+            for (std::size_t i = 0; i < n; ++i) {
+                REQUIRE(t.status()[i] == far.status()[i]);
+                REQUIRE(std::ranges::equal(t.neighbors(i), with_one_infinity(far.neighbors(i), box)));
+                if (t.status()[i] == votess::CellStatus::certified) REQUIRE(std::isinf(t.volumes()[i]));
+            }
+            if (box.lower[2] == -inf)
+                for (const double area : t.face_areas()) REQUIRE(std::isinf(area));
+            if (box.lower[2] == -inf && box.lower[1] == -inf) {
+                CHECK(t.vertices().empty());
+                CHECK(check_polygons(t) == "");
+            }
+            CHECK(t.walls().empty());
+        }
+    }
+
+    TEST_CASE("unbounded: many seeds in a plane or on a line take as long as in space") {
+        const std::size_t n = 20000;  // took a millisecond each
+        test::Random random(15);
+        for (const int kind : {0, 1, 2}) {
+            Coordinates points;
+            for (std::size_t i = 0; i < n; ++i) {
+                const double u = random.uniform(0, 1), v = random.uniform(0, 1);
+                const std::array<std::array<double, 3>, 3> kinds{{{u, v, 0}, {u, v, u}, {u, u, u}}};
+                points.insert(points.end(), kinds[kind].begin(), kinds[kind].end());
+            }
+            Options options = endless_options();
+            options.want = {};
+            const auto t = votess::tessellate(points, options);
+            CHECK(static_cast<std::size_t>(std::ranges::count(t.volumes(), inf)) == n);
+            // Euler's formula of triangles in the plane, of edges on the line.
+            const auto hull = kind == 2 ? std::size_t{2} : std::size_t{0};
+            if (kind == 2) CHECK(t.indices().size() - n * (options.list_walls ? 1 : 0) == 2 * n - hull);
+            CHECK(t.stats().exact_cells < n / 10);
+        }
+    }
+
+    TEST_CASE("unbounded: the digits of some cells are those of the full run") {
+        for (int trial = 0; trial < 12; ++trial) {
+            CAPTURE(trial);
+            const std::size_t n = trial % 3 == 0 ? 20 : 120;
+            const auto set = test::uniform(n, 100 + static_cast<std::uint64_t>(trial));
+            test::Random random(static_cast<std::uint64_t>(trial));
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < n; ++i) weights.push_back(random.uniform(0, 1) * 0.1);
+            Options options = endless_options();
+            options.want.surfaces = options.want.radii = true;
+            options.want.counts = options.want.areas = trial % 2 == 0;
+            if (trial % 4 > 1) options.weights = weights;
+            const auto all = votess::tessellate(set.points, options);
+            for (std::size_t i = 0; i < n; i += 7) {
+                const std::vector<std::int64_t> ids{static_cast<std::int64_t>(i),
+                                                    static_cast<std::int64_t>((i + 11) % n)};
+                options.only = ids;
+                const auto some = votess::tessellate(set.points, options);
+                for (std::size_t k = 0; k < 2; ++k) {
+                    const auto row = static_cast<std::size_t>(ids[k]);
+                    REQUIRE(test::row_of(some, k) == test::row_of(all, row));
+                    REQUIRE(some.status()[k] == all.status()[row]);
+                    REQUIRE(some.volumes()[k] == all.volumes()[row]);
+                    REQUIRE(some.surface_areas()[k] == all.surface_areas()[row]);
+                    REQUIRE(some.security_radii()[k] == all.security_radii()[row]);
+                    for (std::size_t c = 0; c < 3; ++c) {
+                        const double x = some.centroids()[3 * k + c], y = all.centroids()[3 * row + c];
+                        REQUIRE((x == y || (std::isnan(x) && std::isnan(y))));
+                    }
+                }
+            }
+            options.only.reset();
+        }
+    }
+
+    TEST_CASE("unbounded: weighted seeds at one place") {
+        for (const Coordinates& place : {Coordinates{0.4, 0.2, 0.1}, Coordinates{0, 0, 0}, Coordinates{1e20, 0, 3}})
+            for (const std::size_t n : {1, 2, 3, 40})
+                for (const double size : {0.0, 0.1, 1e30, 1e-200}) {
+                    Coordinates points;
+                    std::vector<double> weights;
+                    for (std::size_t i = 0; i < n; ++i) {
+                        points.insert(points.end(), place.begin(), place.end());
+                        weights.push_back(size * static_cast<double>(i));
+                    }
+                    Options options = endless_options();
+                    options.weights = weights;
+                    const auto t = votess::tessellate(points, options);
+                    const std::size_t heaviest = size == 0 ? 0 : n - 1;
+                    for (std::size_t i = 0; i < n; ++i) CHECK(t.volumes()[i] == (i == heaviest ? inf : 0));
+                }
+        const std::vector<double> weights{0, 1e300, 0};
+        Options options = endless_options();
+        options.weights = weights;
+        CHECK(has(test::refusal({0, 0, 0, 1, 1, 1, 1, 0, 0}, options, votess::ErrorCode::unsupported), "weights"));
+    }
+
     TEST_CASE("unbounded: in the plane") {
         for (const std::size_t n :
              {std::size_t{1}, std::size_t{2}, std::size_t{3}, std::size_t{50}, test::by_size(4500, 500)}) {

@@ -42,7 +42,7 @@ ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
     ),
     "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
 }
-# Empty where they do not apply.
+# Empty where they do not apply; shifts also where a periodic result has no entries.
 _OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0),
              ("mesh_areas", np.float64, 0))  # fmt: skip
 
@@ -85,14 +85,14 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
         for name, dtype, columns in ARRAYS[word]
     }
     arrays["status"] = array_of(result, "status", np.uint8)
+    axes = (ctypes.c_int32 * 3)()
+    raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
     for name, dtype, columns in _OPTIONAL:
         array = array_of(result, name, dtype, min(columns, size))
-        if len(array):
+        if len(array) or (name == "shifts" and any(axes) and "neighbors" in wanted):
             arrays[name] = array
     lower, upper = _Vector(), _Vector()
     raise_on_failure(lib.votess_result_box(result.pointer, lower, upper))
-    axes = (ctypes.c_int32 * 3)()
-    raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
     has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
     raise_on_failure(lib.votess_result_cell(result.pointer, ctypes.byref(has_cell), *vectors))
     walls = array_of(result, "walls", np.float64, columns=4)
@@ -419,7 +419,7 @@ class SeedCells(Cells):
 
     def __getstate__(self) -> Dict[str, Any]:
         """Returns the state with the arrays and without the library's object."""
-        places = self.wrapped_points if any(self.periodic) and self.ids is None else None
+        places = self.wrapped_points if any(self.periodic) else None
         return dict(self.__dict__, _result=None, _places=places)
 
     def _domain(self) -> str:

@@ -57,8 +57,8 @@ class Tessellation(SeedCells):
             self._result = result
         return self._result
 
-    def _tessellated_again(self) -> Tuple[Handle, str]:
-        """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
+    def _arguments(self, **changed: Any) -> Dict[str, Any]:
+        """Returns the arguments of the run, by name."""
         box = self.box if self._domain_given and self.cell is None else None
         outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
@@ -66,8 +66,18 @@ class Tessellation(SeedCells):
             origin=self.origin, walls=self.walls, mesh=None, mesh_repair=None, mesh_tolerance=0.0, outside=outside, only=self.ids, want=self.wanted,
             list_walls=self.lists_walls, min_area=self.least_face, progress=None,
         )  # fmt: skip
-        result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), given)
+        given.update(changed)
+        return given
+
+    def _tessellated_again(self) -> Tuple[Handle, str]:
+        """Returns a new object of the library for the same points, and the name of an array that differs, or ""."""
+        result, _, wanted, _ = tessellate_points(None, new_options(device="cpu"), self._arguments())
         return result, differing_array(self._data, read_result(result, wanted))
+
+    def _with_all_faces(self) -> Tessellation:
+        """Returns the result without ``min_face`` and ``min_area``."""
+        made = tessellate_points(None, new_options(device="cpu"), self._arguments(min_area=0.0))
+        return type(self)(*made)
 
     def __repr__(self) -> str:
         wanted = ", ".join(self._wanted) or "status only"

@@ -143,6 +143,27 @@ class Domains(unittest.TestCase):
                       repr(vt.tessellate(p, cell=np.eye(3), periodic="xy")))
         self.assertIn("cut by 1 wall:", repr(vt.tessellate(p, box=UNIT, walls=[(1, 1, 1, 3)])))
 
+    def test_wrapped_points_of_some_cells(self):
+        for size in (2, 3):
+            p = 3 * points(30)[:, :size] - 1
+            box = ((0,) * size, (1,) * size)
+            whole = vt.tessellate(p, box, periodic=True)
+            for only in ([], [3], [7, 2]):
+                t = vt.tessellate(p, box, periodic=True, only=only)
+                np.testing.assert_array_equal(t.wrapped_points, whole.wrapped_points)
+                np.testing.assert_array_equal(pickle.loads(pickle.dumps(t)).wrapped_points, whole.wrapped_points)
+
+    def test_shifts_without_entries(self):
+        """They are an empty array in a periodic domain, whatever the reason that no cell has a neighbor."""
+        for size in (2, 3):
+            box, p = ((0,) * size, (1,) * size), points(2)[:, :size]
+            hidden = dict(weights=[1, -9], only=[1])
+            for q, given in ((p, hidden), (p, dict(only=[])), (np.empty((0, size)), {})):
+                t = vt.tessellate(q, box, periodic=True, **given)
+                self.assertEqual((t.shifts.shape, t.shifts.dtype), ((0, size), np.int8))
+                self.assertIsNone(vt.tessellate(q, box, **given).shifts)
+                self.assertIsNone(vt.tessellate(q, box, periodic=True, want="volumes", **given).shifts)
+
     def test_wrapped_points_and_pairs(self):
         edges = np.array([(2.0, 0, 0), (0.8, 1.5, 0), (-0.5, 0.3, 1)])
         inside = points(60) @ edges + (1, 2, 3)

@@ -346,6 +346,25 @@ class Transport(unittest.TestCase):
             np.testing.assert_allclose(t.volumes, box.volumes, rtol=1e-9, atol=1e-20)
             self.assertAlmostEqual(vt.transport_cost(t) / expected, 1, places=9)
 
+    def test_dropped_faces(self):
+        """Small faces belong to the cells, also where they were dropped."""
+        points, weights = uniform(30), 0.01 * uniform(10).ravel()
+        slab = ((0, 0, 1, 0.9), (0, 1, 0, 0.8))
+        inside = points * (1, 0.8, 0.9)
+        domains = (
+            dict(box=UNIT_BOX), dict(box=UNIT_BOX, periodic=True), dict(), dict(box=UNIT_BOX, weights=weights),
+            dict(cell=((1, 0, 0), (0.3, 1, 0), (0, 0.2, 1)), weights=weights), dict(walls=slab),
+        )  # fmt: skip
+        for domain in domains:
+            chosen = inside if "walls" in domain else points
+            whole = vt.transport_cost(vt.tessellate(chosen, want="faces", **domain))
+            for dropped in (dict(min_face=0.1), dict(min_face=1.0), dict(min_area=0.02)):
+                t = vt.tessellate(chosen, want="faces", **domain, **dropped)
+                self.assertGreater(t.least_face, 0)
+                self.assertAlmostEqual(vt.transport_cost(t), whole, places=14, msg=str(domain))
+        with self.assertRaisesRegex(ValueError, "transport_cost.*faces"):
+            vt.transport_cost(vt.tessellate(points, UNIT_BOX, min_face=0.1))
+
     def test_derivative(self):
         """Moving a seed changes the cost by 2 V (p - c): the weights do not move it (Kantorovich duality)."""
         points, targets = uniform(40), shares(40, "lognormal")

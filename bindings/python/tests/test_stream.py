@@ -56,6 +56,28 @@ class Stream(unittest.TestCase):
         _, result, whole = self.check(single, np.split(single, 2))
         np.testing.assert_array_equal(result.box, whole.box)
 
+    def test_pieces_without_entries(self):
+        """An array that is wanted is there, also where no cell of the piece has a neighbor."""
+        points, weights = uniform(40), np.zeros(40)
+        weights[:39], weights[39] = -9, 1  # the last seed hides all others
+        for periodic, wanted in ((True, ["neighbors", "areas", "normals"]), (False, ["neighbors"]), (True, ["volumes"])):
+            rows = Rows()
+            vt.tessellate_stream([(points, weights)], rows, LITTLE, beside="weights", box=UNIT_BOX, periodic=periodic,
+                                 want=wanted, outside="drop")  # fmt: skip
+            whole = vt.tessellate(points, UNIT_BOX, periodic, weights, want=wanted)
+            for piece in rows.pieces:
+                self.assertEqual(piece.indices is None, "neighbors" not in wanted)
+                self.assertEqual(piece.shifts is None, not periodic or "neighbors" not in wanted)
+                self.assertEqual(piece.face_areas is None, "areas" not in wanted)
+                self.assertEqual(piece.face_normals is None, "normals" not in wanted)
+            if "areas" in wanted:
+                np.testing.assert_array_equal(rows.all("shifts"), whole.shifts)
+                self.assertEqual(rows.all("face_normals").shape, (len(whole.indices), 3))
+        nothing = Rows()
+        vt.tessellate_stream([np.empty((0, 3))], nothing, LITTLE, box=UNIT_BOX, periodic=True, want="areas")
+        for piece in nothing.pieces:
+            self.assertEqual(piece.shifts.shape, (0, 3))
+
     def test_periodic_and_weights(self):
         points = uniform(5000)
         points[-9:] = points[:9]

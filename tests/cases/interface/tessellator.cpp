@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
+#include <votess/alpha.hpp>
+#include <votess/network.hpp>
+#include <votess/pieces.hpp>
 
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -53,13 +57,56 @@ TEST_SUITE("interface") {
         CHECK(test::check_identical(expected, kept) == "");
     }
 
-    TEST_CASE("tessellator: a default-constructed Tessellation is empty") {
-        const votess::Tessellation t;
-        CHECK(t.size() == 0);
-        CHECK(t.indices().empty());
-        CHECK(t.volumes().empty());
-        CHECK(t.status().empty());
-        CHECK(t.stats().points == 0);
+    TEST_CASE("tessellator: a Tessellation that was moved from, or default-constructed, is empty") {
+        votess::Tessellation t = votess::tessellate(test::uniform(20, 84).points, test::all_options());
+        const votess::Tessellation taken = std::move(t);
+        CHECK(taken.size() == 20);
+        const votess::Tessellation none, null(nullptr);
+        for (const votess::Tessellation* empty :
+             {&std::as_const(t), &none, &null}) {  // NOLINT(bugprone-use-after-move)
+            const votess::Tessellation& e = *empty;
+            CHECK(e.size() == 0);
+            CHECK(e.indptr().size() == 1);
+            CHECK(e.indptr()[0] == 0);
+            CHECK(e.neighbors(0).empty());
+            for (const auto size : {e.indices().size(),
+                                    e.face_areas().size(),
+                                    e.face_normals().size(),
+                                    e.shifts().size(),
+                                    e.volumes().size(),
+                                    e.centroids().size(),
+                                    e.face_counts().size(),
+                                    e.edge_counts().size(),
+                                    e.vertex_counts().size(),
+                                    e.surface_areas().size(),
+                                    e.mesh_areas().size(),
+                                    e.security_radii().size(),
+                                    e.vertices().size(),
+                                    e.face_offsets().size(),
+                                    e.face_vertices().size(),
+                                    e.cell_vertex_indptr().size(),
+                                    e.cell_vertex_indices().size(),
+                                    e.status().size(),
+                                    e.duplicate_of().size(),
+                                    e.walls().size(),
+                                    e.weights().size(),
+                                    e.ids().size()})
+                CHECK(size == 0);
+            CHECK(e.least_face() == 0);
+            CHECK(e.box().upper == std::array<double, 3>{});
+            CHECK(e.periodic() == std::array<bool, 3>{});
+            CHECK(!e.cell());
+            CHECK_FALSE((e.planar() || e.lists_walls() || e.probed() || e.in_mesh() || e.is_subset()));
+            CHECK(e.stats().points == 0);
+            CHECK(votess::verify(e, {}).passed);
+            CHECK(votess::wrapped_points(e, {}).empty());
+            CHECK(votess::delaunay(e).tetrahedra.empty());
+            CHECK(votess::network(e, {}).points.empty());
+            CHECK(votess::alpha_complex(e, {}).simplices[0].seeds.empty());
+            CHECK_THROWS_AS((void)votess::pieces(e), votess::Error);
+        }
+        t = taken;
+        CHECK(t.size() == 20);
     }
 
     TEST_CASE("tessellator: stats") {

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <memory>
 
 #include "result/result.hpp"
@@ -222,6 +224,79 @@ TEST_SUITE("cases") {
              k < static_cast<std::size_t>(t.face_offsets()[end]); ++k)
             corners[k] = corners[k] == a ? b : corners[k] == b ? a : corners[k];
         CHECK(failure().ends_with(" have different polygons between them"));
+    }
+
+    // Each number of a result of the plane, or of a domain without end, is changed.
+    TEST_CASE("verify sees wrong numbers in the plane and in a domain without end") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        test::Coordinates in_plane;
+        test::Random random(107);
+        for (std::size_t i = 0; i < 24; ++i) in_plane.push_back(random.uniform(0, 1));
+        const auto in_space = test::uniform(12, 108).points;
+        for (int domain = 0; domain < 5; ++domain) {
+            CAPTURE(domain);
+            votess::Options options;
+            options.device = "cpu";
+            options.planar = domain < 3;
+            options.list_walls = domain % 2 == 0;
+            options.want = {.neighbors = true, .volumes = true, .counts = true, .areas = true, .normals = true};
+            const double side = domain < 2 ? 1 : inf;
+            if (domain < 2) options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+            if (domain == 1) options.periodic = {true, true, false};
+            if (domain == 2) options.box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
+            if (domain > 2) options.box = test::cube(-side, side);
+            if (domain == 4) options.box->lower[2] = 0;
+            const test::Coordinates& points = domain < 3 ? in_plane : in_space;
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            const auto passes = [&](const auto& change) {
+                auto result = domain_of(t);
+                result->planar = t.planar();
+                copy(result->status, t.status());
+                copy(result->indptr, t.indptr());
+                copy(result->indices, t.indices());
+                copy(result->shifts, t.shifts());
+                copy(result->face_areas, t.face_areas());
+                copy(result->face_normals, t.face_normals());
+                copy(result->volumes, t.volumes());
+                copy(result->face_counts, t.face_counts());
+                copy(result->edge_counts, t.edge_counts());
+                copy(result->vertex_counts, t.vertex_counts());
+                change(*result);
+                return votess::verify(votess::Tessellation(std::move(result)), points, {3, 1}).passed;
+            };
+            using Result = votess::detail::Result;
+            CHECK(passes([](const Result&) {}));
+            std::size_t seen = 0, tried = 0;
+            const auto change_some = [&](auto member) {
+                std::size_t count = 0;
+                (void)passes([&](const Result& r) { count = (r.*member).size(); });
+                for (std::size_t k = 0; k < count; k += 1 + count / 5) {
+                    ++tried;
+                    seen += !passes([&](Result& r) {
+                        auto& value = (r.*member)[k];
+                        value = std::isfinite(static_cast<double>(value)) ? value + 1 : 1;
+                    });
+                }
+            };
+            change_some(&Result::shifts);
+            change_some(&Result::face_areas);
+            change_some(&Result::face_normals);
+            change_some(&Result::volumes);
+            change_some(&Result::face_counts);
+            change_some(&Result::edge_counts);
+            change_some(&Result::vertex_counts);
+            CHECK(seen == tried);
+            CHECK(tried > 20);
+        }
+    }
+
+    TEST_CASE("verify passes results without cells") {
+        CHECK(votess::verify(votess::Tessellation(), {}).passed);
+        CHECK(votess::count_tiny_faces(votess::Tessellation(), {}) == 0);
+        votess::Options options;
+        options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+        CHECK(votess::verify(votess::tessellate(std::span<const double>(), options), {}).passed);
+        CHECK_THROWS_AS((void)votess::verify(votess::Tessellation(), std::vector<double>{1, 2, 3}), votess::Error);
     }
 
     TEST_CASE("verify sees a face that two rows list twice, and a row out of order") {

@@ -148,13 +148,17 @@ def transport_cost(tessellation: Tessellation) -> float:
 
     Each cell goes to its seed p. In a power diagram no other plan that gives each seed the volume of its cell costs less,
     so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. Needs "faces" in want, but
-    not in a mesh.
+    not in a mesh. After ``min_face`` or ``min_area`` it tessellates again: cells need their small faces too.
     """
     from ..tessellation import Tessellation
 
     if not isinstance(tessellation, Tessellation):
         raise TypeError(f"tessellation is {shown(tessellation)}: give the result of tessellate()")
-    return uniform_energy(tessellation, tessellation.wrapped_points, "transport_cost()")
+    t = tessellation
+    if t.least_face > 0:
+        mesh_of(t, "transport_cost()")
+        t = t._with_all_faces()
+    return uniform_energy(t, t.wrapped_points, "transport_cost()")
 
 
 def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64Array:

@@ -136,7 +136,7 @@ def _box(result: Handle) -> Float64Array:
     return corners
 
 
-def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellation:
+def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool) -> MpiTessellation:
     arrays: Dict[str, Any] = {
         name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
@@ -146,10 +146,10 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
             arrays.update((name, None) for name in names_of(word) if name in arrays)
     if not made:
         arrays["points"] = None
-    rows = len(arrays["indices"])
-    for name, needed in (("duplicate_of", len(arrays["ids"])), ("shifts", rows)):
-        if len(arrays[name]) != needed or needed == 0:
-            arrays[name] = None
+    if not periodic:
+        arrays["shifts"] = None
+    if len(arrays["duplicate_of"]) != len(arrays["ids"]) or len(arrays["ids"]) == 0:
+        arrays["duplicate_of"] = None
     for name, indptr_name, indices_name in (
         ("neighbors", "indptr", "indices"), ("send", "send_indptr", "send"), ("receive", "receive_indptr", "receive"),
     ):  # fmt: skip
@@ -242,4 +242,5 @@ def tessellate(
             )
         raise_on_failure(status)
     del kept
-    return _read(result, options.want, cells == "made", cell is None)
+    axes = options.cell_periodic if options.has_cell else options.periodic
+    return _read(result, options.want, cells == "made", cell is None, any(axes))

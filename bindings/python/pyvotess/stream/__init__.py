@@ -23,8 +23,8 @@ from .._arguments import as_count, as_flag, require_one_of, as_path, shown
 from .._c_api import OutsideWord, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
 from .._input import Domain, as_one_each, as_points
-from .._run import new_options
-from .._state import no_attribute
+from .._run import implied_words, new_options
+from .._state import names_of, no_attribute
 from ..stats import Stats, VerifyReport, stats_of
 from . import _stream_api as _stream
 
@@ -96,8 +96,12 @@ class StreamResult:
 class _Source:
     """Callbacks of the library, which read the user's pieces and pass rows on."""
 
-    def __init__(self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str]) -> None:
+    def __init__(
+        self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str], wanted: Iterable[str]
+    ) -> None:
         self._pieces, self._rows, self._beside = pieces, rows, beside
+        # The arrays that are there, also if a piece has no seeds or entries.
+        self._present = {"status", *(name for word in wanted for name in names_of(word))}
         self._iterator: Iterator[Any] = iter(pieces)
         self._again = self._iterator is not pieces
         self._held: Tuple[Any, ...] = ()
@@ -129,6 +133,8 @@ class _Source:
 
     def begin(self, head: Any) -> int:
         self.box = np.array([head[0].box_lower[:], head[0].box_upper[:]])
+        if head[0].periodic and "indices" in self._present:
+            self._present.add("shifts")
         return _stream.GO_ON
 
     def rows(self, rows: Any) -> int:
@@ -138,10 +144,10 @@ class _Source:
         def array(name: str) -> Any:
             dtype, columns, of = _stream.ARRAYS[name]
             address = getattr(some, name)
-            if not address:
-                empty = name == "status" or (name == "indices" and some.indptr)
-                return np.empty(0, dtype) if empty else None
             shape = (counts[of], columns) if columns else (counts[of],)
+            if not address:
+                present = name in self._present
+                return np.empty(shape, dtype) if present else None
             size = counts[of] * (columns or 1) * np.dtype(dtype).itemsize
             return np.frombuffer(ctypes.string_at(address, size), dtype).reshape(shape)
 
@@ -203,7 +209,7 @@ def tessellate_stream(
         device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions
     )
     kept = Domain(box, periodic, None, None, cell, origin, walls).fill(options, None)
-    source = _Source(pieces, rows, beside)
+    source = _Source(pieces, rows, beside, implied_words(options))
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
     with showing(progress) as show:
