@@ -196,13 +196,15 @@ void CutCell::find_candidates() {
     // Long cells at an angle have large boxes: planes of their faces pass over most of the mesh in them.
     const auto is_beyond = [&](const Box& box) {
         for (std::size_t f = 0; f < faces_.size(); ++f) {
+            const std::int32_t slot = faces_.corners[index(faces_.offsets[f])];
+            const auto& on_face = cell_.position(slot);
             double height = 0, size = 0;  // of the corner farthest inward, above the face
             for (std::size_t k = 0; k < 3; ++k) {
                 const double corner = unit_[f][k] > 0 ? box.lower[k] : box.upper[k];
-                height += unit_[f][k] * (corner - origin_[k] - apex_[k] - base_[f][k]);
-                size += std::abs(corner) + std::abs(origin_[k]) + std::abs(apex_[k]) + std::abs(base_[f][k]);
+                height += unit_[f][k] * (corner - origin_[k] - on_face[k]);
+                size += std::abs(corner) + std::abs(origin_[k]) + std::abs(on_face[k]);
             }
-            if (height > beyond_rounding * size + 4 * place_error_) return true;
+            if (height > beyond_rounding * size + 4 * cell_.tolerance(slot)) return true;
         }
         return false;
     };
