@@ -246,7 +246,7 @@ class Mesh(CliTest):
                            (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
                            (["--mesh-repair", "holes"], "'holes': give merge"),
-                           (["--wall", "1,0,0,1"], "replaces walls"), (["--outside", "keep"], "outside")]:
+                           (["--wall", "1,0,0,1"], "replaces --wall"), (["--outside", "keep"], "outside")]:
             self.refuse(*run, "a.off", *more, says=says)
         self.refuse(*run, "", says="--mesh is empty")
         self.refuse(*run, "none.off", says="'none.off'")
