@@ -28,6 +28,7 @@
 #include "read/input.hpp"
 #include "stream/stream.hpp"
 #include "summary.hpp"
+#include "words.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -263,7 +264,7 @@ int main_inside(int count, const char* const* values) {
         const int code = exit_code::signal_base + interrupted.signal();
         return interrupted.signal() == votess::system::closed_pipe ? code : complain(code, interrupted.what());
     } catch (const votess::Error& error) {
-        return complain(exit_code_of(error.code()), error.what());
+        return complain(exit_code_of(error.code()), in_words_of_options(error.what()));
     } catch (const std::bad_alloc&) {
         return complain(exit_code::runtime_failure, "out of memory");
     } catch (const std::exception& error) {

@@ -110,14 +110,14 @@ struct ReadRequest {
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format
     std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
-    bool npy_holds_columns = false;        // side by side after x, y and z; else a .npy has none
-    bool columns_may_lack = false;         // skip those of `columns` that the file lacks
-    bool all_columns = false;              // read the others too
-    std::size_t first_words = SIZE_MAX;    // from this one on, columns may hold words
-    bool species = false;                  // read those too
-    std::optional<std::uint64_t> frame;    // number from 0, of LAMMPS dumps and XYZ; default the first
-    unsigned threads = 1;                  // that parse text; 0: one per processor
-    Share share;                           // of the points, for files that reads_shares() accepts
+    bool npy_holds_columns = false;  // side by side after x, y and z; else a .npy has none. Rows of text have no others
+    bool columns_may_lack = false;   // skip those of `columns` that the file lacks
+    bool all_columns = false;        // read the others too
+    std::size_t first_words = SIZE_MAX;  // from this one on, columns may hold words
+    bool species = false;                // read those too
+    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                // that parse text; 0: one per processor
+    Share share;                         // of the points, for files that reads_shares() accepts
 };
 
 // Returns whether a share of the file can be read without the rest.

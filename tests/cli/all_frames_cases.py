@@ -396,7 +396,7 @@ class FramesOfHdf5(CliTest):
             file["coordinates"], file["time"] = frames, np.arange(3.0)
             file["cell_lengths"] = np.tile(np.float32([2, 3, 4]), (3, 1))
             file["cell_angles"] = np.array([[90, 90, 90], [90, 90, 60], [90, 90, 90]], np.float32)
-        for k, cell in enumerate(["2,0,0,0,3,0,0,0,4", f"2,0,0,1.5,{3 * np.sqrt(0.75)!r},0,0,0,4"]):
+        for k, cell in enumerate(["2,0,0,0,3,0,0,0,4", f"2,0,0,1.5,{float(3 * np.sqrt(0.75))!r},0,0,0,4"]):
             self.put("p.npy", frames[k].astype(float))
             rows = self.rows("a.h5", "--frame", k, "--format", "%q %n %v")
             expected = self.rows("p.npy", "--cell", cell, "--format", "%q %n %v")
@@ -405,3 +405,14 @@ class FramesOfHdf5(CliTest):
                                        rtol=1e-12)
         self.assertEqual(self.json("a.h5", "--frames", "all")["frames"], 3)
         self.assertEqual(self.json("a.h5", "--frames", "all")["domain"]["periodic_from"], "assumed")
+        # A cell with missing rows or without angles is not taken for none.
+        for name, values in (("cell_lengths", np.ones((2, 3))), ("cell_lengths", np.ones((3, 2))), ("cell_angles", None)):
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                kept = file[name][()]
+                del file[name]
+                if values is not None:
+                    file[name] = values
+            self.refuse("a.h5", "--frame", 0, says=name)
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                file.pop(name, None)
+                file[name] = kept

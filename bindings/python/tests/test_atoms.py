@@ -143,7 +143,7 @@ class Atoms(unittest.TestCase):
             vt.from_ase("Cu")
         with self.assertRaisesRegex(ValueError, "no edge c"):
             vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], (True, True, False)))
-        with self.assertRaisesRegex(ValueError, "a periodic axis needs a box"):
+        with self.assertRaisesRegex(ValueError, "periodic= needs a box"):
             vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (True, True, False)))
         self.assertIsNone(vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (False,) * 3)).cell)
         for name in ("cell", "origin"):

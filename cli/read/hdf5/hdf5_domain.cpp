@@ -124,8 +124,14 @@ std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string
 
 // Reads the cell of MDTraj, by lengths and angles in degrees.
 std::optional<FileDomain> domain_of_mdtraj(const Hdf5File& file, const std::optional<FrameOfFile>& frame) {
-    const Numbers lengths = numbers_of(file, "cell_lengths", frame), angles = numbers_of(file, "cell_angles", frame);
-    if (lengths.size() != 3 || angles.size() != 3) return std::nullopt;
+    if (!file.has("cell_lengths") && !file.has("cell_angles")) return std::nullopt;
+    const auto three = [&](const char* name) {
+        Numbers numbers = numbers_of(file, name, frame);
+        if (numbers.size() == 3) return numbers;
+        const Hdf5Dataset set = file.open(name);  // throws if it is missing
+        throw set.error("has " + set.description() + ", expected three numbers for each frame");
+    };
+    const Numbers lengths = three("cell_lengths"), angles = three("cell_angles");
     FileDomain domain;
     domain.periodic_from = DomainSource::assumed;
     domain.cell = cell_of({lengths[0], lengths[1], lengths[2]}, {angles[0], angles[1], angles[2]});
