@@ -2,7 +2,7 @@
 # ASE loses the corner of the box, or keeps it under another name, by the format that it came in.
 #
 # Surprise: one box from -3 to 5 reaches ASE by five ways. Only the dump sets celldisp. The extended XYZ of OVITO leaves the
-#   corner in info["Origin"], OVITO's converter in info["cell_origin"], and the data file of LAMMPS leaves it nowhere.
+#   corner in info["Origin"], OVITO's converter in info["cell_origin"]. A data file of LAMMPS loses it.
 #   celldisp is 0 there, so scaled positions lie outside of the cell. ASE writes no Origin: dump -> ASE -> .xyz loses it.
 #   The extended XYZ of LAMMPS itself has no Origin either.
 # Versions: LAMMPS 22 Jul 2025 (lammps 2025.7.22.4.0, mpich 5.0.2), OVITO 3.17.2, ASE 3.29.0

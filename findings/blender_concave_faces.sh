@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
 # Blender writes concave polygons in .obj and .ply; trimesh and PyVista fan them, and meshio refuses the .obj.
 #
-# Surprise: a solid of the shape U has area 34. trimesh reads Blender's .obj and ASCII .ply with area 50. Triangles of a fan cross
-#   the notch, and more than a tenth of the points sampled on the surface lie there. It calls the .ply watertight. PyVista
+# Surprise: a solid of the shape U has area 34. trimesh reads Blender's .obj and ASCII .ply with area 50. Triangles of a fan
+#   cross the notch, and more than a tenth of the points sampled on the surface lie there. It calls the .ply watertight. PyVista
 #   gives 50 until triangulate(), which cuts rightly. The signed volume is 8 in all, so a check of the volume passes. meshio
 #   takes the list of normals for one by point and refuses the .obj. trimesh refuses the binary .ply, whose polygons have four
 #   and eight corners. Blender cuts the polygons of its .stl itself, and they are right.
 # Versions: Blender 5.0.1 (bpy, needs Python 3.11), trimesh 5.2.0, PyVista 0.49.1, meshio 5.3.5
 # Seen: 2026-11
 # Do: export with "Triangulated Mesh" (export_triangulated_mesh=True), or as .stl; in PyVista call triangulate() first.
-# Source: Wavefront OBJ, "Face": a polygon of three or more vertices, each with its own index of a normal; Blender manual,
-#   "Wavefront OBJ" export, option Triangulated Mesh. trimesh's documentation calls faces triangles and meshes watertight by edges.
+# Source: Wavefront OBJ format, element f: three or more vertices, each with its own index of a normal. Blender manual,
+#   "Wavefront OBJ", export, Triangulated Mesh.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

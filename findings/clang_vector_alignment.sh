@@ -28,13 +28,13 @@ extern "C" void cast(const double* from, double* to) {
 }
 EOF
 export ZIG_GLOBAL_CACHE_DIR=$work/zig ZIG_LOCAL_CACHE_DIR=$work/zig
-venv/bin/python -m ziglang c++ -target x86_64-linux-gnu -mcpu=x86_64_v3 -std=c++20 -O2 -fno-sanitize=all -S vector.cpp -o clang.s \
-    2> log || { cat log; exit 1; }
+venv/bin/python -m ziglang c++ -target x86_64-linux-gnu -mcpu=x86_64_v3 -std=c++20 -O2 -fno-sanitize=all -S vector.cpp \
+    -o clang.s 2> log || { cat log; exit 1; }
 g++ -std=c++20 -O2 -march=haswell -S vector.cpp -o gcc.s
 
 moves() {  # assembly, function: the moves of 32 bytes in it
-    awk -v begin="$2:" '$1 == begin { on = 1 } on && $1 == "ret" || on && $1 == "retq" { exit } on && /^[ \t]*v?movu?a?p[sd]|vmov/ \
-        { print $1 }' "$1" | sort -u | tr '\n' ' '
+    awk -v begin="$2:" '$1 == begin { on = 1 } on && /^[ \t]*ret/ { exit } on && /^[ \t]*vmov/ { print $1 }' "$1" |
+        sort -u | tr '\n' ' '
 }
 status=0
 check() {  # assembly, function, pattern

@@ -3,13 +3,13 @@
 #
 # Surprise: H5MD 1.1 lets a box be constant in time, and lets step be one number for even steps. pyh5md writes both. MDAnalysis
 #   raises a KeyError of HDF5 for the first, and an OSError without any text for the second. ZnH5MD uses even steps by default,
-#   so its files are refused too. With store="time" they are read, and a frame with fewer atoms has atoms at NaN.
+#   so its files are refused too. Its files with store="time" are read, and a frame with fewer atoms has atoms at NaN.
 #   ZnH5MD refuses all files of pyh5md, because they have no species, which H5MD does not require.
 # Versions: pyh5md 1.2.0, ZnH5MD 0.4.8, MDAnalysis 2.11.0, h5py 3.16.0
 # Seen: 2026-11
 # Do: write step, time and the box for each frame. Drop rows that are NaN after reading.
-# Source: H5MD 1.1, "Time-dependent data" (step and time as scalars of constant increments), "Simulation box" (edges is constant
-#   or time-dependent) and "Particles group" (position, species and others are optional elements).
+# Source: H5MD 1.1, "Time-dependent data" (step and time as scalars of constant increments), "Simulation box" (edges constant
+#   or time-dependent), "Particles group" (elements such as species are optional). H5MD states no fill value: NaN is ZnH5MD's.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

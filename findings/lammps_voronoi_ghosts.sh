@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # The Voronoi volumes of LAMMPS sum to more than the periodic box in a dilute system, without a warning.
 #
-# Surprise: 50 atoms in a box of volume 1000 have cells of volume 1035 together with a cutoff of 2.5, and 1078 with 1. Single cells
-#   are up to half too large. Cells end at the ghost cutoff or where a missing image would cut them. The manual warns of volumes
-#   that are too small there; in a periodic box they overlap and are too large. SciPy with 27 images gives 1000.
+# Surprise: 50 atoms in a box of volume 1000 have cells of volume 1035 together at a cutoff of 2.5, and 1078 at 1. Single cells
+#   are up to half too large. An image beyond the ghost cutoff does not cut the cell, so cells overlap. The manual expects
+#   volumes that are too small in dilute systems; here they are too large. SciPy gives 1000 with 27 images of the box.
 # Versions: LAMMPS 22 Jul 2025 (lammps 2025.7.22.4.0, mpich 5.0.2), SciPy 1.17.1
 # Seen: 2026-11
 # Do: set comm_modify cutoff to half of the box or more, and check that the volumes sum to the box.
-# Source: LAMMPS manual, "compute voronoi/atom command", first note (ghost atoms, low density), and "comm_modify command", cutoff.
+# Source: LAMMPS manual, "compute voronoi/atom command", first note (ghost atoms, low density); "comm_modify command", cutoff.
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

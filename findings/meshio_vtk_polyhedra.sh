@@ -2,8 +2,8 @@
 # meshio ends the program when it reads polyhedra of the current VTK; it reads those that it writes itself.
 #
 # Surprise: VTK 9.4 and later store the faces of polyhedra in new arrays, and mark only such a file as version 2.3. meshio 5.3.5
-#   knows 0.1 and 1.0. It exits the process (SystemExit), so that "except Exception" does not see it. With hexahedra the same
-#   VTK writes version 0.1, which is read. VTK reads the polyhedra of meshio: the way is open in one direction only.
+#   knows 0.1 and 1.0. It exits the process (SystemExit), so that "except Exception" does not see it. The same VTK
+#   marks a file of hexahedra as version 0.1, which is read. VTK reads the polyhedra that meshio writes.
 # Versions: VTK 9.7.2, meshio 5.3.5
 # Seen: 2026-11
 # Do: read with VTK 9.4 or later, or catch SystemExit. For other readers write tetrahedra (vtkDataSetTriangleFilter), or the

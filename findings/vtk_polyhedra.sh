@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
-# VTK finds the wrong polyhedron for most points of a Voronoi tessellation, and measures a few polyhedra wrongly.
+# VTK finds the wrong polyhedron for half of the points in a Voronoi tessellation, and measures a few polyhedra wrongly.
 #
-# Surprise: the cells are those of SciPy, convex, oriented outward, and fill a cube. FindCell, three cell locators and PyVista's
-#   sample() name a wrong cell for more than half of random points: EvaluatePosition accepts every point inside of the bounds of
-#   a polyhedron. IsInside is right. The volumes of vtkCellSizeFilter are exact except in a few cells, by up to 2 %, so that
+# Surprise: the cells are those of SciPy, convex, oriented outward, and fill a cube. Three cell locators and PyVista's sample()
+#   name a wrong cell for half of random points or more. EvaluatePosition accepts every point inside of the bounds of a
+#   polyhedron. IsInside is right. The volumes of vtkCellSizeFilter are exact except in a few cells, by up to 2 %, so that
 #   their sum is not the volume of the cube.
 # Versions: VTK 9.7.2, PyVista 0.49.1, SciPy 1.17.1
 # Seen: 2026-11
-# Do: find a Voronoi cell by its nearest seed, or check candidates with IsInside. Sum volumes from the faces, or store them as an
-#   array when the file is written.
+# Do: find a Voronoi cell by its nearest seed, or check candidates with IsInside. Sum volumes from the faces, or store them
+#   as an array when the file is written.
 # Source: VTK class reference: vtkCell::EvaluatePosition (1 is inside, 0 is outside), vtkCellSizeFilter (volume of 3D cells).
 #   SciPy manual, scipy.spatial.Voronoi and ConvexHull, as the oracle.
 set -euo pipefail

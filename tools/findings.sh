@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Runs the findings: surprises between outside tools, as findings/README.md describes. Not a part of CI: each script installs
-# packages in a temporary folder, and the first run takes some 15 minutes.
+# Runs the findings: surprises between outside tools, as findings/README.md describes. CI does not run them, because each
+# installs packages in a temporary folder. All of them take 15 minutes or more.
 #   ./tools/findings.sh            # all of them
 #   ./tools/findings.sh NAME...    # findings/NAME.sh
 # Prints what each shows, and a last line. Exits 1 if a behavior changed or a script could not run, and 2 for an unknown name.
