@@ -2,8 +2,9 @@
 # freud computes with another lattice when it takes a tilted system from MDAnalysis or from OVITO.
 #
 # Surprise: freud accepts MDAnalysis and OVITO objects, and reads a matrix by columns. MDAnalysis has the edges in rows, so
-#   freud gets the transposed cell. OVITO's cell can have any orientation, as the primitive cell of fcc
-#   has. freud turns the cell to its own frame and leaves the positions. The Voronoi volumes still sum to the volume of the cell, so a sum check passes.
+#   freud gets the transposed cell. OVITO's cell can have any orientation, as the primitive cell
+#   of fcc has. freud turns the cell to its own frame and leaves the positions. The Voronoi volumes still sum to the volume
+#   of the cell, so a check of the sum passes.
 # Versions: freud 3.4.0, MDAnalysis 2.11.0, OVITO 3.17.2
 # Seen: 2026-11
 # Do: pass (box, points): freud.box.Box.from_matrix(edges.T) for rows, and positions turned to the frame of that box:
