@@ -112,6 +112,10 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(t, set.points, {10, 1}).sampled == 10);
         CHECK(votess::verify(t, set.points, {0, 1}).sampled == 0);
         CHECK(votess::verify(t, set.points, {401, 1}).sampled == 400);
+        for (std::size_t few = 1; few <= 9; ++few) {  // than a round holds
+            const test::PointSet seeds = test::uniform(few, 110 + few);
+            CHECK(votess::verify(test::run(seeds), seeds.points).sampled == few);
+        }
 
         test::Coordinates moved = set.points;  // seen by the sample alone
         moved[3 * 200] += moved[3 * 200] < 0.5 ? 0.05 : -0.05;
