@@ -217,7 +217,8 @@ void ClosedMesh::check_closed() const {
                    ": close the hole" +
                    (!merged_ ? ", or merge vertices at equal places: Options::mesh.merge"
                     : tolerance_for(first) <= max_tolerance
-                        ? ", or merge near vertices: Options::mesh.tolerance = " + number(std::min(2 * tolerance_for(first), max_tolerance))
+                        ? ", or merge near vertices: Options::mesh.tolerance = " +
+                              number(std::min(2 * tolerance_for(first), max_tolerance))
                         : ""));
         for (std::size_t i = begin; i < end; ++i)
             for (std::size_t j = i + 1; j < end; ++j) {

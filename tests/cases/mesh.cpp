@@ -649,7 +649,8 @@ TEST_SUITE("cases") {
         Solid bad = unit;
         bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
         CHECK(message(bad) ==
-              "Options::mesh: the edge between vertices 0 (0, 0, 0) and 1 (0, 0, 1) belongs to triangle 4 alone; 3 edges are "
+              "Options::mesh: the edge between vertices 0 (0, 0, 0) and 1 (0, 0, 1) belongs to triangle 4 alone; 3 "
+              "edges are "
               "open or turned in all: close the hole, or merge vertices at equal places: Options::mesh.merge");
         bad = unit;
         std::swap(bad.triangles[9], bad.triangles[10]);
@@ -712,7 +713,7 @@ TEST_SUITE("cases") {
         moved.box = test::cube(0.5, 2);
         moved.periodic = {true, true, true};
         CHECK(test::has(test::refusal(points, moved), "it reaches x = 0, and the box spans 0.5 to 2"));
-        CHECK(test::has(unsupported([](Options& o) { o.walls = test::octahedron(1); }), "replaces walls"));
+        CHECK(test::has(unsupported([](Options& o) { o.walls = test::octahedron(1); }), "it replaces Options::walls"));
         CHECK(test::has(unsupported([](Options& o) { o.outside = votess::Outside::keep; }), "outside"));
         CHECK(test::has(unsupported([](Options& o) { o.min_face = 0.1; }), "min_face"));
         CHECK(test::has(unsupported([](Options& o) { o.want.faces = true; }), "want"));

@@ -47,11 +47,12 @@ def _argument(option: re.Match[str]) -> str:
     want, name, value = option.groups()
     if want:
         return f'want="{name}"'
+    argument = _ARGUMENTS.get(name, name + "=")
+    shown = re.sub("=.*", "", argument) if "." in name else name
     if value is None:
         is_subject = option.string[option.end() :].startswith((":", " is ", " has ", " hold "))
-        argument = _ARGUMENTS.get(name, name + "=")
-        return re.sub("=.*", "", argument) if is_subject and "." in name else name if is_subject else argument
-    return name + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
+        return shown if is_subject else argument
+    return shown + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
 
 
 def last_error() -> str:

@@ -167,11 +167,11 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
         if not mesh.is_all_triangles:
             raise ValueError("mesh has faces that are not triangles: give mesh.triangulate()")
         pair: Tuple[Any, ...] = (mesh.points, mesh.regular_faces)
-    elif hasattr(mesh, "extract_surface"):  # the other data sets of PyVista
+    elif hasattr(mesh, "extract_geometry"):  # the other data sets of PyVista
         combined = "combine()." if hasattr(mesh, "combine") else ""
-        raise ValueError(f"mesh is a {kind}: give its surface, mesh.{combined}extract_surface().triangulate()")
+        raise ValueError(f"mesh is a {kind}: give its surface, mesh.{combined}extract_geometry().triangulate()")
     elif hasattr(mesh, "GetPolys") or hasattr(mesh, "GetCells"):  # VTK
-        raise ValueError(f"mesh is a {kind}: give pyvista.wrap(mesh).extract_surface().triangulate()")
+        raise ValueError(f"mesh is a {kind}: give pyvista.wrap(mesh).extract_geometry().triangulate()")
     elif hasattr(mesh, "vertices") and hasattr(mesh, "faces"):  # trimesh
         pair = (mesh.vertices, mesh.faces)
     elif hasattr(mesh, "vertices") and hasattr(mesh, "triangles"):  # Open3D

@@ -326,8 +326,8 @@ class Domains(unittest.TestCase):
             (vertices, "mesh is a ndarray"),
             (7, "mesh is a int"),
             (MixedFaces(), "give mesh.triangulate"),
-            (types.SimpleNamespace(points=vertices, extract_surface=0), r"give its surface, mesh.extract_surface\(\)"),
-            (types.SimpleNamespace(combine=0, extract_surface=0), r"mesh.combine\(\).extract_surface\(\).triangulate"),
+            (types.SimpleNamespace(points=vertices, extract_geometry=0), r"give its surface, mesh.extract_geometry\(\)"),
+            (types.SimpleNamespace(combine=0, extract_geometry=0), r"mesh.combine\(\).extract_geometry\(\).triangulate"),
             (types.SimpleNamespace(GetCells=0), "pyvista.wrap"),
         ):
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
