@@ -6,8 +6,8 @@
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
 // So signs alone decide which polygons there are. Ties shrink the cell, so that a triangle that only touches it has no
-// polygon. A cell without polygons and winding number is empty. A triangle in the plane of a face bounds one of its two cells. Such a
-// face is overlaid with its triangles, which gives the winding numbers on both sides of each place.
+// polygon. A cell without polygons and winding number is empty. A triangle in the plane of a face bounds one of its two
+// cells. Such a face is overlaid with its triangles, which gives the winding numbers on both sides of each place.
 //
 // Measures are sums of cones from an apex near a corner of the part. Their bases are the triangles' polygons, and the
 // faces of the cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted

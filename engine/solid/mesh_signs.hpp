@@ -14,8 +14,8 @@
 //     the line of a and b                       meets uvw before xyz: |a ; b ; coordinates of vertices| / D of each
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
-// Ties. The cell counts as shrunk towards a center inside of it, by less than any distance. Then s_k(u) grows by e times
-// -s_k(center), the same in a row, so that the determinant is linear in it. Then the mesh counts as moved by
+// Ties. The cell counts as shrunk towards a center inside of it, by less than any distance. Then s_k(u) grows by e
+// times -s_k(center), the same in a row, so that the determinant is linear in it. Then the mesh counts as moved by
 // (e^2, e^3, e^4) (Edelsbrunner and Mücke, ACM TOG 9(1), 1990). So no four planes meet, and a triangle that meets a
 // cell meets its interior. The center is the seed, or another place where weights put the seed outside of its cell.
 //
