@@ -24,7 +24,7 @@ constexpr double sure_volume = 1e-3;     // of the terms it sums: the sum then h
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "mesh: " + message);
+    throw Error(ErrorCode::invalid_argument, "Options::mesh: " + message);
 }
 
 void include(Box& box, const exact::Point& x) {
