@@ -5,9 +5,9 @@
 // A corner on two planes is where an edge of the cell passes through the mesh. The winding number changes there by one.
 // It starts from one vertex of the cell, where a ray counts the triangles above.
 //
-// So signs alone decide which polygons there are. Ties shrink the cell: what only touches it has no polygon, and a cell
-// without polygons and winding number is empty. A triangle in the plane of a face bounds one of its two cells. Such a
-// face is overlaid with its triangles, which gives the winding numbers on both sides of each place.
+// So signs alone decide which polygons there are. Ties shrink the cell, so that a triangle that only touches it has no
+// polygon. A cell without polygons and winding number is empty. A triangle in the plane of a face bounds one of its two
+// cells. Such a face is overlaid with its triangles, which gives the winding numbers on both sides of each place.
 //
 // Measures are sums of cones from an apex near a corner of the part. Their bases are the triangles' polygons, and the
 // faces of the cell, weighted by the winding number. A face is a sum of triangles: over segments of its edges, weighted
@@ -157,7 +157,9 @@ private:
         double area = 0, surface = 0;
     };
     [[nodiscard]] Shared lay_over(std::int32_t face, bool exactly);
-    enum class Outline : std::uint8_t { whole, inside, triangles, triangles_out };  // inside: beyond the triangles
+    // inside: beyond the triangles.
+    enum class Outline : std::uint8_t { whole, inside, triangles, triangles_out };
+
     // Visits the edges of a face, of its parts in the mesh, and of triangles in its plane: two places, layer, weight.
     template <class Visit>
     void for_each_outline(std::int32_t face, Visit visit) const;

@@ -14,11 +14,10 @@
 //     the line of a and b                       meets uvw before xyz: |a ; b ; coordinates of vertices| / D of each
 // Where a triangle is clipped to a convex polygon, the signs of the denominators are known.
 //
-// Ties. The cell counts as shrunk towards a center inside of it, by less than any distance: s_k(u) grows by e times
-// -s_k(center), the same in a row, so that the determinant is linear in it (Edelsbrunner and Mücke, ACM TOG 9(1),
-// 1990). Then the mesh counts as moved by (e^2, e^3, e^4). So all planes are in general position, and what meets a cell
-// meets its interior: a part without volume has no corner. The center is the seed, or another place where weights put
-// the seed outside of its cell.
+// Ties. The cell counts as shrunk towards a center inside of it, by less than any distance. Then s_k(u) grows by e
+// times -s_k(center), the same in a row, so that the determinant is linear in it. Then the mesh counts as moved by
+// (e^2, e^3, e^4) (Edelsbrunner and Mücke, ACM TOG 9(1), 1990). So no four planes meet, and a triangle that meets a
+// cell meets its interior. The center is the seed, or another place where weights put the seed outside of its cell.
 //
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.
@@ -62,8 +61,8 @@ public:
         sources_.clear();
     }
     void add(const exact::Plane& bisector);
-    // Sets the center after all bisectors: the seed, or `middle`, relative to it. Of a cell too thin for either, some
-    // planes move outward.
+    // Sets the center after all bisectors: the seed, or `middle`, relative to it. If neither lies inside for sure, the
+    // seed is the center, and some planes move outward.
     void find_center(const exact::Point& middle);
     void set_center(const MeshSigns& of) { center_ = of.center_, centered_ = of.centered_; }
     [[nodiscard]] std::array<double, 3> normal(std::size_t k) const { return bisectors_[k].n; }

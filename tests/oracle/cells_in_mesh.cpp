@@ -234,10 +234,12 @@ TEST_SUITE("oracle") {
     TEST_CASE("cells in meshes: sides within rounding of bisectors") {
         using test::NearBisector;
         test::Random random(60);
-        for (std::size_t number = 0; number < test::by_size(48, 8); ++number) {
+        for (std::size_t number = 0; number < test::by_size(16, 4); ++number) {
             CAPTURE(number);
             const auto kind = static_cast<NearBisector::Kind>(number % 4);
-            const NearBisector set = test::near_bisector(kind, random);
+            NearBisector set;
+            do set = test::near_bisector(kind, random);
+            while (set.points.size() > 24);  // more seeds take seconds
             CHECK(difference(set.points, set.solid, {}, set.reach) == "");
         }
     }
