@@ -180,8 +180,8 @@ int run(Arguments& arguments) {
     summary.has_volumes = arguments.wanted.volumes;
 
     if (arguments.verify)
-        summary.verified = run_watched(arguments.quiet, run_began,
-                                       [&] { return votess::verify(tessellation, input.points); });
+        summary.verified =
+            run_watched(arguments.quiet, run_began, [&] { return votess::verify(tessellation, input.points); });
     const std::string failure = summary.failure();
 
     if (failure.empty()) {

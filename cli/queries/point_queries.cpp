@@ -104,9 +104,10 @@ std::string run_probe(const Arguments& arguments) {
     QueryInput input = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
     for (const std::string& path : arguments.outputs)
         if (!input.has_ends && needs_box(path))
-            throw bad_input("output " + in_quotes(path) +
-                            " needs a box with ends, and without a box cells of queries may reach infinity: give --box, "
-                            "or write .npz, .h5 or text");
+            throw bad_input(
+                "output " + in_quotes(path) +
+                " needs a box with ends, and without a box cells of queries may reach infinity: give --box, "
+                "or write .npz, .h5 or text");
     votess::ProbeOptions options;
     options.want = arguments.wanted;
     options.list_walls = arguments.options.list_walls;

@@ -46,8 +46,8 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
     input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
     check_corner(input.seeds, options, input.domain_from);
     // As votess::Diagram takes it. Its box has all of its ends or none.
-    input.has_ends = arguments.hull || !options.walls.empty() || options.cell ||
-                     (options.box && !std::isinf(options.box->upper[0]));
+    input.has_ends =
+        arguments.hull || !options.walls.empty() || options.cell || (options.box && !std::isinf(options.box->upper[0]));
     times.end("read");
     input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;

@@ -243,7 +243,8 @@ private:
         });
     }
 
-    // Numbers count the cell's vertices in %p and %P, and -1 is infinity. The order is clockwise seen from outside, as in Voro++.
+    // Numbers count the cell's vertices in %p and %P, and -1 is infinity. The order is clockwise seen from outside, as
+    // in Voro++.
     void put_polygon(std::size_t i, Polygon corners) {
         const Polygon vertices = vertices_of(i);
         buffer_.put('(');

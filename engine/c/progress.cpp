@@ -1,6 +1,7 @@
 // The progress callback of a thread, for functions that take none.
-#include "c/handles.hpp"
 #include "core/progress.hpp"
+
+#include "c/handles.hpp"
 
 namespace votess::c {
 namespace {

@@ -42,7 +42,7 @@ constexpr double share_of_neighbors = 0.5;  // of a call that computes them
 constexpr std::size_t rays_per_look = 64;   // after which the user may stop
 // More is a mistake in the length. A ray through a thousand million seeds passes some thousand cells a box.
 constexpr std::size_t max_cells_of_ray = std::size_t{1} << 24;
-constexpr std::size_t max_flights = 8;      // of a thread: while one waits for memory, the others compute
+constexpr std::size_t max_flights = 8;  // of a thread: while one waits for memory, the others compute
 
 std::string name_of(std::size_t ray) {
     return "ray " + std::to_string(ray);
@@ -187,8 +187,8 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
                 // Images of a seed bound its cell: none is wider than the domain.
                 const Domain& domain = *state.job.domain;
                 if (domain.is_periodic())
-                    check_cells(rays, r, flight.tracer.end() * flight.speed * state.job.scale /
-                                             (2 * domain.covering_radius));
+                    check_cells(rays, r,
+                                flight.tracer.end() * flight.speed * state.job.scale / (2 * domain.covering_radius));
             }
             return flight.tracer.is_under_way();
         };

@@ -88,8 +88,7 @@ void Parts::add_neighbors_of(std::size_t k) {
 
 // The vertices of the cell at hand.
 void Parts::add_vertices_of(std::size_t k) {
-    const double weight =
-        seeds_.weights.empty() ? 0 : seeds_.weights[static_cast<std::size_t>(members_[k].home)];
+    const double weight = seeds_.weights.empty() ? 0 : seeds_.weights[static_cast<std::size_t>(members_[k].home)];
     for (int slot = 0; slot < cell_->slots(); ++slot) {
         if (!cell_->alive(slot)) continue;
         const Vector3 x = cell_->position(slot);

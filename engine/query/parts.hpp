@@ -1,9 +1,9 @@
 // The division of a probe's cell by the exact clipper. Part a is the set of points nearer to the probe than to seed a,
 // and nearer to a than to any other seed. It is clipped as the cell of a, with the bisector of the probe reversed.
 //
-// The neighbors of the probe are all seeds that have a part, unless the probe may bury seeds: their whole cell was inside
-// its cell. That happens in a power diagram, and to seeds outside of the domain. NearerSeeds finds them. Where it cannot, a search goes from part to
-// part: the parts fill the cell, so each has a face in common with another.
+// The neighbors of the probe are all seeds that have a part, unless the probe may bury seeds: their whole cell was
+// inside its cell. That happens in a power diagram, and to seeds outside of the domain. NearerSeeds finds them. Where
+// it cannot, a search goes from part to part: the parts fill the cell, so each has a face in common with another.
 #pragma once
 
 #include <cstdint>
@@ -64,8 +64,8 @@ private:
     const Probe* probe_ = nullptr;
     bool moments_ = false;
     bool search_ = false;  // builds each part among all seeds, not among the members
-    // Of many members, in their order: each part is cut by few of them. It is not made in periodic domains, whose images
-    // have no exact coordinates.
+    // Of many members, in their order: each part is cut by few of them. It is not made in periodic domains, whose
+    // images have no exact coordinates.
     std::optional<Delaunay> triangulation_;
     std::vector<std::int32_t> around_;
     std::vector<std::uint8_t> marks_;

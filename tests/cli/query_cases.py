@@ -176,7 +176,7 @@ class Probe(CliTest):
         self.run_cli(*asked, "-q", "--box", "0,0,0,4,4,4", "-o", "b.csv", "-o", "a.vtu", "-o", "a.xyz", "-o", "a.dump")
         first = [(self.folder / name).read_text().split("\n")[0] for name in ("a.csv", "b.csv")]
         self.assertEqual(first[0], "id,x,y,z,volume,neighbors")
-        self.assertEqual(first[1], first[0] + ",n3,n4,n5,n6,n7")
+        self.assertEqual(first[1], first[0] + ",n3,n4,n5,n6,n7,centroid_x,centroid_y,centroid_z")
 
     def test_refused(self):
         self.put("cube.txt", CUBE)

@@ -256,9 +256,7 @@ std::vector<std::array<double, 8>> masses_in_octants(const Dual& d, const test::
         // Each octant is a sum of corners, of everything below 0, 1/2 or 1 along the axes.
         for (int corner = 0; corner < 27; ++corner) {
             const std::array<int, 3> at{corner % 3, corner / 3 % 3, corner / 9};
-            const auto height = [&](std::size_t axis) -> mpq_class {
-                return mpq_class(at[axis], 2) + image[axis];
-            };
+            const auto height = [&](std::size_t axis) -> mpq_class { return mpq_class(at[axis], 2) + image[axis]; };
             std::array<mpq_class, 4> sums;
             for_below(part, 0, height(0), [&](const Part& x) {
                 for_below(x, 1, height(1), [&](const Part& y) {
@@ -278,8 +276,7 @@ std::vector<std::array<double, 8>> masses_in_octants(const Dual& d, const test::
     };
     for (std::size_t t = 0; 4 * t < d.simplices.tetrahedra.size(); ++t) {
         const Part part = part_of(d, t, points);
-        for (std::size_t k = 0; k < 4; ++k)
-            around[static_cast<std::size_t>(d.corner(t, k).seed)] += part.volume / 4;
+        for (std::size_t k = 0; k < 4; ++k) around[static_cast<std::size_t>(d.corner(t, k).seed)] += part.volume / 4;
         const int images = d.t.periodic()[2] ? 2 : 0;
         for (int image = -images; image <= images; ++image)
             visit_octants(part, {0, 0, image}, [&](int octant, int sign, const std::array<mpq_class, 4>& sums) {
@@ -453,8 +450,7 @@ TEST_SUITE("dtfe") {
         around.outside = votess::Outside::keep;
         const votess::Diagram one(test::Coordinates{2, 2, 2, 2, -2, -2, -2, 2, -2, -2, -2, 2}, around);
         const std::vector<double> unit(4, 1);
-        for (const double density :
-             test::grid_of(one, unit, {.shape = {3, 2, 4}, .method = votess::GridMethod::dtfe}))
+        for (const double density : test::grid_of(one, unit, {.shape = {3, 2, 4}, .method = votess::GridMethod::dtfe}))
             CHECK(std::abs(density - 0.1875) < 1e-15);
         for (const double column :
              test::grid_of(one, unit, {.shape = {3, 2, 4}, .method = votess::GridMethod::dtfe, .project = 1}))

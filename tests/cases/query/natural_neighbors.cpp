@@ -348,13 +348,48 @@ TEST_SUITE("query") {
                 if (code || exact.volume == 0 || (!row.gradients.empty() && std::isnan(row.gradients[0]))) continue;
                 CHECK(check_sibson(row, exact) == "");
                 ++checked;
-                buried += std::ranges::any_of(exact.of, [](const auto& of) {
-                    return of.second.volume > 0 && of.second.area == 0;
-                });
+                buried += std::ranges::any_of(
+                    exact.of, [](const auto& of) { return of.second.volume > 0 && of.second.area == 0; });
             }
         }
         CHECK(checked > sets);
         CHECK(buried > sets / 10);
+    }
+
+    // The volumes of all cells, without and with the query, know nothing of parts.
+    TEST_CASE("natural neighbors: a query with a thousand neighbors") {
+        Random random(25);
+        Coordinates sphere, sheet;
+        while (sphere.size() < 3 * 1000) {
+            const std::array<double, 3> x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+            const double length = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+            if (length > 0.1 && length < 1)
+                for (const double c : x) sphere.push_back(0.5 + 0.4 * c / length);
+        }
+        for (int i = 0; i < 1024; ++i) {
+            sheet.push_back((i % 32 + random.uniform(0.2, 0.8)) / 32);
+            sheet.push_back((i / 32 + random.uniform(0.2, 0.8)) / 32);
+            sheet.push_back(0.5 + 1e-3 * random.uniform());
+        }
+        votess::Options options;
+        options.box = test::unit_box();
+        options.device = "cpu";
+        for (const auto& [points, query] : {std::pair{sphere, Coordinates{0.5, 0.5, 0.5}}, {sheet, {0.5, 0.5, 0.9}}}) {
+            const NaturalRow row = row_of(votess::Diagram(points, options).natural_neighbors(query), 0);
+            Coordinates all = points;
+            all.insert(all.end(), query.begin(), query.end());
+            const auto before = votess::tessellate(points, options), after = votess::tessellate(all, options);
+            std::vector<double> shares(before.size());
+            for (std::size_t i = 0; i < shares.size(); ++i)
+                shares[i] = (before.volumes()[i] - after.volumes()[i]) / after.volumes().back();
+            for (std::size_t e = 0; e < row.seeds.size(); ++e) {
+                double& share = shares[static_cast<std::size_t>(row.seeds[e])];
+                CHECK(std::abs(row.weights[e] - share) < max_error);
+                share = 0;
+            }
+            CHECK(std::ranges::all_of(shares, [](double share) { return std::abs(share) < max_error; }));
+            CHECK(row.seeds.size() > 500);
+        }
     }
 
     // The graph of all vertices answers many queries at once.

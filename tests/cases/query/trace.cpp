@@ -568,8 +568,9 @@ TEST_SUITE("query") {
                           },
                           &message) == votess::ErrorCode::unsupported);
                 CHECK(message.starts_with("ray 1: its length 1"));
-                CHECK(message.ends_with("leads through more than 16777216 cells: give a shorter length, or shorter "
-                                        "rays one after the other"));
+                CHECK(
+                    message.ends_with("leads through more than 16777216 cells: give a shorter length, or shorter "
+                                      "rays one after the other"));
             }
         CHECK(torus.trace(x, d, Numbers{1000}).seeds.size() > 1000);
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
