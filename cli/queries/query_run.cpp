@@ -43,6 +43,7 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
         (arguments.has_radii ? options.radii : options.weights) = one_each(column);
     }
     input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
+    check_corner(input.seeds, options, input.domain_from);
     times.end("read");
     input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;

@@ -73,10 +73,11 @@ Vector Frame::in_grid(const Vector& difference) const {
     for (std::size_t k = 0; k < 3; ++k) {
         x[k] = dot(rows_[k], difference) * powers_[k][0] * powers_[k][1];
         if (!(std::abs(x[k]) < farthest))
-            throw Error(ErrorCode::unsupported,
-                        std::string("to_grid: an edge of the domain is so short beside the others that places along it "
-                                    "have no digits, edge ") +
-                            "abc"[k]);
+            throw Error(
+                ErrorCode::unsupported,
+                std::string("to_grid(): an edge of the domain is so short beside the others that places along it "
+                            "have no digits, edge ") +
+                    "abc"[k]);
     }
     return x;
 }

@@ -122,7 +122,7 @@ std::span<const Wall> Tessellation::walls() const noexcept {
     return detail::result_of(result_).walls;
 }
 std::span<const double> Tessellation::weights() const noexcept {
-    return detail::result_of(result_).weights;
+    return view(detail::result_of(result_).weights);
 }
 bool Tessellation::planar() const noexcept {
     return detail::result_of(result_).planar;
@@ -137,7 +137,7 @@ bool Tessellation::is_subset() const noexcept {
     return detail::result_of(result_).is_subset;
 }
 std::span<const std::int32_t> Tessellation::ids() const noexcept {
-    return detail::result_of(result_).ids;
+    return view(detail::result_of(result_).ids);
 }
 bool Tessellation::probed() const noexcept {
     return detail::result_of(result_).probed;
@@ -247,8 +247,9 @@ Want implied_want(const Options& options) {
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     if (t.probed()) require_whole_diagram(t, "wrapped_points");
-    if (!t.is_subset()) require_points(t, points, "wrapped_points");  // a subset does not know how many there were
-    const std::vector<double> copy(points.begin(), points.end());     // read once, see input/snapshot.hpp
+    // A subset does not know how many points there were.
+    if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const Options options = domain_options(t);

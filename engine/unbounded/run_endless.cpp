@@ -9,6 +9,7 @@
 #include "exact/insphere.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "result/arrays.hpp"
 #include "unbounded/flat_ends.hpp"
 #include "unbounded/open_cells.hpp"
 
@@ -81,7 +82,7 @@ public:
             points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
         if (result.vertices.size() == 3 && !options_.only) find_tetrahedron(result);
         result.walls.clear();
-        keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
+        detail::keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
         return result;
     }
 
