@@ -63,7 +63,6 @@ struct Domain {
 
     [[nodiscard]] bool is_periodic() const { return periodic[0] || periodic[1] || periodic[2]; }
     [[nodiscard]] bool has_weights() const { return !weights.empty(); }
-    [[nodiscard]] bool is_plain() const { return !is_periodic() && !triclinic && walls.empty() && !has_weights(); }
     // Returns how much the weight of a seed that matters to a cell may exceed the cell's weight.
     [[nodiscard]] double max_heavier_by(double weight) const;
     // Returns the coordinates along the edges: 0 to 1 inside the domain.

@@ -251,8 +251,9 @@ Want implied_want(const Options& options) {
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     if (t.probed()) require_whole_diagram(t, "wrapped_points");
-    if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");  // a subset does not know how many there were
-    const std::vector<double> copy(points.begin(), points.end());     // read once, see input/snapshot.hpp
+    // A subset does not know how many points there were.
+    if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");
+    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const Options options = domain_options(t);

@@ -333,7 +333,7 @@ struct VerifyReport;
 
 // The result: a shared handle to immutable arrays, cheap to copy, safe to read from many threads. The spans are valid
 // as long as any copy of the handle. Arrays that were not requested are empty. N is the number of seeds; rows follow
-// the input order.
+// the input order. A handle that was moved from is an empty result.
 class VOTESS_API Tessellation {
 public:
     Tessellation();
@@ -481,6 +481,8 @@ struct VerifyReport {
 //   - with polygons each cell is watertight: every edge occurs twice, in opposite directions, and both cells of a face
 //     have the same polygon
 //   - with areas and normals of all faces each cell is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single)
+// In two dimensions and in a domain without end this holds for the cells of a thin sheet and of a box that ends far
+// away, and rows, shifts, volumes, counts, areas and normals equal those.
 // In a mesh this holds for the whole cells. Their parts equal those of a second run on the CPU, have the volumes of
 // their pieces, and sum to the volume of the mesh. Skips checks whose arrays the result lacks, and names them in
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
@@ -496,7 +498,7 @@ struct VerifyReport {
 
 // Returns 3N coordinates of the seeds inside a periodic domain: the points, moved by whole box vectors, each coordinate
 // rounded once. Tessellation::shifts() count from there. Dropped seeds are returned as given. points and errors: as for
-// verify().
+// verify(). With Options::only: all points of the run, whose number is not checked.
 [[nodiscard]] VOTESS_API std::vector<double> wrapped_points(const Tessellation& tessellation,
                                                             std::span<const double> points);
 

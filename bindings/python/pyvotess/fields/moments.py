@@ -152,9 +152,9 @@ def transport_cost(tessellation: Tessellation) -> float:
     """
     from ..tessellation import Tessellation
 
-    if not isinstance(tessellation, Tessellation):
-        raise TypeError(f"tessellation is {shown(tessellation)}: give the result of tessellate()")
     t = tessellation
+    if not isinstance(t, Tessellation):
+        raise TypeError(f"tessellation is {shown(t)}: give the result of tessellate()")
     if t.least_face > 0:
         mesh_of(t, "transport_cost()")
         t = t._with_all_faces()
