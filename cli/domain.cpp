@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <span>
 
 #include "failure.hpp"
@@ -80,6 +81,12 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
         options.cell = stated.cell;
         if (options.walls.empty()) options.walls = stated.walls;
     }
+    for (std::size_t k = 0; !given && options.cell && k < (options.planar ? 2 : 3); ++k) {
+        const votess::TriclinicBox& cell = *options.cell;
+        if ((k == 0 ? cell.a : k == 1 ? cell.b : cell.c) == std::array<double, 3>{})
+            throw bad_input(std::string("the cell of the file has no edge ") + "abc"[k] +
+                            ": add it, in ASE by atoms.center(vacuum=...), or give --box or --cell");
+    }
     if (!options.box && !options.cell) {
         if (periodic && any(*periodic)) {
             throw bad_input("a periodic axis needs a box, and the file states none: give --box or --cell");
@@ -99,6 +106,32 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     return {given ? DomainSource::option : DomainSource::stated, periodic               ? DomainSource::option
                                                                  : given && !axes_alone ? DomainSource::by_default
                                                                                         : stated.periodic_from};
+}
+
+void check_corner(const Input& input, const votess::Options& options, const DomainFrom& from) {
+    if (input.domain.corner_from != DomainSource::assumed || from.box != DomainSource::stated || input.planar() ||
+        options.outside != votess::Outside::error)
+        return;
+    const votess::TriclinicBox& cell = *options.cell;
+    const std::array edges{cell.a, cell.b, cell.c};
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (cell.periodic[k]) continue;
+        const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
+        const std::array<double, 3> normal{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                           u[0] * v[1] - u[1] * v[0]};
+        const double height = std::inner_product(normal.begin(), normal.end(), edges[k].begin(), 0.0);
+        for (std::size_t i = 0; i < input.size(); ++i) {
+            const double share = std::inner_product(normal.begin(), normal.end(),
+                                                    input.points.begin() + static_cast<std::ptrdiff_t>(3 * i), 0.0) /
+                                 height;
+            constexpr double rounding = 1e-6;  // nearer ones are left to the library
+            if (!(share < -rounding || share > 1 + rounding)) continue;
+            throw bad_input(
+                "point " + std::to_string(i) + " is at " + to_text(share) + " of edge " + "abc"[k] +
+                " of the cell, which the file lets begin at 0, for it states no Origin (dump extxyz of LAMMPS "
+                "writes none): add Origin=\"x y z\" to its comment, give --cell and --origin, or --outside");
+        }
+    }
 }
 
 void set_hull(std::span<const double> points, votess::Options& options) {

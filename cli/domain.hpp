@@ -27,6 +27,10 @@ struct DomainFrom {
 [[nodiscard]] DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::array<bool, 3>>& periodic,
                                        votess::Options& options, bool hull = false);
 
+// Throws Failure for points outside of a cell whose corner the file does not state, unless the user drops or keeps
+// those.
+void check_corner(const Input& input, const votess::Options& options, const DomainFrom& from);
+
 // Sets the walls of --box hull. Throws votess::Error for other options of a domain.
 void set_hull(std::span<const double> points, votess::Options& options);
 

@@ -40,7 +40,12 @@ private:
     return {exit_code::runtime_failure, message};
 }
 
-// Returns a user's text for a message: in quotes, cut when long, with control bytes as \xNN.
+// Returns the number of bytes of the UTF-8 character at the begin of a text; 0 if there is none.
+[[nodiscard]] std::size_t utf8_length(std::string_view text);
+[[nodiscard]] bool is_utf8(std::string_view text);
+
+// Returns a user's text for a message: in quotes, cut when long, with control bytes and those that are not UTF-8 as
+// \xNN.
 [[nodiscard]] std::string in_quotes(std::string_view text);
 
 // Appends a name to a list with blanks between the names.

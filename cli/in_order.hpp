@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/processors.hpp"
+
 namespace clvotess {
 
 // Calls make(0) .. make(count - 1) on threads, and take(result) in that order on the calling thread, until take returns
@@ -21,7 +23,7 @@ namespace clvotess {
 // the system gives fewer.
 template <class Make, class Take>
 void in_order(std::size_t count, unsigned threads, const Make& make, const Take& take) {
-    if (threads == 0) threads = std::max(1u, std::thread::hardware_concurrency());
+    if (threads == 0) threads = votess::system::processors();
     const std::size_t wanted = std::min<std::size_t>(threads, count);
     struct Slot {
         std::optional<std::invoke_result_t<const Make&, std::size_t>> made;

@@ -28,6 +28,7 @@
 #include "read/input.hpp"
 #include "stream/stream.hpp"
 #include "summary.hpp"
+#include "words.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -124,6 +125,7 @@ int run(Arguments& arguments) {
     Input input = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
     summary.seconds_read = seconds_since(run_began);
+    drop_upper_walls(arguments, input);
 
     votess::Options options = arguments.options;
     complete_columns(arguments, input);
@@ -134,6 +136,7 @@ int run(Arguments& arguments) {
     choose_dimensions(input, options);
     summary.set_dimensions(options.planar, arguments.read.dimensions);
     const DomainFrom domain_from = choose_domain(input.domain, arguments.periodic, options, arguments.hull);
+    check_corner(input, options, domain_from);
     if (arguments.hull) {
         Progress progress(!arguments.quiet, run_began);
         run_stoppable(progress, [&](const votess::ProgressCallback& callback) {
@@ -254,7 +257,7 @@ int main_inside(int count, const char* const* values) {
         const int code = exit_code::signal_base + interrupted.signal();
         return interrupted.signal() == votess::system::closed_pipe ? code : complain(code, interrupted.what());
     } catch (const votess::Error& error) {
-        return complain(exit_code_of(error.code()), error.what());
+        return complain(exit_code_of(error.code()), in_words_of_options(error.what()));
     } catch (const std::bad_alloc&) {
         return complain(exit_code::runtime_failure, "out of memory");
     } catch (const std::exception& error) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "failure.hpp"
 #include "files/numbers.hpp"
 
 namespace clvotess {
@@ -68,16 +69,21 @@ std::string json_number(double value) {
 
 std::string json_string(const std::string& text) {
     std::string result = "\"";
-    for (const char c : text) {
+    for (std::size_t at = 0; at < text.size();) {
+        const char c = text[at];
+        const std::size_t length = utf8_length(std::string_view(text).substr(at));
         if (c == '"' || c == '\\') {
             result += {'\\', c};
         } else if (static_cast<unsigned char>(c) < 0x20) {
             char code[8];
             std::snprintf(code, sizeof code, "\\u%04x", static_cast<unsigned>(c));
             result += code;
+        } else if (length == 0) {
+            result += "\\ufffd";  // JSON holds UTF-8 only
         } else {
-            result += c;
+            result += text.substr(at, length);
         }
+        at += std::max<std::size_t>(length, 1);
     }
     return result + "\"";
 }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Formats the tracked sources by .clang-format; --check only names the files that would change (exit 1).
+# Formats the sources by .clang-format; --check only names the files that would change (exit 1).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -14,9 +14,7 @@ for candidate in "${CLANG_FORMAT:-}" "clang-format-$version" clang-format; do
 done
 [[ -n $formatter ]] || { echo "format: needs clang-format $version" >&2; exit 2; }
 
-tracked=$(git ls-files '*.cpp' '*.hpp' '*.inl' '*.c' '*.h')
-[[ -n $tracked ]] || exit 0
-mapfile -t files <<<"$tracked"
+mapfile -t files < <(find bindings cli engine include shaders tests tools -name '*.[ch]' -o -name '*.[ch]pp' -o -name '*.inl')
 if [[ ${1:-} == --check ]]; then
     "$formatter" --dry-run --Werror "${files[@]}"
 else

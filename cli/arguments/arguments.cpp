@@ -29,14 +29,6 @@ std::uint64_t read_random_count(const std::string& text) {
     return whole ? static_cast<std::uint64_t>(*number) : whole_number("--random", text, max);
 }
 
-votess::Want read_want(const std::string& list) {
-    try {
-        return votess::want_of(list);
-    } catch (const votess::Error& error) {  // "want has ..."
-        throw bad_input(std::string("--") + error.what());
-    }
-}
-
 double read_number(const std::string& option, const std::string& text, std::string_view field) {
     const auto number = read_double(field);
     if (!number) throw bad_input(option + " " + in_quotes(text) + ": " + in_quotes(field) + " is not a number");
@@ -300,7 +292,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
             throw bad_input("--alpha needs .npz or .h5: add -o FILE");
         if (typed.has("--frames")) throw bad_input("--alpha goes with one frame: give --frame N instead of --frames");
     }
-    if (const std::string* list = typed.value("--want")) arguments.wanted = read_want(*list);
+    if (const std::string* list = typed.value("--want")) arguments.wanted = votess::want_of(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
     const bool in_mesh = !arguments.mesh_file.empty();
     for (const std::string& path : arguments.outputs)

@@ -85,4 +85,8 @@ void load_mesh(Arguments& arguments);
 // Reads the arguments of voro++ 0.4.6; values[0] is skipped. The output is the .vol file beside the input.
 [[nodiscard]] Arguments read_voropp_arguments(int count, const char* const* values);
 
+// Moves seeds on an upper wall out of the box for --voro++: voro++ keeps those on the lower wall and drops those on the
+// upper.
+void drop_upper_walls(const Arguments& arguments, Input& input);
+
 }  // namespace clvotess

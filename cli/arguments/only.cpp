@@ -1,13 +1,11 @@
 #include "arguments/only.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
-#include <sstream>
 
 #include "arguments/typed.hpp"
-#include "core/system.hpp"
 #include "failure.hpp"
+#include "files/line_reader.hpp"
+#include "files/text_source.hpp"
 #include "options.hpp"
 #include "write/output.hpp"
 
@@ -37,6 +35,9 @@ std::vector<std::int64_t> read_range(const std::string& text, std::size_t count)
 }  // namespace
 
 void check_only(const Arguments& arguments) {
+    if (arguments.only.empty()) throw bad_input("--only is empty: give a range such as 0:100, or a file of indices");
+    if (arguments.only == "-" && arguments.input == "-")
+        throw bad_input("INPUT and --only are both stdin: give one as a file");
     if (arguments.verify || arguments.has_volumes || arguments.has_density || arguments.has_zones)
         throw bad_input(
             "--only makes some of the cells, but --verify, --volumes, --density and --watershed need all: "
@@ -48,11 +49,16 @@ void check_only(const Arguments& arguments) {
 
 std::vector<std::int64_t> read_only(const std::string& only, std::size_t count) {
     if (is_range(only)) return read_range(only, count);
-    std::ifstream file(votess::system::path_of(only));
-    if (!file) throw bad_input("cannot read " + in_quotes(only) + ": --only takes a file of indices, or a range");
+    if (extension_of(only) == ".npy") return read_npy_indices(only, count);
+    TextSource source(only, false);
+    const std::string text = rest_of(source);
+    LineReader lines(text, source.name());
     std::vector<std::int64_t> indices;
-    for (std::string word; file >> word;)
-        indices.push_back(static_cast<std::int64_t>(whole_number("--only", word, std::uint64_t{1} << 40)));
+    Words words;
+    for (std::string_view line; lines.next_filled(line);) {
+        split_words(line, words);
+        for (const std::string_view word : words) indices.push_back(lines.whole(word, "an index of --only"));
+    }
     return indices;
 }
 

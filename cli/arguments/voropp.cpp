@@ -1,6 +1,8 @@
 // clvotess --voro++: the command line of voro++ 0.4.6, so that scripts change only the name of the program.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -78,6 +80,16 @@ bool take_option(const std::string& word, Words& words, Arguments& arguments, st
 }
 
 }  // namespace
+
+void drop_upper_walls(const Arguments& arguments, Input& input) {
+    if (!arguments.format.like_voropp()) return;
+    const std::array<double, 3>& upper = arguments.options.box->upper;
+    for (std::size_t k = 0; k < input.points.size(); ++k) {
+        const std::size_t axis = k % 3;
+        if (!(*arguments.periodic)[axis] && input.points[k] == upper[axis])
+            input.points[k] = std::nextafter(upper[axis], std::numeric_limits<double>::infinity());
+    }
+}
 
 Arguments read_voropp_arguments(int count, const char* const* values) {
     Words words(count, values);

@@ -78,19 +78,45 @@ std::string to_text(double value) {
     return {digits, end};
 }
 
+// Overlong forms, surrogates and numbers above 0x10ffff are no characters.
+std::size_t utf8_length(std::string_view text) {
+    const auto byte = [&](std::size_t k) { return k < text.size() ? static_cast<unsigned char>(text[k]) : 0u; };
+    const unsigned first = byte(0), second = byte(1);
+    const std::size_t length = first < 0x80 ? 1 : first < 0xc2 ? 0 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4;
+    if (length < 2 || length > text.size() || first > 0xf4)
+        return length == 1 ? std::min<std::size_t>(text.size(), 1) : 0;
+    for (std::size_t k = 1; k < length; ++k)
+        if (byte(k) >> 6 != 2) return 0;
+    const bool good = (first != 0xe0 || second >= 0xa0) && (first != 0xed || second < 0xa0) &&
+                      (first != 0xf0 || second >= 0x90) && (first != 0xf4 || second < 0x90);
+    return good ? length : 0;
+}
+
+bool is_utf8(std::string_view text) {
+    while (!text.empty()) {
+        const std::size_t length = utf8_length(text);
+        if (length == 0) return false;
+        text.remove_prefix(length);
+    }
+    return true;
+}
+
 std::string in_quotes(std::string_view text) {
     constexpr std::size_t longest = 60;
     constexpr char hex[] = "0123456789abcdef";
     std::string result = "'";
-    for (const char c : text.substr(0, longest)) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (byte < 0x20 || byte == 0x7f) {
+    std::size_t at = 0;
+    while (at < std::min(text.size(), longest)) {
+        const std::size_t length = utf8_length(text.substr(at));
+        const auto byte = static_cast<unsigned char>(text[at]);
+        if (length == 0 || byte < 0x20 || byte == 0x7f) {
             result += {'\\', 'x', hex[byte >> 4], hex[byte & 15]};
         } else {
-            result += c;
+            result += text.substr(at, length);
         }
+        at += std::max<std::size_t>(length, 1);
     }
-    if (text.size() > longest) result += "...";
+    if (at < text.size()) result += "...";
     return result + "'";
 }
 

@@ -124,12 +124,22 @@ std::string json_array(std::span<const double> numbers) {
     return text + "]";
 }
 
-// Returns the line of JSON before the numbers of a frame.
-std::string description_of(const Input& frame, std::size_t species) {
+// Returns words, each with a line end.
+std::string lines_of(const std::vector<std::string>& words) {
+    std::string lines;
+    for (const std::string& word : words) lines.append(word).append("\n");
+    return lines;
+}
+
+// Returns the line of JSON before the numbers of a frame. words: bytes of each column of words, whose width is 0 there.
+std::string description_of(const Input& frame, const std::vector<std::size_t>& words, std::size_t species) {
     std::string columns, units;
-    for (const InputColumn& column : frame.columns) {
+    for (std::size_t c = 0; c < frame.columns.size(); ++c) {
+        const InputColumn& column = frame.columns[c];
+        check_name(column);
         columns.append(columns.empty() ? "[" : ", [").append(json_string(column.name));
-        columns.append(", ").append(std::to_string(column.width)).append("]");
+        columns.append(", ").append(std::to_string(column.of_words ? 0 : column.width));
+        columns.append(", ").append(std::to_string(words[c])).append("]");
     }
     for (const auto& [name, value] : frame.units) {
         const double* const number = std::get_if<double>(&value);
@@ -257,6 +267,7 @@ private:
             choose_dimensions(frame.input, options);
             summary_.set_dimensions(options.planar, arguments_.read.dimensions);
             frame.domain_from = choose_domain(frame.input.domain, arguments_.periodic, options, arguments_.hull);
+            check_corner(frame.input, options, frame.domain_from);
             if (arguments_.hull) set_hull(frame.input.points, options);
             frame.cells = tessellator_.tessellate(std::span<const double>(frame.input.points), options);
             std::vector<double> masses = masses_of(arguments_, frame.input);
@@ -374,12 +385,18 @@ void write_points(const Arguments& arguments) {
         out.write({reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0])});
     };
     while (const auto frame = reader.next()) {
-        std::string species;
-        for (const std::string& word : frame->species) add_name(species, word);
-        out.write(description_of(*frame, species.size()) + "\n");
+        const std::string species = lines_of(frame->species);
+        std::vector<std::string> words;
+        std::vector<std::size_t> sizes;
+        for (const InputColumn& column : frame->columns)
+            sizes.push_back(words.emplace_back(lines_of(column.words)).size());
+        out.write(description_of(*frame, sizes, species.size()) + "\n");
         write(frame->points);
         write(frame->ids);
-        for (const InputColumn& column : frame->columns) write(column.values);
+        for (std::size_t c = 0; c < words.size(); ++c) {
+            write(frame->columns[c].values);
+            out.write(words[c]);
+        }
         out.write(species);
     }
     out.finish();

@@ -22,6 +22,7 @@
 #include "mpi/write_ranks.hpp"
 #include "progress.hpp"
 #include "summary.hpp"
+#include "words.hpp"
 
 namespace clvotess {
 namespace {
@@ -215,7 +216,7 @@ int main_inside(int count, const char* const* values) {
     } catch (const CommonFailure& failure) {
         return fail(failure.code(), failure.what());
     } catch (const votess::Error& error) {  // which votess_mpi throws on all ranks
-        return fail(exit_code_of(error.code()), error.what());
+        return fail(exit_code_of(error.code()), in_words_of_options(error.what()));
     } catch (const std::bad_alloc&) {
         fail_alone(ranks.rank(), "out of memory: take more ranks, or fewer on a machine");
     } catch (const std::exception& error) {

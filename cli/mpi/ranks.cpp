@@ -6,6 +6,7 @@
 #include <votess/votess.hpp>
 
 #include "progress.hpp"
+#include "words.hpp"
 
 namespace clvotess {
 namespace {
@@ -51,7 +52,7 @@ void Ranks::share_failure(const std::function<void()>& work, bool named) const {
         text = failure.what();
     } catch (const votess::Error& error) {
         code = exit_code_of(error.code());
-        text = error.what();
+        text = in_words_of_options(error.what());
     } catch (const std::bad_alloc&) {
         code = exit_code::runtime_failure;
         text = "out of memory: take more ranks, or fewer on a machine";

@@ -44,6 +44,7 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
         (arguments.has_radii ? options.radii : options.weights) = one_each(column);
     }
     input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
+    check_corner(input.seeds, options, input.domain_from);
     // As votess::Diagram takes it. Its box has all of its ends or none.
     input.has_ends =
         arguments.hull || !options.walls.empty() || options.cell || (options.box && !std::isinf(options.box->upper[0]));

@@ -27,7 +27,7 @@ std::optional<std::size_t> find_any(const Words& names, const std::string& name)
 }
 
 std::optional<std::size_t> find_species(const Words& names) {
-    for (const char* const name : {"species", "element", "symbol", "type"})
+    for (const char* const name : {"species", "element", "symbol", "typelabel", "type"})
         if (const auto at = find(names, name)) return at;
     return std::nullopt;
 }
@@ -59,8 +59,11 @@ ColumnPlaces::ColumnPlaces(const ReadRequest& request, const Words& names, const
             continue;
         }
         if (const auto at = find_any(names, name)) {
-            places_.push_back({name_of(names[*at]), {*at}, may_be_words});
-        } else if (const auto alias = name == "species" ? find_species(names) : std::nullopt) {
+            const std::string number = std::to_string(*at + 1);
+            places_.push_back({name_of(names[*at].empty() ? number : names[*at]), {*at}, may_be_words});
+        } else if (const auto alias = name == "species" ? find_species(names)
+                                      : name == "type"  ? find(names, "typelabel")
+                                                        : std::nullopt) {
             places_.push_back({name, {*alias}, may_be_words});
         } else if (!request.columns_may_lack) {
             std::string list;
@@ -80,8 +83,8 @@ void ColumnPlaces::add_others(const Words& names, std::span<const std::size_t> t
 void ColumnPlaces::find_words(const Words& row) {
     for (Place& place : places_) {
         const std::size_t k = place.at[0];
-        place.words = place.may_be_words && place.at.size() == 1 && k < row.size() && !read_double(row[k]) &&
-                      !has_decimal_comma(row[k]);
+        place.words = place.may_be_words && place.at.size() == 1 && k < row.size() && !row[k].empty() &&
+                      !read_double(row[k]) && !has_decimal_comma(row[k]);
     }
 }
 

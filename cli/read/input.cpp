@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "core/system.hpp"
 #include "failure.hpp"
@@ -16,16 +18,17 @@
 namespace clvotess {
 namespace {
 
+using Vector3 = std::array<double, 3>;
 using votess::system::path_of;
 using votess::system::text_of;
 
 constexpr const char* known =
-    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .dump .lammpstrj .data .lmp .vasp .ply, POSCAR, "
+    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .h5md .dump .lammpstrj .data .lmp .vasp .ply, POSCAR, "
     "text without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
     if (!request.dataset.empty() && extension != ".h5" && extension != ".npz") {
-        throw bad_input("--dataset goes with .h5, .hdf5 and .npz only, not with " + in_quotes(path));
+        throw bad_input("--dataset goes with .h5, .hdf5, .h5md and .npz only, not with " + in_quotes(path));
     }
     constexpr std::array<std::string_view, 9> by_name{".txt",  ".dat",       ".csv", "",    ".xyz",
                                                       ".dump", ".lammpstrj", ".npz", ".ply"};
@@ -45,20 +48,21 @@ void refuse_columns(const std::string& path, const ReadRequest& request) {
         throw bad_input(path + ": a single array has no column " + in_quotes(request.columns[0]));
 }
 
-// Returns the extension that names the format. LAMMPS calls its examples data.NAME and dump.NAME, VASP its files POSCAR
-// and CONTCAR with or without a suffix.
+// Returns the extension that names the format. LAMMPS calls its examples data.NAME and dump.NAME, VASP its files
+// POSCAR, CONTCAR, XDATCAR and OUTCAR with or without a suffix.
 std::string kind_of(const std::string& path) {
     if (path == "-") return ".txt";
     const std::string extension = extension_of(path);
     if (extension == ".extxyz") return ".xyz";
-    constexpr std::array<std::string_view, 14> extensions{".xyz",  ".txt", ".dat",  ".csv",  ".npy",
-                                                          ".npz",  ".h5",  ".hdf5", ".dump", ".lammpstrj",
-                                                          ".data", ".lmp", ".ply",  ".vasp"};
+    if (extension == ".hdf5" || extension == ".h5md") return ".h5";
+    constexpr std::array<std::string_view, 13> extensions{".xyz",  ".txt",       ".dat",  ".csv", ".npy", ".npz", ".h5",
+                                                          ".dump", ".lammpstrj", ".data", ".lmp", ".ply", ".vasp"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = text_of(path_of(path).filename());
     if (name.starts_with("data.")) return ".data";
     if (name.starts_with("dump.")) return ".dump";
     if (name.starts_with("POSCAR") || name.starts_with("CONTCAR")) return ".vasp";
+    if (name.starts_with("XDATCAR") || name.starts_with("OUTCAR")) return ".xdatcar";
     return extension;
 }
 
@@ -72,8 +76,7 @@ bool is_snapshot_base(const std::string& path) {
 
 bool is_hdf5(const std::string& path, const ReadRequest& request) {
     if (request.text || path == "-") return false;
-    const std::string extension = extension_of(path);
-    return extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    return kind_of(path) == ".h5" || is_snapshot_base(path);
 }
 
 Input read_file(const std::string& path, const ReadRequest& request) {
@@ -82,7 +85,7 @@ Input read_file(const std::string& path, const ReadRequest& request) {
     const bool hdf5 = is_hdf5(path, request);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).read(path, request);
-    constexpr std::array<std::string_view, 5> binary{".h5", ".hdf5", ".npy", ".npz", ".ply"};
+    constexpr std::array<std::string_view, 4> binary{".h5", ".npy", ".npz", ".ply"};
     if (packed && std::ranges::find(binary, extension) != binary.end()) {
         throw bad_input("cannot read " + in_quotes(path) + ": only text can be packed: unpack it with gunzip");
     }
@@ -128,8 +131,11 @@ std::string conversion(std::string_view extension) {
         std::string_view extensions, to;
     };
     constexpr std::array<Family, 5> families{{
-        {" .cif .pdb .pqr .gro .xsf .cube .traj ", "extended XYZ, for example with ASE: ase convert FILE out.extxyz"},
-        {" .xtc .trr .dcd .gsd .mol2 .nc ", "a LAMMPS dump or XYZ, for example with MDAnalysis or OVITO"},
+        {" .cif .pdb .pqr .gro .xsf .cube .traj .xdatcar ",
+         "extended XYZ, for example with ASE: ase convert FILE out.extxyz"},
+        {" .xtc .trr .dcd .gsd .nc ",
+         "a LAMMPS dump with OVITO in Python: export_file(import_file('FILE'), 'out.dump', 'lammps/dump', "
+         "multiple_frames=True, columns=['Particle Identifier', 'Position.X', 'Position.Y', 'Position.Z'])"},
         {" .vtk .stl .obj .off .pcd .las .laz ", ".ply, for example with PyVista, Open3D or PDAL"},
         {" .vtp .vtu ",
          ".npz in Python: m = meshio.read('FILE'), or pyvista.read('FILE') for .vtp; "
@@ -182,6 +188,24 @@ FileDomain stated_domain(const std::vector<double>& box, const std::array<bool, 
     for (std::size_t w = 0; w + size < walls.size(); w += size + 1)
         domain.walls.push_back({vector(walls, w), walls[w + size]});
     return domain;
+}
+
+void state_cell(FileDomain& domain, const votess::TriclinicBox& cell) {
+    if (cell.a == Vector3{} && cell.b == Vector3{} && cell.c == Vector3{})
+        domain.periodic = domain.periodic_from == DomainSource::stated ? cell.periodic : std::array<bool, 3>{};
+    else
+        domain.cell = cell;
+}
+
+votess::TriclinicBox cell_of(const Vector3& lengths, const Vector3& angles) {
+    Vector3 cosine{};
+    for (std::size_t k = 0; k < 3; ++k)  // right angles have a cosine of 0, which radians would miss
+        cosine[k] = angles[k] == 90 ? 0 : std::cos(angles[k] * std::numbers::pi / 180);
+    const auto [bc, ac, ab] = cosine;
+    const double sine = std::sqrt(1 - ab * ab), y = (bc - ac * ab) / sine;
+    return {.a = {lengths[0], 0, 0},
+            .b = {lengths[1] * ab, lengths[1] * sine, 0},
+            .c = {lengths[2] * ac, lengths[2] * y, lengths[2] * std::sqrt(1 - ac * ac - y * y)}};
 }
 
 void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input) {
@@ -240,7 +264,7 @@ std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequ
 
 std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
     const std::string extension = kind_of(path);
-    const bool hdf5 = extension == ".h5" || extension == ".hdf5" || is_snapshot_base(path);
+    const bool hdf5 = is_hdf5(path, request);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).open(path, request, rows);
     if (extension == ".npy") {

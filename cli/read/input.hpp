@@ -33,6 +33,7 @@ struct FileDomain {
     std::optional<votess::TriclinicBox> cell;  // instead of box and periodic
     std::vector<votess::Wall> walls;           // cut the box
     DomainSource periodic_from = DomainSource::by_default;
+    DomainSource corner_from = DomainSource::stated;  // assumed: the cell begins at 0 for want of another statement
 };
 
 // A number or a text that belongs to the whole file.
@@ -77,6 +78,13 @@ struct Input {
                                        const std::vector<double>& cell, const std::vector<double>& origin,
                                        const std::vector<double>& walls);
 
+// States a cell. One whose edges are all 0 states the periodic axes alone, as ASE writes atoms without a cell.
+void state_cell(FileDomain& domain, const votess::TriclinicBox& cell);
+
+// Returns the cell of edges with these lengths and the angles bc, ac, ab in degrees: a along x, b in the plane of x and
+// y. It is periodic along all edges.
+[[nodiscard]] votess::TriclinicBox cell_of(const std::array<double, 3>& lengths, const std::array<double, 3>& angles);
+
 // Consecutive rows: one of `parts` parts of about equal length.
 struct Share {
     std::uint64_t part = 0, parts = 1;
@@ -102,14 +110,14 @@ struct ReadRequest {
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format
     std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
-    bool npy_holds_columns = false;        // side by side after x, y and z; else a .npy has none
-    bool columns_may_lack = false;         // skip those of `columns` that the file lacks
-    bool all_columns = false;              // read the others too
-    std::size_t first_words = SIZE_MAX;    // from this one on, columns may hold words
-    bool species = false;                  // read those too
-    std::optional<std::uint64_t> frame;    // number from 0, of LAMMPS dumps and XYZ; default the first
-    unsigned threads = 1;                  // that parse text; 0: one per processor
-    Share share;                           // of the points, for files that reads_shares() accepts
+    bool npy_holds_columns = false;  // side by side after x, y and z; else a .npy has none. Rows of text have no others
+    bool columns_may_lack = false;   // skip those of `columns` that the file lacks
+    bool all_columns = false;        // read the others too
+    std::size_t first_words = SIZE_MAX;  // from this one on, columns may hold words
+    bool species = false;                // read those too
+    std::optional<std::uint64_t> frame;  // number from 0, of LAMMPS dumps and XYZ; default the first
+    unsigned threads = 1;                // that parse text; 0: one per processor
+    Share share;                         // of the points, for files that reads_shares() accepts
 };
 
 // Returns whether a share of the file can be read without the rest.
@@ -139,6 +147,8 @@ enum class TextKind {
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input read_npy(const std::string& path, const ReadRequest& request = {});
+// Returns the indices in a .npy of whole numbers, or of a flag for each of `count` points.
+[[nodiscard]] std::vector<std::int64_t> read_npy_indices(const std::string& path, std::size_t count);
 
 // Returns random seeds in the unit box, or unit square. They depend on `rng_seed` alone, not on the machine.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request = {});

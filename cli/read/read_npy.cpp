@@ -14,7 +14,7 @@ namespace {
 class NpyFile {
 public:
     // Refuses a FIFO before opening it, which would wait for a writer.
-    NpyFile(const std::string& path, std::span<const std::size_t> widths) {
+    explicit NpyFile(const std::string& path) {
         std::error_code problem;
         const auto status = std::filesystem::status(votess::system::path_of(path), problem);
         if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
@@ -26,6 +26,9 @@ public:
         };
         const auto skip = [this](std::uint64_t count) { file_->skip(count); };
         array_.emplace(ByteSource{file_->size(), read, skip}, path);
+    }
+    // widths: numbers of columns that points may have.
+    NpyFile(const std::string& path, std::span<const std::size_t> widths) : NpyFile(path) {
         array_->check_points(widths);
     }
     [[nodiscard]] NpyArray& array() { return *array_; }
@@ -80,6 +83,22 @@ Input read_npy(const std::string& path, const ReadRequest& request) {
     else
         file.array().read_rows(input.points, share.begin(rows), share.end(rows));
     return input;
+}
+
+std::vector<std::int64_t> read_npy_indices(const std::string& path, std::size_t count) {
+    NpyFile file(path);
+    NpyArray& array = file.array();
+    const bool mask = array.is_flags();
+    if (!array.is_column() || !array.is_whole() || (mask && array.shape()[0] != count))
+        throw bad_input(path + ": array of shape " + array.shape_text() +
+                        ", expected a list of indices, or a flag for " + "each of the " + std::to_string(count) +
+                        " points");
+    const std::vector<std::int64_t> values = array.read_whole();
+    if (!mask) return values;
+    std::vector<std::int64_t> indices;
+    for (std::size_t i = 0; i < count; ++i)
+        if (values[i] != 0) indices.push_back(static_cast<std::int64_t>(i));
+    return indices;
 }
 
 std::unique_ptr<InputPieces> open_npy(const std::string& path, std::size_t rows) {

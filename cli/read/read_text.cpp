@@ -1,5 +1,5 @@
 // Text rows `x y z` or `id x y z`, in the plane `x y` or `id x y`, with further columns that the run requests; and rows
-// under a line of names.
+// under a line of names, of which those of .csv follow RFC 4180.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -41,6 +41,10 @@ bool is_blank(char c) {
 bool is_mark(char c) {
     return c == ',' || c == ';';
 }
+// Returns whether a comment begins there, in a line whose fields may hold #.
+bool is_comment(std::string_view line, std::size_t at) {
+    return line[at] == '#' && (at == 0 || is_blank(line[at - 1]));
+}
 bool ends_field(char c) {
     return is_blank(c) || is_mark(c) || c == '#';
 }
@@ -73,11 +77,6 @@ private:
     void append_rows(Input& input, bool first) {
         Row row;
         while (!(first && places_) && next_row(row)) {
-            if (!places_ && may_have_names_ && names_.empty() && is_header(row)) {
-                names_ = names_of(line_);
-                check_names();
-                continue;
-            }
             check_commas(row);
             if (!places_) find_places(row);
             if (input.points.empty()) begin(input);
@@ -88,10 +87,47 @@ private:
     // Reads the next line with a field. Returns false at the end.
     bool next_row(Row& row) {
         while (lines_.next_filled(line_)) {
-            split(line_, row);
-            if (row.count > 0) return true;
+            const bool comment = line_[line_.find_first_not_of(blanks)] == '#';
+            if (!places_ && comment) note_comment();
+            if (comment || (!places_ && may_have_names_ && names_.empty() && take_names())) continue;
+            if (marks_.empty() || line_.find_first_of(marks_) == std::string_view::npos)
+                split(line_, row);
+            else
+                split_at_marks(line_, row);
+            return true;
         }
         return false;
+    }
+
+    // Takes the line as the names of the columns. Returns false for a row of numbers.
+    bool take_names() {
+        std::string marks;
+        std::vector<std::string> names = names_of(line_, marks);
+        if (names.empty()) return false;
+        names_ = std::move(names);
+        marks_ = marks;
+        check_names();
+        return true;
+    }
+
+    // Keeps the names in a comment. They count if they fit the row after it.
+    void note_comment() {
+        std::string marks;
+        const auto begin = line_.find_first_not_of("# \t");
+        const bool quoted = line_.find('"') != std::string_view::npos;
+        comment_.clear();
+        if (begin != std::string_view::npos && !quoted) comment_ = names_of(line_.substr(begin), marks);
+    }
+
+    // Takes the names of a comment such as `# x y z mass`, if it names a coordinate for each that is wanted and has as
+    // many words as the row has columns. A first column before the coordinates is the id, as without names.
+    void take_comment(std::size_t columns) {
+        const auto holds = [&](std::string_view name) { return std::ranges::count(comment_, name) > 0; };
+        if (!names_.empty() || comment_.size() != columns || !holds("x") || !holds("y")) return;
+        names_ = std::move(comment_);
+        const bool may_be_id = !request_.all_columns && !is_requested(names_[0]) && !is_requested("1");
+        if (!named("id") && may_be_id && columns == axis_names().size() + 1 && named("x") == 1u) names_[0] = "id";
+        check_names();
     }
 
     // Throws Failure for a decimal comma. A comma between two digits separates fields if every gap of the row has a
@@ -135,39 +171,100 @@ private:
         }
     }
 
-    static bool has_point(const Row& row) {
-        return row.fields[std::min(row.count, kept_fields) - 1].find('.') != std::string_view::npos;
+    // Calls field(text, quoted) for each field of a line that marks separate, by RFC 4180: quotes may hold marks,
+    // blanks and doubled quotes. Blanks around a field do not count.
+    template <typename Field>
+    void each_field(std::string_view line, std::string_view marks, Field field) const {
+        std::size_t at = 0, column = 1;
+        const auto skip_blanks = [&] {
+            while (at < line.size() && is_blank(line[at])) ++at;
+        };
+        const auto ended = [&] {
+            return at == line.size() || line[at] == marks.front() || line[at] == marks.back() || is_comment(line, at);
+        };
+        for (;; ++at, ++column) {
+            skip_blanks();
+            const bool quoted = at < line.size() && line[at] == '"';
+            std::size_t begin = at + (quoted ? 1 : 0), end = begin;
+            if (quoted) {
+                end = line.find('"', begin);
+                while (end != std::string_view::npos && line.substr(end + 1, 1) == "\"") end = line.find('"', end + 2);
+                if (end == std::string_view::npos)
+                    throw lines_.error("the quote in column " + std::to_string(column) + " does not end in its line");
+                at = end + 1;
+                skip_blanks();
+                if (!ended())
+                    throw lines_.error("column " + std::to_string(column) + " goes on behind its quotes: double the " +
+                                       "quotes within");
+            } else {
+                while (!ended()) ++at;
+                end = at;
+                while (end > begin && is_blank(line[end - 1])) --end;
+            }
+            field(line.substr(begin, end - begin), quoted);
+            if (at == line.size() || is_comment(line, at)) return;
+        }
     }
 
-    static bool is_header(const Row& row) {
-        const auto kept = std::min(row.count, kept_fields);
-        return std::none_of(row.fields.begin(), row.fields.begin() + static_cast<std::ptrdiff_t>(kept),
-                            [](std::string_view field) { return read_double(field).has_value(); });
+    void split_at_marks(std::string_view line, Row& row) const {
+        row.count = 0;
+        row.comma = nullptr;
+        each_field(line, marks_, [&](std::string_view field, bool) {
+            if (row.count < kept_fields) row.fields[row.count] = field;
+            ++row.count;
+        });
+    }
+
+    // Returns a field without the doubling of its quotes.
+    static std::string text_of(std::string_view field) {
+        std::string text(field);
+        for (std::size_t at = 0; (at = text.find("\"\"", at)) != std::string::npos; ++at) text.erase(at, 1);
+        return text;
+    }
+
+    static bool has_point(const Row& row) {
+        return row.fields[std::min(row.count, kept_fields) - 1].find('.') != std::string_view::npos;
     }
 
     // Returns the name in lower case, without blanks and quotes around it.
     static std::string plain_name(std::string_view name) {
         while (!name.empty() && is_blank(name.front())) name.remove_prefix(1);
         while (!name.empty() && is_blank(name.back())) name.remove_suffix(1);
-        if (name.size() > 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
+        if (name.size() >= 2 && name.front() == '"' && name.back() == '"') name = name.substr(1, name.size() - 2);
         return lower_case(name);
     }
 
-    // Returns the names in a line. Names may contain blanks if commas or semicolons separate them.
-    static std::vector<std::string> names_of(std::string_view line) {
-        line = line.substr(0, line.find('#'));
+    // Returns the commas and semicolons of a line that are neither in quotes nor in a comment, each once.
+    static std::string marks_in(std::string_view line) {
+        std::string marks;
+        bool quoted = false;
+        for (std::size_t at = 0; at < line.size() && (quoted || !is_comment(line, at)); ++at) {
+            quoted ^= line[at] == '"';
+            if (!quoted && is_mark(line[at]) && marks.find(line[at]) == std::string::npos) marks += line[at];
+        }
+        return marks;
+    }
+
+    // Returns the names in a line, and the marks between them; nothing if one is a number. Names may contain blanks if
+    // marks separate them.
+    std::vector<std::string> names_of(std::string_view line, std::string& marks) const {
         std::vector<std::string> names;
-        if (line.find_first_of(",;") == std::string_view::npos) {
-            Words words;
-            split_words(line, words);
+        Words words;
+        bool numbers = false;
+        marks = marks_in(line);
+        if (marks.empty()) {
+            split_words(line.substr(0, line.find('#')), words);
             for (const std::string_view word : words) names.push_back(plain_name(word));
-            return names;
+        } else {
+            each_field(line, marks, [&](std::string_view field, bool quoted) {
+                names.push_back(lower_case(quoted ? text_of(field) : std::string(field)));
+                Words parts{field};
+                if (!quoted) split_words(field, parts);
+                words.insert(words.end(), parts.begin(), parts.end());
+            });
         }
-        for (std::size_t end = 0; end != std::string_view::npos; line.remove_prefix(std::min(end + 1, line.size()))) {
-            end = line.find_first_of(",;");
-            names.push_back(plain_name(line.substr(0, end)));
-        }
-        return names;
+        for (const std::string_view word : words) numbers |= read_double(word).has_value();
+        return numbers ? std::vector<std::string>() : names;
     }
 
     [[nodiscard]] std::optional<std::size_t> named(std::string_view name) const {
@@ -242,6 +339,9 @@ private:
             throw lines_.error("this row has " + columns_text(columns) + ", the line of names " +
                                std::to_string(names_.size()));
         }
+        const std::size_t side_by_side = 3 + request_.columns.size();
+        if (request_.npy_holds_columns && columns != side_by_side)
+            throw lines_.error("this row has " + columns_text(columns) + ", expected " + std::to_string(side_by_side));
         Layout layout;
         if (!request_.coordinates.empty()) {
             layout.axes = axes_of(columns);
@@ -280,6 +380,7 @@ private:
     // Finds the columns by the first row.
     void find_places(const Row& row) {
         columns_ = row.count;
+        take_comment(columns_);
         const std::vector<std::string> own = names_or_numbers(names_, columns_);
         const Words names(own.begin(), own.end());
         places_.emplace(request_, names, lines_.place());
@@ -325,17 +426,26 @@ private:
             }
             input.ids.push_back(*id);
         }
-        for (const std::size_t k : layout_.axes) input.points.push_back(lines_.number(row.fields[k]));
+        const auto number = [&](std::size_t k, const auto&... name) {
+            if (row.fields[k].empty()) throw lines_.error("column " + std::to_string(k + 1) + " is empty");
+            return lines_.number(row.fields[k], name...);
+        };
+        for (const std::size_t k : layout_.axes) input.points.push_back(number(k));
         places_->append(
-            input, [&](std::size_t k) { return row.fields[k]; },
-            [&](std::size_t k, const std::string& name) { return lines_.number(row.fields[k], name); });
+            input, [&](std::size_t k) { return text_of(row.fields[k]); },
+            [&](std::size_t k, const std::string& name) {
+                const bool missing = row.fields[k].empty() && request_.all_columns && !is_requested(name);
+                return missing ? std::numeric_limits<double>::quiet_NaN() : number(k, name);
+            });
     }
 
     LineReader lines_;
-    std::string_view line_;           // the current line
-    std::vector<std::string> names_;  // of the columns, by a line of names
-    bool may_have_names_ = false;     // whether a line of names may come first
-    ReadRequest request_;             // with plain names
+    std::string_view line_;             // the current line
+    std::vector<std::string> names_;    // of the columns, by a line of names
+    std::string marks_;                 // commas and semicolons between those; empty if blanks are
+    std::vector<std::string> comment_;  // the words of the last comment
+    bool may_have_names_ = false;       // whether a line of names may come first
+    ReadRequest request_;               // with plain names
     // Set by the first row.
     std::optional<ColumnPlaces> places_;
     std::size_t columns_ = 0;

@@ -1,5 +1,6 @@
 // XYZ: frames of a count, a comment, and that many rows `Element x y z`. In extended XYZ (ASE, OVITO) the comment
-// describes columns (Properties), cell (Lattice, Origin) and periodic edges (pbc) as key=value.
+// describes columns (Properties), cell (Lattice, Origin) and periodic edges (pbc) as key=value; in that of i-PI it has
+// the cell.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -148,24 +149,61 @@ private:
         return numbers;
     }
 
+    // Returns the cell in a comment of i-PI, `CELL(abcABC): a b c bc ac ab ... positions{unit} cell{unit}`, or with
+    // nine numbers H or GENH. Throws Failure if cell and positions have different units.
+    std::optional<votess::TriclinicBox> cell_of_ipi(std::string_view comment) {
+        constexpr std::string_view mark = "CELL", of_cell = "cell{";
+        const auto at = comment.find(mark);
+        if (at == std::string_view::npos) return std::nullopt;
+        comment.remove_prefix(std::min(at + mark.size() + 1, comment.size()));
+        const auto end = std::min(comment.find_first_of(")]}"), comment.size());
+        const std::string kind(comment.substr(0, end));
+        comment.remove_prefix(end);
+        const std::size_t count = kind == "abcABC" ? 6 : kind == "H" || kind == "GENH" ? 9 : 0;
+        if (count == 0 || comment.size() < 2 || comment[1] != ':') return std::nullopt;
+        comment.remove_prefix(2);
+        split_words(comment, words_);
+        if (words_.size() < count)
+            throw lines_.error("CELL(" + kind + ") must hold " + std::to_string(count) + " numbers");
+        std::array<double, 9> n{};
+        for (std::size_t k = 0; k < count; ++k) n[k] = lines_.number(words_[k]);
+        const auto unit = [](std::string_view text) {
+            const auto begin = text.find('{');
+            return begin == std::string_view::npos ? std::string("atomic_unit")
+                                                   : std::string(text.substr(begin + 1, text.find('}') - begin - 1));
+        };
+        const auto split = std::min(comment.find(of_cell), comment.size());
+        const std::string positions = unit(comment.substr(0, split)), own = unit(comment.substr(split));
+        if (own != positions)
+            throw lines_.error("i-PI's cell has the unit " + own + " and its positions " + positions +
+                               ": write both in the same");
+        if (kind == "abcABC") return cell_of({n[0], n[1], n[2]}, {n[3], n[4], n[5]});
+        if (kind == "H") return votess::TriclinicBox{.a{n[0], n[3], n[6]}, .b{n[1], n[4], n[7]}, .c{n[2], n[5], n[8]}};
+        return votess::TriclinicBox{.a{n[0], n[1], n[2]}, .b{n[3], n[4], n[5]}, .c{n[6], n[7], n[8]}};
+    }
+
     // Reads the cell. Without pbc it is periodic along all edges, as in ASE and OVITO.
     FileDomain read_domain(std::string_view comment) {
         FileDomain domain;
         domain.periodic_from = DomainSource::assumed;
+        std::optional<votess::TriclinicBox> cell;
         if (const auto lattice = value_of(comment, "lattice")) {
             const auto n = numbers_of("Lattice", *lattice, 9);
-            domain.cell =
-                votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
-            if (const auto origin = value_of(comment, "origin")) {
+            cell = votess::TriclinicBox{.a = {n[0], n[1], n[2]}, .b = {n[3], n[4], n[5]}, .c = {n[6], n[7], n[8]}};
+            const auto origin = value_of(comment, "origin");
+            domain.corner_from = origin ? DomainSource::stated : DomainSource::assumed;
+            if (origin) {
                 const auto corner = numbers_of("Origin", *origin, 3);
-                std::copy_n(corner.begin(), 3, domain.cell->origin.begin());
+                std::copy_n(corner.begin(), 3, cell->origin.begin());
             }
+        } else {
+            cell = cell_of_ipi(comment);
         }
         if (const auto pbc = value_of(comment, "pbc")) {
             split_words(*pbc, words_);
             if (words_.size() != 3) throw lines_.error("pbc must be three of T or F, not " + in_quotes(*pbc));
             domain.periodic_from = DomainSource::stated;
-            std::array<bool, 3>& periodic = domain.cell ? domain.cell->periodic : domain.periodic;
+            std::array<bool, 3>& periodic = cell ? cell->periodic : domain.periodic;
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::string word = lower_case(words_[k]);
                 periodic[k] = word == "t" || word == "true" || word == "1";
@@ -174,6 +212,7 @@ private:
                 }
             }
         }
+        if (cell) state_cell(domain, *cell);
         return domain;
     }
 

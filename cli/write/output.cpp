@@ -104,6 +104,25 @@ bool is_colored(const std::string& path) {
     return kind && kind->write == write_glb;
 }
 
+// Throws Failure for a name or words that a file with blanks between its columns cannot hold.
+void check_blanks(const std::string& path, const std::string& name, const std::vector<std::string>& words) {
+    const Kind& kind = *kind_of(path);
+    if (kind.write == write_csv || !(kind.write == write_text || is_table(kind))) return;
+    const auto check = [&](const std::string& text, const char* what, const char* marks) {
+        if (text.empty() || text.find_first_of(marks) != std::string::npos)
+            throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) + ", for its " +
+                            what + in_quotes(text) + " would not be one word there: write .csv, .npz or .h5");
+    };
+    if (kind.write != write_text) check(name, "name ", kind.write == write_xyz ? " \t\":=" : " \t");
+    for (const std::string& word : words) check(word, "text ", " \t");
+}
+
+void check_name(const InputColumn& column) {
+    if (!is_utf8(column.name))
+        throw bad_input("the column " + in_quotes(column.name) +
+                        " has a name that is not UTF-8: convert the file, as iconv -f latin1 -t utf-8 does");
+}
+
 // The name of a dataset of HDF5 is the last part of its path.
 std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs, std::vector<InputColumn> columns,
                                          bool planar) {
@@ -123,6 +142,8 @@ std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs
             const bool taken = kind->write == write_vtu ? is_vtu_array(name)
                                : is_table(*kind)        ? is_table_column(name, planar)
                                                         : kind->write != write_text && is_result_array(name);
+            if (kind->carries && kind->write != write_text) check_name(columns[c]);
+            check_blanks(path, name, columns[c].words);
             if (kind->carries && taken) {
                 throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) +
                                 ", which has an array of that name: rename the column");
@@ -198,7 +219,7 @@ void check_frame_outputs(const std::vector<std::string>& paths) {
                             " with --frames, for it holds one: known are .txt .csv .xyz .dump .h5; or give --frame N");
 }
 
-FrameOutputs::FrameOutputs(const std::vector<std::string>& paths) {
+FrameOutputs::FrameOutputs(const std::vector<std::string>& paths) : paths_(paths) {
     files_.reserve(paths.size());
     for (const std::string& path : paths) {
         const Kind& kind = *kind_of(path);
@@ -214,6 +235,8 @@ FrameOutputs::FrameOutputs(const std::vector<std::string>& paths) {
 FrameOutputs::~FrameOutputs() = default;
 
 void FrameOutputs::add(const OutputData& data) {
+    for (const std::string& path : paths_)
+        if (names_species(path)) check_blanks(path, "species", data.input.species);
     for (const auto& writer : writers_) writer->add(data);
 }
 
@@ -228,6 +251,7 @@ void write_outputs(const std::vector<std::string>& paths, const OutputData& data
     files.reserve(paths.size());
     for (const std::string& path : paths) {
         OutputFile& file = files.emplace_back(path);
+        if (names_species(path)) check_blanks(path, "species", data.input.species);
         kind_of(path)->write(file, data);
         file.finish();
     }

@@ -85,6 +85,7 @@ public:
     void publish();
 
 private:
+    std::vector<std::string> paths_;
     std::vector<OutputFile> files_;
     std::vector<std::unique_ptr<FramesFile>> writers_;
 };
@@ -94,6 +95,9 @@ void check_frame_outputs(const std::vector<std::string>& paths);
 
 // Returns the attributes of .npz and .h5: units of the input, domain_from, periodic_from and version.
 [[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from);
+
+// Throws Failure for a name that is not UTF-8, which most formats demand.
+void check_name(const InputColumn& column);
 
 // Returns the carried columns with their names in the output. Throws Failure when a name occurs twice or is that of an
 // array of the file.

@@ -210,6 +210,7 @@ public:
     explicit Hdf5FramesFile(OutputFile& file) : writer_(file) {}
 
     void add(const OutputData& data) override {
+        begin_hdf5();  // on the thread that writes
         const std::uint64_t number = data.input.frame.value_or(0);
         std::string digits = std::to_string(number);
         constexpr std::size_t width = 6;

@@ -3,10 +3,12 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
 #include "in_order.hpp"
+#include "write/nearest_images.hpp"
 #include "write/output.hpp"
 
 namespace clvotess {
@@ -18,6 +20,7 @@ struct TableColumn {
     char type;  // as in extended XYZ: I, R or S
     std::size_t width;
     std::function<void(OutputBuffer& row, std::size_t i, char between)> put;
+    std::shared_ptr<const void> owner = {};  // of the numbers, if they are not those of the result
 };
 using Table = std::vector<TableColumn>;
 
@@ -28,6 +31,23 @@ TableColumn of_numbers(std::string name, std::span<const double> values, std::si
     return {std::move(name), 'R', width, [=](OutputBuffer& row, std::size_t i, char between) {
                 row.put_vector(values.subspan(width * i, width), between);
             }};
+}
+
+// Returns the centroids beside the listed points, which may lie outside of a periodic domain: the result has those of
+// the seeds inside.
+std::vector<double> centroids_of(const OutputData& data) {
+    const std::span<const double> all = data.tessellation.centroids();
+    std::vector<double> centroids(all.begin(), all.end());
+    if (data.tessellation.periodic() == std::array<bool, 3>{}) return centroids;
+    const NearestImages seeds(data.input.points, data.tessellation);
+    const std::size_t size = data.input.dimensions;
+    for (std::size_t i = 0; i < data.tessellation.size(); ++i) {
+        Point centroid{};
+        std::copy_n(&all[size * i], size, centroid.begin());
+        const Point image = seeds.image(i, centroid);
+        for (std::size_t k = 0; k < size; ++k) centroids[size * i + k] += data.input.points[size * i + k] - image[k];
+    }
+    return centroids;
 }
 
 std::size_t neighbors_of(const votess::Tessellation& cells, std::size_t i) {
@@ -73,8 +93,18 @@ TableColumn ids_of(const OutputData& data, std::int64_t first) {
             }};
 }
 
+// Returns a text as a field of .csv: in quotes if it holds a mark, a quote or a blank (RFC 4180).
+std::string field_of(const std::string& text) {
+    if (text.find_first_of(",;\"# \t") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
+    return quoted + "\"";
+}
+
 TableColumn words(std::string name, const std::vector<std::string>& values) {
-    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, char) { row.put(values[i]); }};
+    return {std::move(name), 'S', 1, [&values](OutputBuffer& row, std::size_t i, char between) {
+                row.put(between == ',' ? field_of(values[i]) : values[i]);
+            }};
 }
 
 // Returns the columns of the cells, then those of the input.
@@ -92,7 +122,11 @@ Table results_of(const OutputData& data) {
     const bool endless = std::ranges::any_of(cells.box().lower, reaches_infinity) ||
                          std::ranges::any_of(cells.box().upper, reaches_infinity);
     if (wanted.faces && !planar && !endless) table.push_back(voronoi_index_of(cells));
-    if (wanted.centroids) table.push_back(of_numbers("centroid", cells.centroids(), size_of_vectors(cells)));
+    if (wanted.centroids) {
+        const auto centroids = std::make_shared<const std::vector<double>>(centroids_of(data));
+        table.push_back(of_numbers("centroid", *centroids, size_of_vectors(cells)));
+        table.back().owner = centroids;
+    }
     if (wanted.surfaces) table.push_back(of_numbers(planar ? "perimeter" : "surface_area", cells.surface_areas()));
     if (wanted.surfaces && cells.in_mesh()) table.push_back(of_numbers("mesh_area", cells.mesh_areas()));
     if (wanted.radii) table.push_back(of_numbers("security_radius", cells.security_radii()));
@@ -303,7 +337,7 @@ void write_csv(OutputFile& file, const OutputData& data) {
         std::string head = data.place == FramePlace::first ? "frame" : "";
         for (const TableColumn& column : table)
             for (std::size_t part = 0; part < column.width; ++part)
-                head.append(head.empty() ? "" : ",").append(part_name(column, part));
+                head.append(head.empty() ? "" : ",").append(field_of(part_name(column, part)));
         file.write(head.append("\n"));
     }
     const bool framed = data.place != FramePlace::alone;

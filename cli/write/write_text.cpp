@@ -20,8 +20,10 @@ using Polygon = std::span<const std::int32_t>;
 
 class TextWriter {
 public:
-    TextWriter(const OutputData& data, const NearestImages& seeds, bool ids_ascend)
+    // places: of the seeds, for %q.
+    TextWriter(const OutputData& data, std::span<const double> places, const NearestImages& seeds, bool ids_ascend)
         : data_(data),
+          places_(places),
           cells_(data.tessellation),
           size_(size_of_vectors(cells_)),
           seeds_(seeds),
@@ -63,7 +65,7 @@ public:
 
 private:
     void put(char code, std::size_t i) {
-        const double* const seed = data_.input.points.data() + size_ * i;
+        const double* const seed = places_.data() + size_ * i;
         switch (code) {
             case 'i':
                 return buffer_.put_number(id_of(i));
@@ -276,6 +278,7 @@ private:
     }
 
     const OutputData& data_;
+    std::span<const double> places_;
     const votess::Tessellation& cells_;
     std::size_t size_;  // of vectors
     OutputBuffer buffer_;
@@ -293,6 +296,9 @@ private:
 void write_text(OutputFile& file, const OutputData& data) {
     constexpr std::size_t block = 4096;
     const NearestImages seeds(data.input.points, data.tessellation);
+    std::vector<double> wrapped;  // voro++ prints seeds inside a periodic box
+    if (data.format.like_voropp()) wrapped = votess::wrapped_points(data.tessellation, data.input.points);
+    const std::span<const double> places = wrapped.empty() ? std::span(data.input.points) : wrapped;
     const bool subset = data.tessellation.is_subset();
     const bool ids_ascend = std::ranges::is_sorted(subset ? data.all_ids : std::span(data.input.ids));
     const std::size_t count = data.tessellation.size();
@@ -303,7 +309,7 @@ void write_text(OutputFile& file, const OutputData& data) {
     }
     in_order((count + block - 1) / block, data.threads,
              [&](std::size_t k) {
-                 return TextWriter(data, seeds, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));
+                 return TextWriter(data, places, seeds, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));
              },
              [&](const OutputBuffer& rows) {
                  file.write(rows.bytes());

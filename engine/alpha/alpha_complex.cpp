@@ -34,7 +34,7 @@ using Replicate = std::array<std::int32_t, 3>;
 constexpr std::size_t simplices_per_stop = 4096;
 
 [[noreturn]] void refuse_alpha(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "alpha_complex: " + message);
+    throw Error(ErrorCode::invalid_argument, "alpha_complex(): " + message);
 }
 
 // Reserves memory, in huge pages where it is large.
@@ -576,7 +576,7 @@ void drop_added(std::size_t added, std::size_t corners, AlphaSimplices& simplice
 AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
                            const std::array<std::int32_t, 3>& replicate) {
     require_whole_diagram(tessellation, "alpha_complex");
-    require_points(tessellation, points, "alpha_complex");
+    require_finite_points(tessellation, points, "alpha_complex");
     const auto& periodic = tessellation.periodic();
     const bool any = periodic[0] || periodic[1] || periodic[2], all = periodic[0] && periodic[1] && periodic[2];
     if (any && !all)
@@ -588,7 +588,7 @@ AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const dou
         copies *= n;
     }
     if (copies * std::max(static_cast<double>(tessellation.size()), 1.0) > std::numeric_limits<std::int32_t>::max())
-        throw Error(ErrorCode::unsupported, "alpha_complex: replicate makes more than 2^31 seeds");
+        throw Error(ErrorCode::unsupported, "alpha_complex(): replicate makes more than 2^31 seeds");
 
     const WholeDiagram diagram = whole_diagram(tessellation, points);
     const Places places(diagram.tessellation, diagram.points, replicate);

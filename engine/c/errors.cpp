@@ -1,5 +1,6 @@
 // The version of the library and its last error.
 #include <algorithm>
+#include <cctype>
 #include <cstdint>
 #include <cstdio>
 
@@ -38,8 +39,24 @@ void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept 
     out[length] = '\0';
 }
 
+// Options::min_face becomes options.min_face, FitOptions::tolerance fit_options.tolerance. The text never grows.
 void set_last_error(std::string_view message) noexcept {
     copy_text(message, last_error, sizeof last_error);
+    constexpr std::string_view member = "Options::";
+    char* end = last_error;
+    for (const char* next = last_error; *next != '\0';) {
+        if (!std::string_view(next).starts_with(member)) {
+            *end++ = *next++;
+            continue;
+        }
+        char* word = end;
+        while (word != last_error && std::isalpha(static_cast<unsigned char>(word[-1])) != 0) --word;
+        for (char* c = word; c != end; ++c) *c = static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
+        if (word != end) *end++ = '_';
+        end = std::ranges::copy(std::string_view("options."), end).out;
+        next += member.size();
+    }
+    *end = '\0';
 }
 
 void set_internal_error(const char* message) noexcept {

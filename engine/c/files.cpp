@@ -38,14 +38,15 @@ std::span<const std::int64_t> offsets(const std::int64_t* values, std::uint64_t 
     return result;
 }
 
+// Refuses an index that is below the least, or is not below the number of these things.
 std::span<const std::int32_t> indices(const std::int32_t* values, std::uint64_t count, const char* name,
-                                      std::uint64_t end) {
+                                      std::uint64_t end, const char* things = "vertices", std::int32_t least = 0) {
     const auto result = array(values, count, name);
     const auto wrong = std::ranges::find_if(
-        result, [&](std::int32_t index) { return index < 0 || static_cast<std::uint64_t>(index) >= end; });
+        result, [&](std::int32_t index) { return index < least || index >= static_cast<std::int64_t>(end); });
     if (wrong != result.end()) {
         refuse(std::string("mesh.") + name + "[" + std::to_string(wrong - result.begin()) + "] is " +
-               std::to_string(*wrong) + ", but there are " + std::to_string(end) + " vertices");
+               std::to_string(*wrong) + ", but there are " + std::to_string(end) + " " + things);
     }
     return result;
 }
@@ -73,7 +74,7 @@ files::Mesh checked(const votess_mesh& given) {
     files::Mesh mesh;
     mesh.indptr = offsets(given.indptr, given.cells, "indptr");
     const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
-    mesh.indices = array(given.indices, entries, "indices");
+    mesh.indices = indices(given.indices, entries, "indices", given.cells, "cells", std::numeric_limits<int>::min());
     if (given.shifts != nullptr) mesh.shifts = {given.shifts, 3 * entries};
     mesh.vertices = array(given.vertices, 3 * given.vertex_count, "vertices");
     mesh.face_offsets = offsets(given.face_offsets, entries, "face_offsets");

@@ -21,6 +21,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 #endif
+#ifdef __linux__
+#include <sched.h>
+#endif
 #ifdef __APPLE__
 #include <mach-o/dyld.h>
 #include <mach/mach.h>
@@ -31,10 +34,14 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <thread>
+
+#include "core/processors.hpp"
 
 namespace votess::system {
 namespace {
@@ -269,6 +276,13 @@ fs::path program_path() {
 
 std::int64_t process_id() {
     return ::_getpid();
+}
+
+// The mask is that of one group of at most 64 processors, and full unless something limits the process.
+unsigned processors() {
+    DWORD_PTR own = 0, all = 0;
+    const bool limited = ::GetProcessAffinityMask(::GetCurrentProcess(), &own, &all) != 0 && own != 0 && own != all;
+    return limited ? static_cast<unsigned>(std::popcount(own)) : std::max(1u, std::thread::hardware_concurrency());
 }
 
 namespace {
@@ -532,6 +546,18 @@ void give_back_memory() {
 
 #ifdef __linux__
 
+// The system refuses a set that is smaller than its own.
+unsigned processors() {
+    for (std::size_t bits = 1024; bits <= std::size_t{1} << 20; bits *= 2) {
+        std::vector<std::uint64_t> set(bits / 64);
+        if (::sched_getaffinity(0, bits / 8, reinterpret_cast<cpu_set_t*>(set.data())) != 0) continue;
+        unsigned count = 0;
+        for (const std::uint64_t word : set) count += static_cast<unsigned>(std::popcount(word));
+        return std::max(1u, count);
+    }
+    return std::max(1u, std::thread::hardware_concurrency());
+}
+
 void touch_pages([[maybe_unused]] void* begin, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_POPULATE_WRITE
     ::madvise(begin, bytes, MADV_POPULATE_WRITE);
@@ -547,6 +573,10 @@ void prefer_huge_pages(void* begin, std::size_t bytes) {
 }
 
 #else
+
+unsigned processors() {
+    return std::max(1u, std::thread::hardware_concurrency());
+}
 
 void touch_pages(void*, std::size_t) {}
 void release_pages(void*, std::size_t) {}

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/processors.hpp"
 #include "core/progress.hpp"
 
 namespace votess {
@@ -146,13 +147,12 @@ void ThreadPool::Crew::run(std::size_t tasks, const Task& each, bool stage) {
 }
 
 ThreadPool::ThreadPool(unsigned requested) : requested_(requested) {
-    const unsigned processors = std::max(1u, std::thread::hardware_concurrency());
-    crew_ = std::make_unique<Crew>(requested == 0 ? processors : requested);
+    crew_ = std::make_unique<Crew>(requested == 0 ? system::processors() : requested);
     size_ = static_cast<unsigned>(crew_->workers.size()) + 1;
     if (size_ >= requested) return;
     crew_.reset();  // frees memory that the message needs
-    throw Error(ErrorCode::no_threads, "threads = " + std::to_string(requested) + ", but the system gives only " +
-                                           std::to_string(size_) +
+    throw Error(ErrorCode::no_threads, "Options::threads = " + std::to_string(requested) +
+                                           ", but the system gives only " + std::to_string(size_) +
                                            ": request fewer, or raise its limits (ulimit -u, ulimit -v, pids.max of "
                                            "the container)");
 }

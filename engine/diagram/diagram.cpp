@@ -34,12 +34,14 @@ auto run(const ProgressCallback& callback, const Work& work) {
 std::shared_ptr<DiagramState> new_state(std::span<const double> points, const Options& options) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
-                    "device '" + options.device + "': a Diagram is asked on the CPU, give cpu or auto");
+                    "Options::device = " + options.device + ": a Diagram is asked on the CPU, give cpu or auto");
     if (options.min_face != 0 || options.min_area != 0)
         throw Error(ErrorCode::invalid_argument,
-                    "min_face and min_area drop faces of a result: a Diagram has whole cells, leave them out");
+                    "Options::min_face and Options::min_area drop faces of a result: a Diagram has whole cells, leave "
+                    "them out");
     if (options.only)
-        throw Error(ErrorCode::invalid_argument, "a Diagram needs all seeds: leave out `only`, and probe some places");
+        throw Error(ErrorCode::invalid_argument,
+                    "a Diagram needs all seeds: leave out Options::only, and probe some places");
     if (points.size() / 3 > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported,
                     std::to_string(points.size() / 3) + " seeds are too many: at most 2147483647");

@@ -5,6 +5,7 @@
 #include "core/stage_clock.hpp"
 #include "diagram/diagram_state.hpp"
 #include "input/implied_wants.hpp"
+#include "result/arrays.hpp"
 #include "unbounded/open_cells.hpp"
 
 namespace votess::detail {

@@ -16,7 +16,7 @@ constexpr std::size_t max_along_axis = std::size_t{1} << 20, max_columns = std::
 constexpr std::size_t max_numbers = std::size_t{1} << 44;  // of a grid: as many doubles as addresses reach
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "to_grid: " + message);
+    throw Error(ErrorCode::invalid_argument, "to_grid(): " + message);
 }
 
 // How many grid cells there are, along an axis that is projected one.
@@ -44,7 +44,7 @@ void check(std::size_t seeds, std::span<const double> values, const GridOptions&
     const std::size_t cells = count_grid_cells(options);
     if (cells > max_numbers / options.columns)
         throw Error(ErrorCode::out_of_memory,
-                    "to_grid: " + std::to_string(cells) + " grid cells do not fit into memory: give a smaller shape");
+                    "to_grid(): " + std::to_string(cells) + " grid cells do not fit into memory: give a smaller shape");
     if (grid.size() / options.columns != cells || grid.size() % options.columns != 0)
         refuse("the grid holds " + std::to_string(grid.size()) + " numbers, its shape needs " + std::to_string(cells) +
                " for each of " + std::to_string(options.columns) + " columns");

@@ -74,7 +74,7 @@ Vector Frame::in_grid(const Vector& difference) const {
         x[k] = dot(rows_[k], difference) * powers_[k][0] * powers_[k][1];
         if (!(std::abs(x[k]) < farthest))
             throw Error(ErrorCode::unsupported,
-                        std::string("to_grid: an edge of the domain is so short beside the others, or beside the "
+                        std::string("to_grid(): an edge of the domain is so short beside the others, or beside the "
                                     "distance of a seed outside, that places along it have no digits, edge ") +
                             "abc"[k]);
     }

@@ -27,16 +27,15 @@ namespace {
 constexpr double sum_tolerance = 1e-9;
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "fit_volumes: " + message);
+    throw Error(ErrorCode::invalid_argument, "fit_volumes(): " + message);
 }
 
 void check(const Options& options, const FitOptions& fit) {
     if (!options.mesh) check_options(options);
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
-        refuse("tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
-    if (options.only) refuse("a fit needs all cells: leave out `only`");
-    if (options.outside != Outside::error)
-        refuse("points outside have no volume to fit: leave out the option `outside`");
+        refuse("FitOptions::tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
+    if (options.only) refuse("a fit needs all cells: leave out Options::only");
+    if (options.outside != Outside::error) refuse("points outside have no volume to fit: leave out Options::outside");
 }
 
 // Returns the targets as volumes that sum to that of the domain.
@@ -57,7 +56,7 @@ std::vector<double> checked_targets(std::span<const double> given, std::size_t c
     const double total = std::isfinite(sum) ? sum + rest : sum;
     if (!normalize && !(std::abs(total - volume) <= sum_tolerance * volume))
         refuse("the target volumes sum to " + number(total) + ", but the domain has " + number(volume) +
-               ": correct them, or set normalize to scale them to that sum");
+               ": correct them, or set FitOptions::normalize to scale them to that sum");
     for (double& target : targets) target *= volume / total;
     return targets;
 }

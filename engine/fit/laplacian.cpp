@@ -16,7 +16,7 @@ constexpr Eigen::Index max_iterations = 1000;  // a dozen are usual; a rough ste
 void set_laplacian(const Tessellation& t, std::span<const double> places, const Edges& edges, Matrix& matrix) {
     const std::size_t count = t.size(), most = t.indices().size() + count;
     if (most > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw Error(ErrorCode::unsupported, "fit_volumes: " + std::to_string(t.indices().size()) +
+        throw Error(ErrorCode::unsupported, "fit_volumes(): " + std::to_string(t.indices().size()) +
                                                 " neighbors are too many for its matrix: give fewer points");
     const std::span<const std::int8_t> shifts = t.shifts();
     const auto squared_distance = [&](std::size_t i, std::size_t at) {

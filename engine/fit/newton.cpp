@@ -145,9 +145,9 @@ bool Newton::run(Vector weights) {
     choose_share();
     for (; now_.residual > options_.tolerance; ++out_.steps) {
         if (out_.steps == options_.max_steps)
-            why_ = "raise max_steps";
+            why_ = "raise FitOptions::max_steps";
         else if (!advance())
-            why_ = "no step comes nearer, raise tolerance";
+            why_ = "no step comes nearer, raise FitOptions::tolerance";
         if (!why_.empty()) return false;
     }
     return true;

@@ -35,8 +35,9 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
     const bool float64 = device_->has_float64();
     const bool measured_double = options.precision == Precision::double_ && !lists_only_;
     if (measured_double && !float64)
-        throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name +
-                                                "' has no float64 arithmetic: use precision single, or the CPU");
+        throw Error(ErrorCode::unsupported,
+                    "device '" + device_->adapter().name +
+                        "' has no float64 arithmetic: use Options::precision = single, or the CPU");
     PassSettings s = usual_settings(*device_, options.k_init);
     if (limits_.max_walk_visits != 0) s.max_walk_visits = limits_.max_walk_visits;
     if (measured_double) {

@@ -27,7 +27,7 @@ Box default_box(const Box& bounds, std::size_t count, int dimensions) {
             throw Error(ErrorCode::invalid_argument,
                         std::string("the seeds span ") + axis_name[k] + " from " + number(bounds.lower[k]) + " to " +
                             number(bounds.upper[k]) +
-                            ", too close to the largest double for a default box: give a box");
+                            ", too close to the largest double for a default box: give Options::box");
     }
     return box;
 }

@@ -1,8 +1,11 @@
 #include "input/domain_of_result.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "core/progress.hpp"
+#include "core/text.hpp"
 #include "input/options.hpp"
 
 namespace votess {
@@ -28,20 +31,30 @@ Options domain_options(const Tessellation& t) {
 void require_whole_diagram(const Tessellation& t, const std::string& function) {
     if (t.probed())
         throw Error(ErrorCode::invalid_argument,
-                    function + ": cells of probes do not form a diagram: give a result of tessellate()");
+                    function + "(): cells of probes do not form a diagram: give a result of tessellate()");
     if (t.is_subset())
         throw Error(ErrorCode::invalid_argument,
-                    function + ": cells of some seeds do not form a diagram: leave out `only`");
+                    function + "(): cells of some seeds do not form a diagram: leave out Options::only");
     if (t.in_mesh())
         throw Error(ErrorCode::invalid_argument,
-                    function + ": cells in a mesh are not whole cells: tessellate without `mesh`");
-    if (t.planar()) throw Error(ErrorCode::invalid_argument, function + ": works in three dimensions only");
+                    function + "(): cells in a mesh are not whole cells: tessellate without Options::mesh");
+    if (t.planar()) throw Error(ErrorCode::invalid_argument, function + "(): works in three dimensions only");
 }
 
 void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
     if (points.size() == (t.planar() ? 2 : 3) * t.size()) return;
-    throw Error(ErrorCode::invalid_argument, function + ": points hold " + std::to_string(points.size()) +
+    throw Error(ErrorCode::invalid_argument, function + "(): points hold " + std::to_string(points.size()) +
                                                  " coordinates, the result has " + std::to_string(t.size()) + " cells");
+}
+
+void require_finite_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
+    require_points(t, points, function);
+    const std::size_t dimensions = t.planar() ? 2 : 3;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!std::isfinite(points[i]))
+            throw Error(ErrorCode::invalid_argument, function + "(): point " + std::to_string(i / dimensions) + ": " +
+                                                         "xyz"[i % dimensions] + " = " + number(points[i]) +
+                                                         " is not finite: give the points of the result");
 }
 
 void move_into_domain(const Job& job, std::span<double> places) {

@@ -22,5 +22,8 @@ void require_whole_diagram(const Tessellation& tessellation, const std::string& 
 
 // Throws invalid_argument unless the points have a row of coordinates for each cell. function: for the message.
 void require_points(const Tessellation& tessellation, std::span<const double> points, const std::string& function);
+// Refuses also points that are not finite, which no result has.
+void require_finite_points(const Tessellation& tessellation, std::span<const double> points,
+                           const std::string& function);
 
 }  // namespace votess

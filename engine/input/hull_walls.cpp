@@ -26,13 +26,14 @@ using exact::Point;
 
 void check_no_domain(const Options& options) {
     const auto refuse_if = [](bool given, const char* name) {
-        if (given) refuse_hull(std::string("the convex hull and ") + name + " are both given: leave one out");
+        if (given) refuse_hull(std::string("the convex hull and Options::") + name + " are both given: leave one out");
     };
     refuse_if(options.box.has_value(), "box");
     refuse_if(options.cell.has_value(), "cell");
     refuse_if(options.periodic != std::array<bool, 3>{}, "periodic");
     refuse_if(!options.walls.empty(), "walls");
-    if (options.outside != Outside::error) refuse_hull("no point is outside of the convex hull: leave out `outside`");
+    if (options.outside != Outside::error)
+        refuse_hull("no point is outside of the convex hull: leave out Options::outside");
 }
 
 // Returns the points times scale, those of the plane with z = 0.

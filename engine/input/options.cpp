@@ -48,7 +48,7 @@ void check_option(const char* name, Number value, UpTo<Number> allowed) {
         else
             return number(n);
     };
-    refuse(std::string(name) + " = " + text(value) + ": give " +
+    refuse("Options::" + std::string(name) + " = " + text(value) + ": give " +
            (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
 }
 
@@ -59,17 +59,17 @@ void check_option(const char* name, Enum value, const std::array<const char*, co
     std::string known;
     for (std::size_t i = 0; i < count; ++i)
         known += (i == 0 ? "" : " or ") + std::to_string(i) + " (" + allowed[i] + ")";
-    refuse(std::string(name) + " = " + std::to_string(index) + ": give " + known);
+    refuse("Options::" + std::string(name) + " = " + std::to_string(index) + ": give " + known);
 }
 
 void check_instructions(const std::string& name) {
     if (name.empty() || cpu::find_kernels(name) != nullptr) return;
     if (name != "avx512" && name != "avx2")
-        refuse("instructions " + in_quotes(name) + " are unknown: give baseline, avx2 or avx512");
+        refuse("Options::instructions is " + in_quotes(name) + ", which are unknown: give baseline, avx2 or avx512");
     std::string available;
     for (const cpu::Kernels* kernels : cpu::supported_kernels())
         available += (available.empty() ? "" : ", ") + std::string(kernels->name);
-    throw Error(ErrorCode::unsupported, "instructions '" + name + "': this processor has only " + available);
+    throw Error(ErrorCode::unsupported, "Options::instructions = " + name + ": this processor has only " + available);
 }
 
 Box scaled(const Box& box, double scale) {
@@ -143,25 +143,28 @@ void check_scaled(const Job& job) {
 void check_domain(const Options& options) {
     const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
     if (periodic && !options.box && !options.cell)
-        refuse("a periodic axis needs a box: give box or cell, whose lengths are the periods");
+        refuse("Options::periodic needs a box: give Options::box or Options::cell, whose lengths are the periods");
     if (options.box) check_box(*options.box);
     if (options.cell) {
-        if (options.box) refuse("box and cell are both given: give one of them");
+        if (options.box) refuse("Options::box and Options::cell are both given: give one of them");
         if (periodic && options.periodic != options.cell->periodic)
-            refuse("cell and periodic contradict each other: set cell.periodic, and periodic to the same or nothing");
+            refuse(
+                "Options::cell.periodic and Options::periodic contradict each other: set one of them, or both to the "
+                "same");
         for (const auto& [name, numbers] : vectors_of(*options.cell))
             for (const double x : numbers)
                 if (!std::isfinite(x))
-                    refuse(std::string("cell: ") + name + " holds " + number(x) + ", which is not finite");
+                    refuse(std::string("Options::cell: ") + name + " holds " + number(x) + ", which is not finite");
     }
     if (!options.walls.empty() && options.cell)
-        refuse("walls and cell are both given: walls need a box, leave one out");
+        refuse("Options::walls and Options::cell are both given: walls need a box, leave one out");
     if (!options.walls.empty() && periodic)
-        refuse("walls and a periodic domain are both given: walls need a box that is not periodic");
+        refuse("Options::walls and Options::periodic are both given: walls need a box that is not periodic");
     for (std::size_t w = 0; w < options.walls.size(); ++w)
         (void)domain_wall(options.walls[w], 1, "wall " + std::to_string(w));
     if (!options.weights.empty() && !options.radii.empty())
-        refuse("weights and radii are both given: give one of them, weights are the squares of radii");
+        refuse(
+            "Options::weights and Options::radii are both given: give one of them, weights are the squares of radii");
 }
 
 void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
@@ -169,8 +172,18 @@ void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outsid
     outside[i] = CellStatus::outside;
 }
 
-constexpr const char* outside_remedy =
-    ": move it, or drop points outside (outside = drop) or keep them (outside = keep)";
+// Returns what to do about a seed that lies so far outside of a domain of that size. Files round coordinates: those
+// with eight decimals put an atom on a wall up to 5e-9 beyond it.
+std::string outside_remedy(double distance, double size) {
+    constexpr double rounding = 1e-6;
+    return distance <= rounding * size
+               ? ": its coordinates may be rounded: keep points outside (Options::outside = keep)"
+               : ": move it, or drop points outside (Options::outside = drop) or keep them (Options::outside = keep)";
+}
+
+double largest_side(const Box& box) {
+    return std::max({box.upper[0] - box.lower[0], box.upper[1] - box.lower[1], box.upper[2] - box.lower[2]});
+}
 // A seed that is kept may lie this many times the largest coordinate of the domain away from 0, so that no product of
 // lengths leaves the range of double.
 constexpr double farthest_kept = 0x1p40;
@@ -235,14 +248,15 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
                        " is not finite");
             const bool beyond = options.box && !options.periodic[k] &&
                                 !(value >= options.box->lower[k] && value <= options.box->upper[k]);
-            if (beyond && options.outside == Outside::drop)
+            if (beyond && options.outside == Outside::drop) {
                 drop_seed(i, points.count(), outside);
-            else if (beyond && options.outside == Outside::error)
+            } else if (beyond && options.outside == Outside::error) {
+                const double lower = options.box->lower[k], upper = options.box->upper[k];
+                const double distance = std::max(lower - value, value - upper);
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
-                       " is outside the box, which spans " + number(options.box->lower[k]) + " to " +
-                       number(options.box->upper[k]) +
-                       distance_text(std::max(options.box->lower[k] - value, value - options.box->upper[k]), 0) +
-                       outside_remedy);
+                       " is outside the box, which spans " + number(lower) + " to " + number(upper) +
+                       distance_text(distance, 0) + outside_remedy(distance, largest_side(*options.box)));
+            }
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
         }
@@ -263,8 +277,9 @@ void set_weights(const Job& job, Domain& domain) {
     }
 }
 
-// Returns which wall x is beyond, and how far.
-std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x) {
+// Returns which wall x is beyond, how far, and what to do. side: of the domain.
+std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact::Plane& plane, const exact::Point& x,
+                        double side) {
     double excess = -plane.wall, size = std::abs(plane.wall);
     for (int k = 0; k < 3; ++k) {
         excess += plane.seed[k] * x[k];
@@ -274,7 +289,8 @@ std::string beyond_wall(std::span<const Wall> walls, std::size_t w, const exact:
     const auto& n = walls[w].normal;
     return " is outside wall " + std::to_string(w) + " (" + number(n[0]) + " x + " + number(n[1]) + " y + " +
            number(n[2]) + " z <= " + number(walls[w].offset) + ", " + std::to_string(-7 - static_cast<int>(w)) +
-           " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length);
+           " in lists)" + distance_text(excess / length, 8 * 0x1p-53 * size / length) +
+           outside_remedy(excess / length, side);
 }
 
 // Returns the first wall that x is outside of, or their number. at: x, scaled as the domain.
@@ -319,7 +335,7 @@ void set_walls(Job& job, Domain& domain) {
         }
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_wall(walls, wall, as_given[wall], x) + outside_remedy);
+                   beyond_wall(walls, wall, as_given[wall], x, largest_side(*job.options.box)));
         if (keep)
             keep_seed(job, i, at, largest);
         else
@@ -335,11 +351,11 @@ void set_walls(Job& job, Domain& domain) {
     if (faces.size() >= 4) job.box_volume = polyhedron.measure(faces).volume / job.scale / job.scale / job.scale;
 }
 
-// Returns the wall of a triclinic box that x is farthest beyond, and how far.
+// Returns the wall of a triclinic box that x is farthest beyond, how far, and what to do.
 std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
     const std::array edges{cell.a, cell.b, cell.c};
-    double farthest = -infinity, size = 0;
-    int edge = 0, side = 0;
+    double farthest = -infinity, size = 0, side = 0;
+    int edge = 0, upper = 0;
     for (int k = 0; k < 3; ++k) {
         if (cell.periodic[k]) continue;
         const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
@@ -354,10 +370,11 @@ std::string beyond_cell(const TriclinicBox& cell, const exact::Point& x) {
         if (height < 0) place = -place, height = -height;
         const double beyond = std::max(-place, place - height);
         if (beyond <= farthest) continue;
-        farthest = beyond, edge = k, side = place > 0 ? 1 : 0;
+        farthest = beyond, edge = k, upper = place > 0 ? 1 : 0, side = height;
     }
     return " is outside of the cell, whose edge " + std::string(1, "abc"[edge]) + " is not periodic (wall " +
-           std::to_string(-1 - 2 * edge - side) + ")" + distance_text(farthest, 0x1p-48 * size);
+           std::to_string(-1 - 2 * edge - upper) + ")" + distance_text(farthest, 0x1p-48 * size) +
+           outside_remedy(farthest, side);
 }
 
 // Refuses, drops or keeps seeds beyond the walls of a triclinic box.
@@ -370,7 +387,7 @@ void check_inside_cell(Job& job, const Domain& domain) {
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_cell(*job.options.cell, x) + outside_remedy);
+                   beyond_cell(*job.options.cell, x));
         if (job.options.outside == Outside::keep)
             keep_seed(job, i, at, largest_coordinate(domain.box));
         else
@@ -426,7 +443,9 @@ void take_subset(Job& job) {
     ids.reserve(given.size());
     for (std::size_t k = 0; k < given.size(); ++k) {
         const std::int64_t id = given[k];
-        const auto name = [&] { return "only: seed " + std::to_string(id) + " at place " + std::to_string(k); };
+        const auto name = [&] {
+            return "Options::only: seed " + std::to_string(id) + " at place " + std::to_string(k);
+        };
         if (id < 0 || static_cast<std::uint64_t>(id) >= count)
             refuse(name() + " is not among the " + std::to_string(count) + " points: give indices from 0 on");
         if (taken[static_cast<std::size_t>(id)]) refuse(name() + " was named before: give each seed once");
@@ -448,7 +467,7 @@ void make_domain(Job& job) {
             job.box.lower[k] = domain->box.lower[k] / job.scale, job.box.upper[k] = domain->box.upper[k] / job.scale;
             for (const double x : {job.box.lower[k], job.box.upper[k]})
                 if (!std::isfinite(x))
-                    refuse(std::string("cell: it exceeds the largest double along ") + axis_name[k] +
+                    refuse(std::string("Options::cell: it exceeds the largest double along ") + axis_name[k] +
                            ": give lengths in a larger unit");
         }
         job.box_volume = domain->volume / job.scale / job.scale / job.scale;
@@ -489,8 +508,8 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
     const auto given = radii ? options.radii : options.weights;
     if (given.empty()) return {};
     if (given.size() != count)
-        refuse(std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) + " numbers for " +
-               std::to_string(count) + " " + of + ": give one for each");
+        refuse("Options::" + std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) +
+               " numbers for " + std::to_string(count) + " " + of + ": give one for each");
     std::vector<double> weights(given.begin(), given.end());  // read once, see input/snapshot.hpp
     for (std::size_t i = 0; i < count; ++i) {
         if (i % points_per_stop_check == 0) check_stop();
@@ -513,10 +532,10 @@ void check_box(const Box& box) {
     for (int k = 0; k < 3; ++k) {
         const double lower = box.lower[k], upper = box.upper[k];
         if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
                    " is not finite");
         if (!(lower < upper))
-            refuse(std::string("box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
+            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
                    (lower == upper ? " is empty" : " is inverted") + ": give the lower bound first, then the upper");
     }
 }
@@ -525,16 +544,16 @@ void check_options(const Options& options) {
     each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
     check_instructions(options.instructions);
     if (options.only && (options.min_face > 0 || options.min_area > 0))
-        refuse("min_face and min_area need the faces of all cells: leave them out, or `only`");
+        refuse("Options::min_face and Options::min_area need the faces of all cells: leave them out, or Options::only");
     if (!names_device(options.device))
-        refuse("device " + in_quotes(options.device) +
-               " is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
-    if (options.mesh) refuse("mesh: only tessellate() and fit_volumes() clip by a mesh, leave it out");
-    if (options.planar) refuse("points of the plane (planar): only tessellate() and verify() work in two dimensions");
+        refuse("Options::device is " + in_quotes(options.device) +
+               ", which is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
+    if (options.mesh) refuse("Options::mesh: only tessellate() and fit_volumes() clip by a mesh, leave it out");
+    if (options.planar) refuse("Options::planar: only tessellate() and verify() work in two dimensions");
     if (options.only && options.device != "auto" && options.device != "cpu")
         throw Error(ErrorCode::unsupported,
-                    "device " + in_quotes(options.device) +
-                        ": the CPU makes the cells of some seeds, give cpu or auto with `only`");
+                    "Options::device = " + options.device +
+                        ": the CPU makes the cells of some seeds, give cpu or auto with Options::only");
     check_domain(options);
 }
 

@@ -60,8 +60,9 @@ void add(std::string_view text, Want& want) {
     const Name* name = find(words);
     if (name == nullptr) name = find(arrays);
     if (name == nullptr)
-        throw Error(ErrorCode::invalid_argument, "want has " + in_quotes(std::string(text)) + ": give groups of " +
-                                                     list(words) + ", or arrays of " + list(arrays));
+        throw Error(ErrorCode::invalid_argument, "Options::want has " + in_quotes(std::string(text)) +
+                                                     ": give groups of " + list(words) + ", or arrays of " +
+                                                     list(arrays));
     if (name->word != nullptr) want.*name->word = true;
 }
 

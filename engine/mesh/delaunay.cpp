@@ -194,7 +194,8 @@ Delaunay delaunay(const Tessellation& tessellation) {
     require_whole_diagram(tessellation, "delaunay");
     const Result& result = *tessellation.result_;
     if (result.face_offsets.empty() && !result.status.empty())
-        throw Error(ErrorCode::invalid_argument, "delaunay: the tessellation has no polygons, set want.faces");
+        throw Error(ErrorCode::invalid_argument,
+                    "delaunay(): the tessellation has no polygons, set Options::want.faces");
     return Dual(result).make();
 }
 

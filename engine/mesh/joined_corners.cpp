@@ -70,9 +70,9 @@ private:
     }
 
     [[noreturn]] void refuse(const std::string& what) const {
-        throw Error(ErrorCode::invalid_argument, "delaunay: faces below an area of " + number(r_.least_face) +
+        throw Error(ErrorCode::invalid_argument, "delaunay(): faces below an area of " + number(r_.least_face) +
                                                      " were dropped, and without them " + what +
-                                                     ": give a smaller min_face or min_area");
+                                                     ": give a smaller Options::min_face or Options::min_area");
     }
 
     // A vertex may be joined when a dropped face has it or an image of it, or an edge that is short.

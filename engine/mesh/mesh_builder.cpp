@@ -89,11 +89,6 @@ void MeshBuilder::add(std::span<const std::int32_t> cells, const MeshBlock& bloc
 }
 
 void MeshBuilder::finish(detail::Result& result, ThreadPool& pool) {
-    for (auto* list : {&result.face_offsets, &result.cell_vertex_indptr}) list->resize_uninitialized(0);
-    for (auto* list : {&result.face_vertices, &result.cell_vertex_indices}) list->resize_uninitialized(0);
-    result.vertices.resize_uninitialized(0);
-    result.vertex_image_of.resize_uninitialized(0);
-    result.vertex_shifts.resize_uninitialized(0);
     if (!wanted_) return;
     count_vertices(result, pool);
     if (const std::int64_t places = result.cell_vertex_indptr[records_.size()];

@@ -333,13 +333,13 @@ private:
 
 Network network(const Tessellation& tessellation, std::span<const double> points) {
     require_whole_diagram(tessellation, "network");
-    require_points(tessellation, points, "network");
+    require_finite_points(tessellation, points, "network");
     const Result& result = *tessellation.result_;
     const auto refuse = [](const std::string& message) {
-        throw Error(ErrorCode::invalid_argument, "network: " + message);
+        throw Error(ErrorCode::invalid_argument, "network(): " + message);
     };
     if (result.face_offsets.empty() && !result.status.empty())
-        refuse("the tessellation has no polygons, set want.faces");
+        refuse("the tessellation has no polygons, set Options::want.faces");
     for (std::size_t i = 0; i < result.weights.size(); ++i)
         if (result.weights[i] < 0)
             refuse("the weight of seed " + std::to_string(i) +
@@ -363,7 +363,7 @@ IncludedSphere Network::largest_included() const {
 std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     if (axis && (*axis < 0 || *axis > 2))
         throw Error(ErrorCode::invalid_argument,
-                    "largest_free: axis " + std::to_string(*axis) + ": give 0, 1 or 2, or none");
+                    "largest_free(): axis " + std::to_string(*axis) + ": give 0, 1 or 2, or none");
     if (shifts.empty()) return {};
     std::vector<std::int32_t> order(edge_radii.size());
     std::iota(order.begin(), order.end(), 0);

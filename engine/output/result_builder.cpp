@@ -13,6 +13,7 @@
 #include "core/system.hpp"
 #include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
+#include "result/arrays.hpp"
 
 namespace votess {
 namespace {
@@ -72,8 +73,8 @@ std::size_t sum_of(std::span<const std::uint32_t> lengths) {
 void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     const std::size_t count = job.rows();
     const Want& want = job.options.want;
-    if (job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity())
-        result_ = std::move(*job.arrays);
+    const bool larger = job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity();
+    result_ = detail::emptied(std::move(larger ? *job.arrays : result_));
     blocks_.clear();
     settled_ = false;
     touched_cells_ = touched_entries_ = 0;
@@ -85,44 +86,38 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     want_areas_ = want.areas;
     want_normals_ = want.normals;
     want_shifts_ = want.neighbors && job.domain->is_periodic();
-    result_.stats = {};
     result_.box = job.box;
     result_.periodic = job.domain->periodic;
     result_.cell = job.options.cell;
     result_.walls = job.options.walls;
-    // Scaling by a power of two loses nothing.
-    result_.weights.clear();
-    if (!job.options.weights.empty() || !job.options.radii.empty())
-        for (std::size_t i = 0; i < (job.only ? count : job.domain->weights.size()); ++i) {
+    if (!job.options.weights.empty() || !job.options.radii.empty()) {
+        result_.weights.resize_uninitialized(job.only ? count : job.domain->weights.size());
+        // Scaling by a power of two loses nothing.
+        for (std::size_t i = 0; i < result_.weights.size(); ++i) {
             const std::size_t seed = job.only ? static_cast<std::size_t>(job.only->ids()[i]) : i;
-            result_.weights.push_back(job.domain->weights[seed] / job.scale / job.scale);
+            result_.weights[i] = job.domain->weights[seed] / job.scale / job.scale;
         }
+    }
     box_volume_ = job.box_volume;
     result_.lists_walls = job.options.list_walls;
     result_.probed = job.probes_of.has_value();
-    result_.is_subset = job.only != nullptr;
-    result_.mesh_cells.reset();
-    result_.ids = job.only ? job.only->ids() : std::vector<std::int32_t>();
-    result_.least_face = 0;
-    result_.dropped_offsets.resize_uninitialized(0);
-    result_.dropped_vertices.resize_uninitialized(0);
+    if (job.only) {
+        result_.is_subset = true;
+        result_.ids.resize_uninitialized(count);
+        std::ranges::copy(job.only->ids(), result_.ids.begin());
+    }
     min_face_ = job.options.min_face;
     min_area_ = job.options.min_area;
     fill(result_.status, count, CellStatus::certified, pool);
-    fill(result_.indptr, want.neighbors ? count + 1 : 0, std::int64_t{0}, pool);
-    for (auto* rows : {&result_.volumes, &result_.centroids, &result_.surface_areas, &result_.security_radii,
-                       &result_.face_areas, &result_.face_normals})
-        rows->resize_uninitialized(0);
-    result_.shifts.resize_uninitialized(0);
-    result_.indices.resize_uninitialized(0);
-    result_.duplicate_of.resize_uninitialized(0);
+    if (want.neighbors) fill(result_.indptr, count + 1, std::int64_t{0}, pool);
     if (want.volumes) result_.volumes.resize_uninitialized(count);
     if (want.centroids) result_.centroids.resize_uninitialized(3 * count);
     if (want.surfaces) result_.surface_areas.resize_uninitialized(count);
     if (want.radii) result_.security_radii.resize_uninitialized(count);
     mesh_.begin(job);
-    for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
-        counts->resize_uninitialized(want.counts ? count : 0);
+    if (want.counts)
+        for (auto* counts : {&result_.face_counts, &result_.edge_counts, &result_.vertex_counts})
+            counts->resize_uninitialized(count);
 }
 
 void ResultBuilder::touch(double share, double row, ThreadPool& pool) {

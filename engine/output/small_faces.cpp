@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "result/arrays.hpp"
 #include "result/rows.hpp"
 
 namespace votess {
@@ -15,31 +16,6 @@ double area_of_pair(const Result& r, const Rows& rows, std::size_t i, std::size_
     const FaceLabel there = rows.label(entry);
     const bool lower = FaceLabel{static_cast<std::int32_t>(i), {}} < there;
     return r.face_areas[lower ? entry : rows.find(static_cast<std::size_t>(there.id), there.seen_from_behind(i))];
-}
-
-// Moves the entries that stay to the front. each: values for one entry.
-template <class T>
-void compact(Buffer<T>& values, const std::vector<bool>& stays, std::size_t each) {
-    if (values.empty()) return;
-    std::size_t to = 0;
-    for (std::size_t entry = 0; entry < stays.size(); ++entry)
-        if (stays[entry])
-            for (std::size_t k = 0; k < each; ++k) values[to++] = values[each * entry + k];
-    values.resize_uninitialized(to);
-}
-
-void compact_polygons(Result& r, const std::vector<bool>& stays) {
-    if (r.face_offsets.empty()) return;
-    std::size_t to = 0, face = 0;
-    for (std::size_t entry = 0; entry < stays.size(); ++entry) {
-        const std::int64_t begin = r.face_offsets[entry], end = r.face_offsets[entry + 1];
-        if (!stays[entry]) continue;
-        r.face_offsets[face++] = static_cast<std::int64_t>(to);
-        for (std::int64_t k = begin; k < end; ++k) r.face_vertices[to++] = r.face_vertices[static_cast<std::size_t>(k)];
-    }
-    r.face_offsets[face] = static_cast<std::int64_t>(to);
-    r.face_offsets.resize_uninitialized(face + 1);
-    r.face_vertices.resize_uninitialized(to);
 }
 
 // Stores each dropped polygon once, from the side whose area counts.
@@ -76,19 +52,14 @@ std::uint64_t drop_small_faces(Result& r, double share, double area) {
         for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry)
             if (r.indices[entry] >= 0) stays[entry] = !(area_of_pair(r, rows, i, entry) < r.least_face);
     keep_dropped_polygons(r, rows, stays);
-    std::size_t before = 0, dropped = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const auto end = static_cast<std::size_t>(r.indptr[i + 1]);
-        const std::size_t first_dropped = dropped;
-        for (; before < end; ++before) dropped += stays[before] ? 0 : 1;
-        if (!r.face_counts.empty()) r.face_counts[i] -= static_cast<std::uint32_t>(dropped - first_dropped);
-        r.indptr[i + 1] -= static_cast<std::int64_t>(dropped);
-    }
-    compact(r.indices, stays, 1);
-    compact(r.face_areas, stays, 1);
-    compact(r.face_normals, stays, 3);
-    compact(r.shifts, stays, 3);
-    compact_polygons(r, stays);
+    std::size_t dropped = 0;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t entry = rows.begin(i); entry < rows.end(i); ++entry) {
+            if (stays[entry]) continue;
+            ++dropped;
+            if (!r.face_counts.empty()) --r.face_counts[i];
+        }
+    detail::keep_entries(r, stays);
     return dropped;
 }
 

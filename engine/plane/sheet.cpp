@@ -12,6 +12,7 @@
 #include "input/default_box.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "result/arrays.hpp"
 #include "unbounded/endless_box.hpp"
 
 namespace votess {
@@ -64,24 +65,15 @@ std::array<std::int32_t, 2> upper_edge(std::span<const std::int32_t> polygon, st
     throw Error(ErrorCode::internal, "a side of a prism has no upper edge");
 }
 
-// Moves the first two of each three numbers together.
-template <class T>
-void drop_third(Buffer<T>& vectors) {
-    const std::size_t count = vectors.size() / 3;
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 2; ++k) vectors[2 * i + k] = vectors[3 * i + k];
-    vectors.resize_uninitialized(2 * count);
-}
-
 }  // namespace
 
 Options sheet_options(const Options& planar, double height) {
     Options options = planar;
     options.planar = false;
-    if (planar.periodic[2]) refuse("periodic: z repeats, but points of the plane have none: leave it out");
+    if (planar.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
     if (options.box) {
-        check_flat(options.box->lower[2], "box");
-        check_flat(options.box->upper[2], "box");
+        check_flat(options.box->lower[2], "Options::box");
+        check_flat(options.box->upper[2], "Options::box");
         options.box->lower[2] = -height, options.box->upper[2] = height;
     }
     if (options.cell) {
@@ -90,7 +82,7 @@ Options sheet_options(const Options& planar, double height) {
         check_flat(cell.a[2], "cell: a");
         check_flat(cell.b[2], "cell: b");
         for (const double x : cell.c)
-            if (x != 0) refuse("cell: c is given: leave it 0 in two dimensions");
+            if (x != 0) refuse("Options::cell: c is given: leave it 0 in two dimensions");
         cell.origin[2] = -height;
         cell.c = {0, 0, 2 * height};
         cell.periodic[2] = false;
@@ -144,8 +136,9 @@ void Sheet::flatten(Result& result) const {
     result.planar = true;
     const std::size_t count = result.status.size();
     flatten_rows(result);
-    for (double& area : result.volumes) area /= thickness();
-    drop_third(result.centroids);
+    detail::drop_third_components(result);
+    for (auto* measures : {&result.volumes, &result.face_areas})
+        for (double& x : *measures) x /= thickness();
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
         result.face_counts[i] -= 2;
@@ -154,6 +147,7 @@ void Sheet::flatten(Result& result) const {
     for (double& radius : result.security_radii)
         radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height_) * (radius / 2 + height_)));
     result.least_face /= thickness();
+    detail::keep_wanted(result, wanted_, list_walls_);
 
     const auto make_flat = [](std::array<double, 3>& x) { x[2] = 0; };
     make_flat(result.box.lower);
@@ -170,71 +164,53 @@ void Sheet::flatten(Result& result) const {
     if (cells > 0) stats.mean_faces -= 2;
 }
 
-// Drops the walls of the sheet, and all walls where the plane lists none.
+// Drops the walls of the sheet, and all walls where the plane lists none. Keeps the corners above, which stand for
+// those of the plane, and the upper edge of each side.
 void Sheet::flatten_rows(Result& r) const {
-    // Corners above stand for those of the plane.
     std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
     std::int32_t corners = 0;
     for (std::size_t v = 0; v < corner.size(); ++v) {
         if (r.vertices[3 * v + 2] < 0) continue;
-        for (std::size_t k = 0; k < 2; ++k) r.vertices[2 * at(corners) + k] = r.vertices[3 * v + k];
+        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * at(corners) + k] = r.vertices[3 * v + k];
         corner[v] = corners++;
     }
-    r.vertices.resize_uninitialized(2 * at(corners));
+    r.vertices.resize_uninitialized(3 * at(corners));
+    // What the functions on dual and polytopes of space read.
     r.vertex_image_of.resize_uninitialized(0);
     r.vertex_shifts.resize_uninitialized(0);
     r.dropped_offsets.resize_uninitialized(0);
     r.dropped_vertices.resize_uninitialized(0);
 
     const bool has_faces = !r.face_offsets.empty();
-    std::int64_t place = 0, sides = 0, polygons = 0, begin = 0;
+    std::vector<bool> stays(r.indices.size());
+    std::vector<std::array<std::int32_t, 2>> edges;  // of the entries that stay
+    std::int64_t polygons = 0;
     for (std::size_t i = 0; i + 1 < r.indptr.size(); ++i) {
         double perimeter = 0;
-        const std::int64_t end = r.indptr[i + 1];
-        for (std::int64_t e = begin; e < end; ++e) {
-            const std::int32_t id = r.indices[at(e)];
-            std::span<const std::int32_t> polygon;
-            if (has_faces) {
-                const auto first = at(r.face_offsets[at(e)]), last = at(r.face_offsets[at(e) + 1]);
-                polygon = std::span<const std::int32_t>(r.face_vertices).subspan(first, last - first);
-            }
+        for (std::size_t e = at(r.indptr[i]); e < at(r.indptr[i + 1]); ++e) {
+            const std::int32_t id = r.indices[e];
+            stays[e] = !bounds(id) && (id >= 0 || list_walls_);
+            if (!bounds(id) && !r.face_areas.empty()) perimeter += r.face_areas[e] / thickness();
+            if (!has_faces) continue;
+            const auto polygon = std::span<const std::int32_t>(r.face_vertices)
+                                     .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
             if (id == above)
                 for (const std::int32_t v : polygon)
                     if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
-            if (bounds(id)) continue;
-            if (!r.face_areas.empty()) perimeter += r.face_areas[at(e)] / thickness();
-            if (id < 0 && !list_walls_) continue;
-            r.indices[at(place)] = id;
-            if (!r.face_areas.empty()) r.face_areas[at(place)] = r.face_areas[at(e)] / thickness();
-            for (std::size_t k = 0; k < 2; ++k) {
-                if (!r.face_normals.empty()) r.face_normals[2 * at(place) + k] = r.face_normals[3 * at(e) + k];
-                if (!r.shifts.empty()) r.shifts[2 * at(place) + k] = r.shifts[3 * at(e) + k];
-            }
-            if (has_faces) {
-                const auto [from, to] = upper_edge(polygon, corner);
-                r.face_offsets[at(place)] = sides;
-                r.face_vertices[at(sides++)] = from;
-                r.face_vertices[at(sides++)] = to;
-            }
-            ++place;
+            if (stays[e]) edges.push_back(upper_edge(polygon, corner));
         }
-        begin = end;
-        r.indptr[i + 1] = place;
         if (wanted_.surfaces) r.surface_areas[i] = perimeter;
         if (has_faces) r.cell_vertex_indptr[i + 1] = polygons;
     }
-    // What the plane does not want was there to make the rest.
-    const bool rows = wanted_.neighbors;
-    r.indptr.resize_uninitialized(rows ? r.indptr.size() : 0);
-    r.indices.resize_uninitialized(rows ? at(place) : 0);
-    r.shifts.resize_uninitialized(r.shifts.empty() || !rows ? 0 : 2 * at(place));
-    r.face_areas.resize_uninitialized(wanted_.areas ? at(place) : 0);
-    r.face_normals.resize_uninitialized(wanted_.normals ? 2 * at(place) : 0);
     r.cell_vertex_indices.resize_uninitialized(at(polygons));
-    if (wanted_.faces) r.face_offsets[at(place)] = sides;
-    r.face_offsets.resize_uninitialized(wanted_.faces ? at(place) + 1 : 0);
-    r.face_vertices.resize_uninitialized(wanted_.faces ? at(sides) : 0);
+    if (!r.indptr.empty()) detail::keep_entries(r, stays);
     r.lists_walls = list_walls_;
+    if (!has_faces) return;
+    r.face_vertices.resize_uninitialized(2 * edges.size());
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        r.face_offsets[e + 1] = std::int64_t{2} * static_cast<std::int64_t>(e + 1);
+        for (std::size_t k = 0; k < 2; ++k) r.face_vertices[2 * e + k] = edges[e][k];
+    }
 }
 
 }  // namespace votess

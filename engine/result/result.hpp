@@ -1,4 +1,5 @@
-// The arrays behind a Tessellation, in input order; see votess.hpp for shapes and units.
+// What is behind a Tessellation, in input order; see votess.hpp for shapes and units. result/arrays.hpp has the table
+// of the arrays.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +19,11 @@ struct Result {
     std::array<bool, 3> periodic{};
     std::optional<TriclinicBox> cell;
     std::vector<Wall> walls;
-    std::vector<double> weights;
     bool planar = false;  // in two dimensions: vectors have two components
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     bool is_subset = false;
     std::shared_ptr<const solid::MeshCells> mesh_cells;  // of a run in a mesh: what pieces() reads
-    std::vector<std::int32_t> ids;                       // of the rows, in a subset
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;
@@ -45,6 +44,8 @@ struct Result {
     Buffer<std::uint32_t> face_counts, edge_counts, vertex_counts;
     Buffer<CellStatus> status;
     Buffer<std::int32_t> duplicate_of;
+    Buffer<std::int32_t> ids;  // of the rows, in a subset
+    Buffer<double> weights;    // in a power diagram
     Stats stats;
 };
 

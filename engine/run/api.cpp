@@ -123,7 +123,7 @@ std::span<const Wall> Tessellation::walls() const noexcept {
     return result_->walls;
 }
 std::span<const double> Tessellation::weights() const noexcept {
-    return result_->weights;
+    return view(result_->weights);
 }
 bool Tessellation::planar() const noexcept {
     return result_->planar;
@@ -138,7 +138,7 @@ bool Tessellation::is_subset() const noexcept {
     return result_->is_subset;
 }
 std::span<const std::int32_t> Tessellation::ids() const noexcept {
-    return result_->ids;
+    return view(result_->ids);
 }
 bool Tessellation::probed() const noexcept {
     return result_->probed;
@@ -248,7 +248,7 @@ Want implied_want(const Options& options) {
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
     if (!t.planar() && (!t.in_mesh() || t.is_subset())) require_whole_diagram(t, "wrapped_points");
-    require_points(t, points, "wrapped_points");
+    require_finite_points(t, points, "wrapped_points");
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;

@@ -1,10 +1,9 @@
 #include "run/engines.hpp"
 
-#include <algorithm>
 #include <optional>
-#include <thread>
 #include <utility>
 
+#include "core/processors.hpp"
 #include "core/progress.hpp"
 #include "cpu/cpu_engine.hpp"
 #include "input/options.hpp"
@@ -135,7 +134,7 @@ void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
 #endif
 
 std::vector<DeviceInfo> Engines::devices() {
-    const unsigned threads = std::max(1u, std::thread::hardware_concurrency());
+    const unsigned threads = system::processors();
     std::vector<DeviceInfo> all{{"cpu", "CPU",
                                  std::to_string(threads) + (threads == 1 ? " thread, " : " threads, ") +
                                      cpu::best_kernels().name + " instructions, exact in double precision"}};

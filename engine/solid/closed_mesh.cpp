@@ -21,7 +21,7 @@ constexpr double thin = 1e-6;            // of the sine of a triangle's angle: i
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "mesh: " + message);
+    throw Error(ErrorCode::invalid_argument, "Options::mesh: " + message);
 }
 
 void include(Box& box, const exact::Point& x) {

@@ -68,9 +68,11 @@ Pieces no_pieces() {
 Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     const solid::MeshCells* const cells = tessellation.result_->mesh_cells.get();
     if (cells == nullptr)
-        throw Error(ErrorCode::invalid_argument, "pieces: the cells are not cut by a mesh: tessellate with `mesh`");
+        throw Error(ErrorCode::invalid_argument,
+                    "pieces(): the cells are not cut by a mesh: tessellate with Options::mesh");
     if (!std::isfinite(options.gap) || options.gap < 0)
-        throw Error(ErrorCode::invalid_argument, "pieces: gap is " + number(options.gap) + ": give a length from 0 on");
+        throw Error(ErrorCode::invalid_argument,
+                    "PieceOptions::gap is " + number(options.gap) + ": give a length from 0 on");
     Progress progress(options.progress);
     const Stoppable stoppable(progress);
     ThreadPool pool(options.threads);

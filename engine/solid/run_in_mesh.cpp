@@ -30,25 +30,27 @@ constexpr double min_share = 1e-3;             // of a flat mesh's bounds in a c
 constexpr std::size_t rows_per_task = 256, rows_per_group = 8;
 
 [[noreturn]] void unsupported(const std::string& what) {
-    throw Error(ErrorCode::unsupported, "mesh: " + what);
+    throw Error(ErrorCode::unsupported, "Options::mesh: " + what);
 }
 
 void check_others(const Options& options) {
-    if (options.planar) unsupported("it works in three dimensions only: leave out planar");
+    if (options.planar) unsupported("it works in three dimensions only: leave out Options::planar");
     if (options.cell && options.cell->periodic != std::array{true, true, true})
-        unsupported("a triclinic box must repeat along all its edges: set cell.periodic so, or give a box");
-    if (!options.walls.empty()) unsupported("it replaces walls: leave them out");
+        unsupported(
+            "a triclinic box must repeat along all its edges: set Options::cell.periodic so, or give Options::box");
+    if (!options.walls.empty()) unsupported("it replaces Options::walls: leave them out");
     if (options.outside != Outside::error)
-        unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out `outside`");
-    if (options.min_face > 0 || options.min_area > 0) unsupported("leave out min_face and min_area");
+        unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out Options::outside");
+    if (options.min_face > 0 || options.min_area > 0) unsupported("leave out Options::min_face and Options::min_area");
     const Want& want = options.want;
     if (want.vertices || want.faces || want.counts)
-        unsupported("the parts of cells have no vertices, faces and counts: leave these out of want, use pieces()");
-    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of want");
+        unsupported(
+            "the parts of cells have no vertices, faces and counts: leave these out of Options::want, use pieces()");
+    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of Options::want");
     if (options.box)
         for (std::size_t k = 0; k < 3; ++k)
             if (std::isinf(options.box->lower[k]) || std::isinf(options.box->upper[k]))
-                unsupported("the box needs ends: leave it out, the default holds the mesh");
+                unsupported("Options::box needs ends: leave it out, the default holds the mesh");
 }
 
 void check_in_box(const ClosedMesh& mesh, const Box& box, const std::array<bool, 3>& periodic) {
@@ -56,9 +58,10 @@ void check_in_box(const ClosedMesh& mesh, const Box& box, const std::array<bool,
         for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
             const bool inside = x > box.lower[k] && x < box.upper[k];
             if (inside || (periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;
-            throw Error(ErrorCode::invalid_argument, std::string("mesh: it reaches ") + axis_name[k] + " = " +
+            throw Error(ErrorCode::invalid_argument, std::string("Options::mesh: it reaches ") + axis_name[k] + " = " +
                                                          number(x) + ", and the box spans " + number(box.lower[k]) +
-                                                         " to " + number(box.upper[k]) + ": give a box with the mesh " +
+                                                         " to " + number(box.upper[k]) +
+                                                         ": give Options::box with the mesh " +
                                                          (periodic[k] ? "inside" : "strictly inside, or none"));
         }
 }
@@ -71,8 +74,8 @@ void check_in_cell(const ClosedMesh& mesh, const Domain& domain, double scale) {
         for (double& coordinate : x) coordinate *= scale;
         for (const double f : domain.fraction(x))
             if (!(f >= -slack && f <= 1 + slack))
-                throw Error(ErrorCode::invalid_argument,
-                            "mesh: vertex " + std::to_string(v) + " lies outside of the cell: move the mesh into it");
+                throw Error(ErrorCode::invalid_argument, "Options::mesh: vertex " + std::to_string(v) +
+                                                             " lies outside of the cell: move the mesh into it");
     }
 }
 
@@ -193,7 +196,7 @@ private:
         cells_->scale = job_.scale;
         cells_->seeds.resize(points_.coordinates());
         for (std::size_t i = 0; i < points_.coordinates(); ++i) cells_->seeds[i] = points_[i] * job_.scale;
-        cells_->ids = result_.ids;
+        cells_->ids.assign(result_.ids.begin(), result_.ids.end());
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
         cells_->shifts = std::move(result_.shifts);

@@ -70,12 +70,13 @@ std::int32_t EndlessSides::id() const {
 
 void check_endless(const Options& options) {
     if (options.periodic[0] || options.periodic[1] || options.periodic[2])
-        refuse_endless("box without end and periodic are both given: leave one out");
+        refuse_endless("Options::box without end and Options::periodic are both given: leave one out");
     if (!options.walls.empty())
-        refuse_endless("box without end and walls are both given: walls bound the domain alone");
-    if (options.cell) refuse_endless("box and cell are both given: give one of them");
+        refuse_endless("Options::box without end and Options::walls are both given: walls bound the domain alone");
+    if (options.cell) refuse_endless("Options::box and Options::cell are both given: give one of them");
     if (options.min_face > 0 || options.min_area > 0)
-        refuse_endless("min_face and min_area need a domain with an end: leave them out, or give a box");
+        refuse_endless(
+            "Options::min_face and Options::min_area need a domain with an end: leave them out, or give Options::box");
 }
 
 Box near_box(const Points& points, const Box& box) {

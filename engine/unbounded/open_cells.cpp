@@ -10,6 +10,7 @@
 #include "core/progress.hpp"
 #include "core/scrambled.hpp"
 #include "core/vector3.hpp"
+#include "result/arrays.hpp"
 
 namespace votess {
 namespace {
@@ -308,11 +309,6 @@ private:
     std::int32_t count_ = 0;
 };
 
-template <class T>
-void take_values(Buffer<T>& to, const Buffer<T>& from, std::size_t i, std::size_t k, std::size_t each = 1) {
-    for (std::size_t c = 0; c < each && !to.empty(); ++c) to[each * i + c] = from[each * k + c];
-}
-
 }  // namespace
 
 Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t> rows, const std::vector<bool>& taken,
@@ -341,14 +337,7 @@ Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t
         }
         joined.end_row(has_polygons ? vertices_of(far, k) : std::span<const std::int32_t>(), vertices.far());
         empty_cells += (far.status[k] == CellStatus::empty) - (near.status[i] == CellStatus::empty);
-        take_values(near.status, far.status, i, k);
-        take_values(near.volumes, far.volumes, i, k);
-        take_values(near.centroids, far.centroids, i, k, 3);
-        take_values(near.surface_areas, far.surface_areas, i, k);
-        take_values(near.security_radii, far.security_radii, i, k);
-        take_values(near.face_counts, far.face_counts, i, k);
-        take_values(near.edge_counts, far.edge_counts, i, k);
-        take_values(near.vertex_counts, far.vertex_counts, i, k);
+        detail::copy_cell(near, i, far, k);
     }
     joined.move_into(near);
     vertices.place(near, far);
@@ -357,46 +346,6 @@ Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t
     near.stats.exact_cells += far.stats.exact_cells;
     set_endless_stats(near, box, joined.entries());
     return std::move(near);
-}
-
-void keep_wanted(Result& r, const Want& want, bool list_walls) {
-    if (!want.faces) {
-        r.face_offsets.resize_uninitialized(0);
-        r.face_vertices.resize_uninitialized(0);
-    }
-    if (!want.vertices) {
-        r.vertices.resize_uninitialized(0);
-        r.cell_vertex_indptr.resize_uninitialized(0);
-        r.cell_vertex_indices.resize_uninitialized(0);
-    }
-    if (!want.areas) r.face_areas.resize_uninitialized(0);
-    if (!want.volumes) r.volumes.resize_uninitialized(0);
-    if (!want.neighbors) {
-        r.indptr.resize_uninitialized(0);
-        r.indices.resize_uninitialized(0);
-    }
-    r.lists_walls = list_walls;
-    if (list_walls || r.indptr.empty()) return;
-    std::int64_t place = 0, begin = 0;
-    for (std::size_t i = 0; i + 1 < r.indptr.size(); ++i) {
-        const std::int64_t end = r.indptr[i + 1];
-        std::int64_t first = begin;
-        while (first < end && r.indices[at(first)] < 0) ++first;
-        if (place != first) {
-            std::copy(r.indices.begin() + first, r.indices.begin() + end, r.indices.begin() + place);
-            if (!r.face_areas.empty())
-                std::copy(r.face_areas.begin() + first, r.face_areas.begin() + end, r.face_areas.begin() + place);
-            if (!r.face_normals.empty())
-                std::copy(r.face_normals.begin() + 3 * first, r.face_normals.begin() + 3 * end,
-                          r.face_normals.begin() + 3 * place);
-        }
-        place += end - first;
-        begin = end;
-        r.indptr[i + 1] = place;
-    }
-    r.indices.resize_uninitialized(at(place));
-    if (!r.face_areas.empty()) r.face_areas.resize_uninitialized(at(place));
-    if (!r.face_normals.empty()) r.face_normals.resize_uninitialized(3 * at(place));
 }
 
 }  // namespace votess

@@ -23,7 +23,4 @@ void open_cells(detail::Result& result, const Box& box);
                                         std::span<const std::int32_t> rows, const std::vector<bool>& taken,
                                         std::span<const std::int32_t> names, const Box& box);
 
-// Drops arrays that are not wanted, and walls unless the rows list them.
-void keep_wanted(detail::Result& result, const Want& want, bool list_walls);
-
 }  // namespace votess

@@ -9,6 +9,7 @@
 #include "exact/insphere.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "result/arrays.hpp"
 #include "unbounded/open_cells.hpp"
 
 namespace votess {
@@ -38,7 +39,7 @@ public:
     Result make() {
         Result result = options_.only || points_.count() < min_near ? in_far_box() : in_both_boxes();
         if (result.vertices.size() == 3) find_tetrahedron(result);
-        keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
+        detail::keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
         return result;
     }
 

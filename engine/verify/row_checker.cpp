@@ -316,7 +316,7 @@ std::string RowChecker::check_sample(std::size_t& sampled) {
         if (max_work >= sample_.budget) return {};
         if (sampled > 0) {  // as many as the rest of the budget pays for
             const double done = static_cast<double>(sampled), rest = done * (sample_.budget / max_work - 1);
-            round = static_cast<std::size_t>(std::clamp(rest, static_cast<double>(min_sample), 8 * done));
+            round = static_cast<std::size_t>(std::max(static_cast<double>(min_sample), std::min(rest, 8 * done)));
         }
         std::vector<std::uint64_t> keys;
         for (std::size_t k = next; k < std::min(kept_.size(), next + round); ++k) keys.push_back(kept_[k].key);

@@ -49,9 +49,9 @@ private:
     static constexpr int max_found = max_batch * box_fan;
     static constexpr std::int16_t no_slot = -1;
 
-    // Attributes follow the name; elsewhere Clang ignores a smaller alignment.
-    using Wide __attribute__((vector_size(32), aligned(8), may_alias)) = double;
-    static_assert(alignof(Wide) == 8);
+    // Aligned as the compiler expects: Clang forgets a smaller alignment in parameters of templates.
+    using Wide __attribute__((vector_size(32), may_alias)) = double;
+    static_assert(sizeof(Wide) == sizeof(Four) && sizeof(Wide) <= alignof(Four));
 
     // By reference, for processors without such registers.
     [[gnu::always_inline]] static const Wide& wide(const Four& four) { return reinterpret_cast<const Wide&>(four); }
@@ -74,20 +74,21 @@ private:
         turn(a * turned_b - turned_a * b, out);
     }
 
-    using Floats __attribute__((vector_size(16), aligned(4), may_alias)) = float;
-    static_assert(alignof(Floats) == 4);
+    using Floats __attribute__((vector_size(16))) = float;
 
-    [[gnu::always_inline]] static const Floats& floats(const float (&v)[4]) {
-        return reinterpret_cast<const Floats&>(v);
+    [[gnu::always_inline]] static Floats load(const float (&from)[4]) {
+        Floats v;
+        std::memcpy(&v, from, sizeof v);
+        return v;
     }
-    [[gnu::always_inline]] static Floats& floats(float (&v)[4]) { return reinterpret_cast<Floats&>(v); }
+    [[gnu::always_inline]] static void store(const Floats& v, float (&to)[4]) { std::memcpy(to, &v, sizeof v); }
     [[gnu::always_inline]] static void cross(const Floats& a, const Floats& b, Floats& out) {
         const Floats turned =
             a * __builtin_shufflevector(b, b, 1, 2, 0, 3) - __builtin_shufflevector(a, a, 1, 2, 0, 3) * b;
         out = __builtin_shufflevector(turned, turned, 1, 2, 0, 3);
     }
     [[gnu::always_inline]] static void narrow(const Wide& w, float (&out)[4]) {
-        floats(out) = __builtin_convertvector(w, Floats);
+        store(__builtin_convertvector(w, Floats), out);
     }
 
     // An edge on two planes, by their slots, with one known end: the vertex that has a -> b.

@@ -815,13 +815,14 @@ void StarWalk<Isa>::aim(const OpenEdge& edge, Ray& ray) {
     need_facing(edge.b);
     const Facing &a = facing_[edge.a], &b = facing_[edge.b];
     Floats ab, across;
-    cross(floats(a.normal), floats(b.normal), ab);
+    const Floats na = load(a.normal), nb = load(b.normal);
+    cross(na, nb, ab);
     // e x ab / |ab|^2 is the point of the line that is nearest to the seed.
-    cross(a.distance * floats(b.normal) - b.distance * floats(a.normal), ab, across);
+    cross(a.distance * nb - b.distance * na, ab, across);
     const Floats squares = ab * ab;
     const float square = squares[0] + squares[1] + squares[2];
-    floats(ray.o) = across;
-    floats(ray.d) = -ab;
+    store(across, ray.o);
+    store(-ab, ray.d);
     ray.s = square;
     ray.limit = parallel * std::sqrt(square) * static_cast<float>(longest_);
 }
@@ -878,7 +879,7 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
         const std::int32_t id = candidates_.id[lane];
         const std::int32_t three[3] = {id_[edge.a], id_[edge.b], id};
         Third third;
-        alignas(32) Four x;
+        Four x;
         plane_through(id, third.n, third.h, third.square);
         if (!solve(line, third, x)) {
             start_failed_ = true;

@@ -23,13 +23,13 @@ std::size_t at(std::int32_t index) {
 }
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "watershed: " + message);
+    throw Error(ErrorCode::invalid_argument, "watershed(): " + message);
 }
 
 void check(const Tessellation& t, std::span<const double> values) {
-    if (t.is_subset()) refuse("the cells of some seeds do not form a diagram: leave out `only`");
+    if (t.is_subset()) refuse("the cells of some seeds do not form a diagram: leave out Options::only");
     if (t.probed()) refuse("cells of probes overlap: give the result of tessellate()");
-    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set want.neighbors");
+    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set Options::want.neighbors");
     if (values.size() != t.size())
         refuse(std::to_string(values.size()) + " values for " + std::to_string(t.size()) + " seeds: give one for each");
     for (std::size_t i = 0; i < values.size(); ++i)
@@ -201,7 +201,7 @@ Zones watershed(const Tessellation& tessellation, std::span<const double> values
 }
 
 Zones Zones::merge(double threshold) const {
-    if (std::isnan(threshold)) throw Error(ErrorCode::invalid_argument, "merge: threshold is nan: give a number");
+    if (std::isnan(threshold)) throw Error(ErrorCode::invalid_argument, "merge(): threshold is nan: give a number");
     Zones out;
     out.maxima = maxima;
     out.at_walls = at_walls;

@@ -11,7 +11,7 @@ extern "C" {
 #endif
 
 #define VOTESS_MPI_HANDED_IN 0  // cells of the seeds that the rank handed in, in their order
-#define VOTESS_MPI_MADE 1       // cells of the seeds in the rank's region, ascending by id
+#define VOTESS_MPI_MADE 1       // cells of the seeds in the rank's region, ascending by id; of no dropped seeds
 
 // The fields of Counts in mpi.hpp.
 typedef struct votess_mpi_counts {

@@ -13,7 +13,7 @@ namespace votess::mpi {
 // Which cells a rank gets.
 enum class Cells : std::int32_t {
     handed_in = 0,  // those of the seeds that it handed in, in their order
-    made = 1,       // those of the seeds in its region, ascending by id; saves an exchange
+    made = 1,       // those of the seeds in its region, ascending by id; saves an exchange. Dropped seeds are in none
 };
 
 // Sums over all ranks, the same on each.
@@ -31,7 +31,8 @@ struct Counts {
     double volume_sum = 0;            // of all cells; 0 when volumes were not requested
 };
 
-// BlockCells::tags are the ranks that handed the neighbors in. Dropped seeds have status `outside`.
+// BlockCells::tags are the ranks that handed the neighbors in. Dropped seeds have the status `outside` on the rank that
+// handed them in, and are on no rank with Cells::made.
 struct Result {
     std::vector<std::int64_t> ids;  // N
     std::vector<double> points;     // (N, 3), only for Cells::made
@@ -50,7 +51,7 @@ struct Result {
 // points: (N, 3), of this rank; N may be 0. ids: N, at least 0 and unique over all ranks; or none on any rank, which
 // numbers the seeds rank after rank. The lowest id of duplicates keeps the cell.
 // options: the same on all ranks, except weights and radii (N, of this rank), threads and progress. progress is called
-// while the rank finds its cells; when it returns false on one rank, all ranks stop.
+// while the rank finds its cells; when it returns false on one rank, all ranks stop. cells: the same on all ranks.
 // Throws Error as votess::tessellate(), and `unsupported` for vertices, faces, min_face, min_area, duplicates = error
 // and GPUs. When one rank fails, all ranks throw the same error. It names the rank and the index of its point, or the
 // number of the seed where there are no ids.
@@ -59,7 +60,8 @@ struct Result {
                                            Cells cells = Cells::handed_in);
 
 // Checks the result of tessellate() as votess::verify() does, across ranks. Collective; the report is the same on all
-// ranks. points: those that were handed in; none for Cells::made. Throws Error as tessellate().
+// ranks. points: those that were handed in; none for Cells::made. options: the same on all ranks. Throws Error as
+// tessellate().
 [[nodiscard]] VOTESS_API VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

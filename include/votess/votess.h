@@ -2,7 +2,8 @@
 //
 // Rules:
 //   - Handles are opaque; free each with its _free function (NULL is allowed).
-//   - Functions that can fail return a votess_status. votess_last_error() then returns the reason, per thread.
+//   - Functions that can fail return a votess_status. votess_last_error() then returns the reason, per thread. It names
+//     fields of votess_options as options.min_face.
 //   - Structs begin with their own size as the caller compiled it. Later versions only add fields at the end. Fields
 //     that the caller lacks keep their defaults; fields that the library lacks are ignored. A size above
 //     VOTESS_LARGEST_STRUCT is uninitialized memory and is refused.

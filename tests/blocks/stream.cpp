@@ -240,7 +240,7 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
           "point 3000: y = nan is not finite");
     CHECK(message([&] { test::streamed(with(3 * 3999 + 2, 2), options, little); }) ==
           "point 3999: z = 2 is outside the box, which spans 0 to 1, by 1: move it, or drop points outside "
-          "(outside = drop) or keep them (outside = keep)");
+          "(Options::outside = drop) or keep them (Options::outside = keep)");
     std::vector<double> radii(set.size(), 0.1);
     radii[2500] = -1;
     options.radii = radii;
@@ -256,7 +256,8 @@ TEST_CASE("stream: errors name the seed of the whole input, and leave nothing be
     const auto run = [&](const votess::Options& some, const votess::StreamOptions& stream) {
         return message([&] { (void)votess::tessellate_stream(pieces, rows, some, stream); });
     };
-    CHECK(run(options, {.memory = 5, .temporary = ""}) == "memory = 5 bytes is too little: give at least 1000000");
+    CHECK(run(options, {.memory = 5, .temporary = ""}) ==
+          "StreamOptions::memory = 5 bytes is too little: give at least 1000000");
     CHECK(run(options, {.memory = little, .temporary = "/nowhere at all"})
               .starts_with("the folder of temporary files '/nowhere at all' cannot be used: "));
     for (const unsigned what : {0u, 1u, 2u, 3u, 4u}) {

@@ -266,12 +266,12 @@ TEST_SUITE("cases") {
             if (axes == 0 || axes == 7)
                 CHECK(message == "");
             else
-                CHECK(has(message, "cell and periodic contradict each other"));
+                CHECK(has(message, "Options::cell.periodic and Options::periodic contradict each other"));
             options.cell->periodic = options.periodic;
             CHECK(refusal({0.5, 0.5, 0.5}, options) == "");
             options.cell->periodic = {true, true, true};
         }
         options.cell.reset();
-        CHECK(has(refusal({0.5, 0.5, 0.5}, options), "a periodic axis needs a box"));
+        CHECK(has(refusal({0.5, 0.5, 0.5}, options), "Options::periodic needs a box"));
     }
 }

@@ -103,7 +103,7 @@ TEST_SUITE("cases") {
             FAIL("no refusal");
         } catch (const votess::Error& error) {
             CHECK(error.code() == votess::ErrorCode::invalid_argument);
-            CHECK(std::string(error.what()).find("delaunay: faces below an area of ") == 0);
+            CHECK(std::string(error.what()).find("delaunay(): faces below an area of ") == 0);
         }
     }
 

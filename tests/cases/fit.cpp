@@ -171,7 +171,7 @@ TEST_SUITE("cases") {
         bad = g;
         std::copy_n(bad.points.begin() + 9, 3, bad.points.begin() + 30);
         CHECK(refusal(bad).find("point 10") != std::string::npos);
-        CHECK(refusal(g, FitOptions{.tolerance = -1}).find("tolerance is -1") != std::string::npos);
+        CHECK(refusal(g, FitOptions{.tolerance = -1}).find("FitOptions::tolerance is -1") != std::string::npos);
     }
 
     TEST_CASE("fit: the derivatives are those of volumes, and the solver solves with them") {

@@ -565,34 +565,34 @@ TEST_SUITE("cases") {
         const auto message = [&](const Solid& solid) { return test::refusal(points, options_in(solid)); };
         Solid bad = unit;
         bad.triangles.erase(bad.triangles.begin(), bad.triangles.begin() + 3);
-        CHECK(
-            message(bad) ==
-            "mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge vertices at "
-            "equal places");
+        CHECK(message(bad) ==
+              "Options::mesh: the edge between vertices 0 and 1 belongs to triangle 4 alone: close the hole, or merge "
+              "vertices at "
+              "equal places");
         bad = unit;
         std::swap(bad.triangles[9], bad.triangles[10]);
         CHECK(test::has(message(bad), ": reverse one of them, or those around it"));
         bad = unit;
         bad.triangles[7] = 9;
-        CHECK(message(bad) == "mesh: triangle 2 names vertex 9, but there are 8: give indices from 0 on");
+        CHECK(message(bad) == "Options::mesh: triangle 2 names vertex 9, but there are 8: give indices from 0 on");
         bad.triangles[7] = -1;
         CHECK(test::has(message(bad), "triangle 2 names vertex -1"));
         bad = unit;
         bad.vertices[10] = std::numeric_limits<double>::quiet_NaN();
-        CHECK(message(bad) == "mesh: vertex 3: y = nan is not finite");
+        CHECK(message(bad) == "Options::mesh: vertex 3: y = nan is not finite");
         bad = unit;
         bad.vertices[10] = std::numeric_limits<double>::infinity();
-        CHECK(message(bad) == "mesh: vertex 3: y = inf is not finite");
+        CHECK(message(bad) == "Options::mesh: vertex 3: y = inf is not finite");
         bad.vertices[10] = 1e308;
         bad.vertices[1] = -1e308;
         CHECK(test::has(message(bad), "exceeds the largest double"));
         bad.triangles.clear();
         CHECK(test::has(message(bad), "no triangles"));
         bad.triangles = {0, 1, 2, 0, 2, 1};
-        CHECK(message(bad) == "mesh: it encloses no volume");
+        CHECK(message(bad) == "Options::mesh: it encloses no volume");
         bad = unit;
         bad.triangles.insert(bad.triangles.end(), {0, 4, 5});
-        CHECK(message(bad) == "mesh: triangles 4 and 12 are the same: remove one of them");
+        CHECK(message(bad) == "Options::mesh: triangles 4 and 12 are the same: remove one of them");
         bad = unit;
         bad.vertices.insert(bad.vertices.end(), {0.5, 0.5, 2});
         bad.triangles.insert(bad.triangles.end(), {0, 1, 8});
@@ -636,7 +636,7 @@ TEST_SUITE("cases") {
         CHECK(test::has(unsupported([](Options& o) { o.want.radii = true; }), "radii"));
         CHECK(test::has(unsupported([](Options& o) { o.planar = true; }), "three dimensions"));
         CHECK(test::has(unsupported([](Options& o) { o.box->upper[0] = std::numeric_limits<double>::infinity(); }),
-                        "the box needs ends"));
+                        "Options::box needs ends"));
     }
 
     TEST_CASE("mesh: verify() checks the parts of cells") {

@@ -80,15 +80,17 @@ TEST_SUITE("cases") {
         std::vector<std::int64_t> ids{3, 7, 50};
         options.only = ids;
         CHECK(test::refusal(set.points, options) ==
-              "only: seed 50 at place 2 is not among the 50 points: give indices from 0 on");
+              "Options::only: seed 50 at place 2 is not among the 50 points: give indices from 0 on");
         ids[2] = 3;
-        CHECK(test::refusal(set.points, options) == "only: seed 3 at place 2 was named before: give each seed once");
+        CHECK(test::refusal(set.points, options) ==
+              "Options::only: seed 3 at place 2 was named before: give each seed once");
         ids[2] = 4;
         const auto t = votess::tessellate(set.points, options);
         CHECK(t.is_subset());
         CHECK_THROWS_AS((void)votess::verify(t, set.points), votess::Error);
         options.min_face = 0.1;
-        CHECK(test::has(test::refusal(set.points, options), "min_face and min_area need the faces of all cells"));
+        CHECK(test::has(test::refusal(set.points, options),
+                        "Options::min_face and Options::min_area need the faces of all cells"));
         options.min_face = 0;
         options.device = "gpu";
         CHECK(test::has(test::refusal(set.points, options, votess::ErrorCode::unsupported), "cpu or auto"));

@@ -198,7 +198,7 @@ TEST_SUITE("cases") {
             CAPTURE(message);
             CHECK(has(message, "point 2: " + std::string(1, "xyz"[axis]) + " = "));
             CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
-            CHECK(has(message, "outside = drop"));
+            CHECK(has(message, "Options::outside = drop"));
             // The same box as a cell.
             options.box.reset();
             options.cell = {{-scale, -scale, -scale}, {2 * scale, 0, 0}, {0, 2 * scale, 0}, {0, 0, 2 * scale}, {}};
@@ -226,9 +226,10 @@ TEST_SUITE("cases") {
         Options options = test::all_options(test::unit_box());
         options.walls.push_back({{1, 1, 1}, 1.5});
         const Coordinates points{0.1, 0.1, 0.1, 0.9, 0.9, 0.9, 0.5, 0.5, 0.5, 0.3, 0.6, 0.2};
-        CHECK(refusal(points, options) ==
-              "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
-              "0.693: move it, or drop points outside (outside = drop) or keep them (outside = keep)");
+        CHECK(
+            refusal(points, options) ==
+            "point 1: (0.9, 0.9, 0.9) is outside wall 0 (1 x + 1 y + 1 z <= 1.5, -7 in lists), by "
+            "0.693: move it, or drop points outside (Options::outside = drop) or keep them (Options::outside = keep)");
         options.outside = votess::Outside::drop;
         const auto t = votess::tessellate(points, options);
         CHECK(statuses(t) == std::vector{certified, outside, certified, certified});  // the third is on the wall

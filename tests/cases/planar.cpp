@@ -318,7 +318,7 @@ TEST_SUITE("cases") {
         CHECK(test::has(message(), "wall 0 has z = 1"));
         options.walls.clear();
         options.periodic[2] = true;
-        CHECK(test::has(message(), "periodic: z repeats"));
+        CHECK(test::has(message(), "Options::periodic: z repeats"));
         options.periodic[2] = false;
         options.want.faces = true;
         const auto t = votess::tessellate(std::span<const double>(points), options);

@@ -298,13 +298,104 @@ class FramesOfHdf5(CliTest):
             file["particles/all/box/edges/value"] = np.ones((3, 3))
         self.refuse("a.h5", says=["box/edges/value", "each of the 4 frames"])
 
+    def test_h5md_of_several_programs(self):
+        """Boxes, flags, steps and absent particles as ZnH5MD 0.4.8, NOMAD and others store them. Each frame equals its text."""
+        rng, count, frames = np.random.default_rng(3), 20, 6
+        places = rng.random((frames, count, 3)) * 4
+        edges = np.array([np.diag(row) for row in rng.uniform(4, 5, (frames, 3))])
+        flags = rng.random((frames, 3)) < 0.5
+        flags[0] = True, True, True
+        flags[1] = True, False, True
+        mass = rng.random((frames, count))
+        absent = rng.random((frames, count)) < 0.3
+        absent[2] = True
+        padding = np.arange(count) >= np.array([20, 13, 1, 20, 19, 7])[:, None]
+        fixed = np.array(["periodic", "none", "periodic"], "S8")
+
+        def element(group, name, value, step=None, **attributes):
+            own = group.create_group(name)
+            own["value"] = value
+            if step is not None:
+                own["step"] = step
+                own["step"].attrs.update(attributes)
+            return own
+
+        def write(name, boundary=fixed, pbc=None, box_step=None, step=range(0, 60, 10), rows=slice(None), ids=None, gone=None, **attributes):
+            with h5py.File(self.folder / name, "w") as file:
+                atoms = file.create_group("particles/atoms")
+                own = places.copy()
+                if gone is not None:
+                    own[gone] = np.nan if ids is None else 0
+                element(atoms, "position", own, list(step) if isinstance(step, range) else step, **attributes)
+                element(atoms, "mass", np.where(gone, np.nan, mass) if gone is not None else mass)
+                if ids is not None:
+                    atoms.create_group("id").create_dataset("value", data=np.where(gone, ids, np.arange(count)), fillvalue=ids)
+                box = atoms.create_group("box")
+                if boundary is not None:
+                    box.attrs["boundary"] = boundary
+                element(box, "edges", edges[rows], box_step)
+                if pbc is not None:
+                    element(box, "pbc", pbc)
+
+        def check(name, axes, row_of=range(frames), gone=None, steps=range(0, 60, 10)):
+            kept = [np.flatnonzero(~gone[k]) if gone is not None else np.arange(count) for k in range(frames)]
+            self.put("t.xyz", "".join(
+                f'{len(kept[k])}\nLattice="{" ".join(map(repr, edges[row_of[k]].ravel().tolist()))}" '
+                f'pbc="{" ".join("T" if axis else "F" for axis in axes[k])}" step={steps[k]} Properties=species:S:1:pos:R:3:mass:R:1\n'
+                + "".join(f"X {' '.join(map(repr, places[k][i].tolist()))} {mass[k][i]!r}\n" for i in kept[k]) for k in range(frames)))
+            options = ["--frames", "all", "--copy", "mass", "--list-walls", "--format", "%q %v %n"]
+            self.assertEqual(self.rows(name, *options), self.rows("t.xyz", *options))
+
+        both = np.tile([True, False, True], (frames, 1))
+        for kind in (float, "i1", bool):
+            write("a.h5md", pbc=flags.astype(kind))
+            check("a.h5md", flags)
+        write("a.h5", pbc=np.full((frames, 3), np.nan))  # ZnH5MD, for frames without
+        check("a.h5", both)
+        for boundary in ([True, False, True], np.array([1, 0, 1]), ["periodic", "none", "periodic"]):
+            write("a.h5", boundary=boundary)
+            check("a.h5", both)
+        write("a.h5", gone=padding)
+        check("a.h5", both, gone=padding)
+        for ids in (-1, 99):
+            write("a.h5", gone=absent, ids=ids)
+            check("a.h5", both, gone=absent)
+        write("a.h5", step=4, offset=7)
+        check("a.h5", both, steps=range(7, 31, 4))
+        write("a.h5", step=1)
+        check("a.h5", both, steps=range(frames))
+        for rows, step, used in [([0], [0], [0] * 6), ([0, 3, 5], [0, 15, 40], [0, 0, 3, 3, 5, 5]), ([0, 2, 4], 20, [0, 0, 2, 2, 4, 4]),
+                                 ([0, 1, 2, 3, 4, 5, 5, 5], [0, 1, 10, 30, 40, 45, 50, 60], [0, 2, 2, 3, 4, 5])]:
+            write("a.h5", rows=rows, box_step=step)
+            check("a.h5", both, row_of=used)
+        write("a.h5", rows=[0, 1], box_step=[5, 10])
+        self.refuse("a.h5", says=["box/edges/value", "each of the 6 frames", "not later than frame 0"])
+        places[1, 4] = np.nan  # within a frame: a fault of the run
+        write("a.h5")
+        self.refuse("a.h5", "--frame", 1, says="point 4: x = nan")
+        places[1] = np.nan
+        write("a.h5")
+        self.refuse("a.h5", "--frame", 1, says="point 0: x = nan")
+
+    def test_one_line_of_a_damaged_frame(self):
+        """HDF5's messages are turned off on all threads."""
+        with h5py.File(self.folder / "a.h5", "w") as file:
+            file.create_dataset("particles/all/position/value", data=np.stack([random_points(50, k) for k in range(3)]),
+                                chunks=(1, 50, 3), fletcher32=True)
+            at = file["particles/all/position/value"].id.get_chunk_info(2).byte_offset
+        damaged = bytearray((self.folder / "a.h5").read_bytes())
+        damaged[at + 100] ^= 1
+        self.put("a.h5", bytes(damaged))
+        for threads in (1, 2):
+            self.refuse("a.h5", "--frames", "all", "-t", threads, "-o", "out.csv", says="cannot be read")
+
     def test_mdtraj(self):
         frames = np.stack([random_points(25, k) * [2, 3, 4] for k in range(3)]).astype(np.float32)
         with h5py.File(self.folder / "a.h5", "w") as file:
             file["coordinates"], file["time"] = frames, np.arange(3.0)
             file["cell_lengths"] = np.tile(np.float32([2, 3, 4]), (3, 1))
             file["cell_angles"] = np.array([[90, 90, 90], [90, 90, 60], [90, 90, 90]], np.float32)
-        for k, cell in enumerate(["2,0,0,0,3,0,0,0,4", f"2,0,0,1.5,{3 * np.sqrt(0.75)!r},0,0,0,4"]):
+        for k, cell in enumerate(["2,0,0,0,3,0,0,0,4", f"2,0,0,1.5,{float(3 * np.sqrt(0.75))!r},0,0,0,4"]):
             self.put("p.npy", frames[k].astype(float))
             rows = self.rows("a.h5", "--frame", k, "--format", "%q %n %v")
             expected = self.rows("p.npy", "--cell", cell, "--format", "%q %n %v")
@@ -313,3 +404,14 @@ class FramesOfHdf5(CliTest):
                                        rtol=1e-12)
         self.assertEqual(self.json("a.h5", "--frames", "all")["frames"], 3)
         self.assertEqual(self.json("a.h5", "--frames", "all")["domain"]["periodic_from"], "assumed")
+        # A cell with missing rows or without angles is not taken for none.
+        for name, values in (("cell_lengths", np.ones((2, 3))), ("cell_lengths", np.ones((3, 2))), ("cell_angles", None)):
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                kept = file[name][()]
+                del file[name]
+                if values is not None:
+                    file[name] = values
+            self.refuse("a.h5", "--frame", 0, says=name)
+            with h5py.File(self.folder / "a.h5", "r+") as file:
+                file.pop(name, None)
+                file[name] = kept

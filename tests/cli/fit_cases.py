@@ -68,8 +68,8 @@ class Volumes(CliTest):
         self.put_grains()
         volumes = ("grains.csv", "--volumes", "volume", *BOX)
         for arguments, says, code in [
-            ((*volumes, "--max-steps", 1, "-o", "x.npz"), "after 1 steps .*raise max_steps", 1),
-            ((*volumes, "--tolerance", "0"), "tolerance is 0: it must be positive", 2),
+            ((*volumes, "--max-steps", 1, "-o", "x.npz"), "after 1 steps .*raise --max-steps", 1),
+            ((*volumes, "--tolerance", "0"), "--tolerance is 0: it must be positive", 2),
             ((*volumes, "--tolerance", "x"), "--tolerance must be|is not a number", 2),
             (("grains.csv", "--volumes", "mass", *BOX), "no column .mass.", 2),
             (("grains.csv", "--volumes", "x", *BOX), "sum to", 2),

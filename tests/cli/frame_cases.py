@@ -60,6 +60,57 @@ class FrameFiles(ReaderTest):
                               ("Properties=species:S:1:pos:R", "pos:R:3"), ("Properties=pos:R:3", "4 columns")]:
             self.refuse(file(comment), says=["a.xyz:", says])
 
+    def test_cells_that_lack_edges(self):
+        """A slab without vacuum, as ASE 3.29 and ZnH5MD write it, names the edge; a cell of zeros is none."""
+        rows = "".join(f"Cu {row}\n" for row in text_of(random_points(6)).splitlines())
+        for lattice, pbc, edge in [("4 0 0 0 4 0 0 0 0", "T T F", "c"), ("0 0 0 0 4 0 0 0 4", "F T T", "a"), ("4 0 0 0 0 0 0 0 4", "F F F", "b")]:
+            self.put("a.xyz", f'6\nLattice="{lattice}" pbc="{pbc}" Properties=species:S:1:pos:R:3\n{rows}')
+            for options in ([], ["--frames", "all"]):
+                self.refuse("a.xyz", *options, says=[f"no edge {edge}", "atoms.center(vacuum=...)", "--box"])
+            self.assertEqual(self.json("a.xyz", "--box", "0,0,0,1,1,1")["box_volume"], 1)
+        self.put("a.xyz", f'6\nLattice="0 0 0 0 0 0 0 0 0" pbc="F F F"\n{rows}')
+        self.assertEqual(self.json("a.xyz")["domain"]["from"], "default")
+        self.put("a.xyz", f'6\nLattice="0 0 0 0 0 0 0 0 0" pbc="T F F"\n{rows}')
+        self.refuse("a.xyz", says="periodic axes without their lengths")
+
+    def test_no_origin(self):
+        """dump extxyz of LAMMPS states no Origin: a box that begins elsewhere is named where that matters."""
+        points = random_points(50) * [4, 4, 8] - [2, 2, 3]
+        atoms = "".join(f"Cu {row}\n" for row in text_of(points).splitlines())
+        comment = '50\nTimestep=0 {}pbc="{}" Lattice="4 0 0 0 4 0 0 0 8" Properties=species:S:1:pos:R:3\n' + atoms
+        self.put("a.xyz", comment.format("", "T T F"))
+        self.put("q.xyz", "1\n\nH 0 0 0\n")
+        for options in ([], ["--frames", "all"], ["--locate", "q.xyz"]):
+            self.refuse("a.xyz", *options, says=["of edge c", "no Origin", "dump extxyz", "Origin="])
+        self.put("b.xyz", comment.format('Origin="-2 -2 -3" ', "T T F"))
+        self.assertAlmostEqual(self.json("b.xyz")["volume_sum"], 128, 9)
+        self.put("c.xyz", comment.format("", "T T T"))  # periodic along all edges: the corner does not matter
+        self.put("d.xyz", comment.format('Origin="-2 -2 -3" ', "T T T"))
+        one, other = ([float(v) for v in self.rows(name, "--format", "%v")] for name in ("c.xyz", "d.xyz"))
+        np.testing.assert_allclose(one, other, rtol=1e-12)
+
+    def test_ipi(self):
+        """The cell in the comment of i-PI, by lengths and angles or as a matrix whose columns are the edges."""
+        edges = np.array([(4.0, 0, 0), (0.5, 3.0, 0), (-0.25, 0.125, 5.0)])
+        points = random_points(30) @ edges
+        atoms = "".join(f"H {row}\n" for row in text_of(points).splitlines())
+        lengths = np.linalg.norm(edges, axis=1)
+        angles = [np.degrees(np.arccos(edges[i] @ edges[j] / lengths[i] / lengths[j])) for i, j in ((1, 2), (0, 2), (0, 1))]
+        cells = {"abcABC": [*lengths, *angles], "H": edges.T.ravel(), "GENH": edges.ravel()}
+        self.put("a.xyz", f'30\nLattice="{" ".join(map(repr, edges.ravel().tolist()))}"\n{atoms}')
+        expected = np.array([row.split() for row in self.rows("a.xyz", "--format", "%q %v")], float)
+        for kind, numbers in cells.items():
+            for mark in ("()", "{}", "[]"):
+                units = {"()": "positions{angstrom}  cell{angstrom}", "{}": "", "[]": "cell{atomic_unit}"}[mark]
+                cell = "  ".join(repr(float(x)) for x in numbers)
+                self.put("i.xyz", f"30\n# CELL{mark[0]}{kind}{mark[1]}:  {cell}  Step:  5  Bead:  0 {units}\n{atoms}")
+                got = np.array([row.split() for row in self.rows("i.xyz", "--format", "%q %v")], float)
+                np.testing.assert_allclose(got, expected, rtol=1e-12)
+        self.assertEqual(self.json("i.xyz")["domain"]["periodic_from"], "assumed")
+        for units in ("positions{angstrom} cell{atomic_unit}", "positions{angstrom}", "cell{angstrom}"):
+            self.refuse(self.put("i.xyz", f"30\n# CELL(abcABC): 4 3 5 90 90 90 {units}\n{atoms}"), says=["i.xyz:2:", "i-PI", "angstrom"])
+        self.refuse(self.put("i.xyz", f"30\n# CELL(H): 4 3 5 90 90 90\n{atoms}"), says=["CELL(H)", "9 numbers"])
+
     def test_poscar(self):
         points = random_points(30)
         edges = np.array([(2.0, 0, 0), (0.5, 1.5, 0), (-0.25, 0.125, 1.0)])
@@ -207,6 +258,13 @@ class FileDomains(CliTest):
         got = np.array([row.split() for row in self.rows("s.dump", "--format", "%q")], float)
         np.testing.assert_allclose(got, points, rtol=0, atol=1e-14)
 
+    def tables(self, *arguments):
+        """Returns places and centroids in the tables of .csv, .xyz and .dump."""
+        self.run_cli(*arguments, "--want", "centroids", "-o", "t.csv", "-o", "t.xyz", "-o", "t.dump")
+        rows = {".csv": (1, ",", 1), ".xyz": (2, None, 1), ".dump": (9, None, 2)}
+        return {kind: np.array([row.split(mark)[first:first + 6] for row in (self.folder / f"t{kind}").read_text().splitlines()[head:]], float)
+                for kind, (head, mark, first) in rows.items()}
+
     def test_relative_codes_of_points_beyond_the_box(self):
         """%c and %p are relative to the point wrapped into the box, as in Voro++."""
         edges = np.array([[2.0, 0, 0], [0.5, 1.0, 0], [-0.9, 0.4, 1.5]])
@@ -226,6 +284,12 @@ class FileDomains(CliTest):
                     self.assertEqual(one.shape, other.shape)
                     apart = np.abs(one[:, None] - other[None]).max(axis=2)  # vertices in any order
                     self.assertLess(apart.min(axis=1).max(), 1e-12)
+            # Tables have the centroid of the cell around the listed point, also of some cells alone.
+            near, far = (self.tables(name, *domain) for name in ["a.npy", "b.npy"])
+            for kind in near:
+                np.testing.assert_array_equal(far[kind][:, :3], moved)
+                np.testing.assert_allclose(near[kind][:, 3:] - near[kind][:, :3], far[kind][:, 3:] - far[kind][:, :3], rtol=0, atol=1e-12)
+                np.testing.assert_array_equal(self.tables("b.npy", *domain, "--only", "5:60:7")[kind], far[kind][5:60:7])
             rows = [row.split() for row in self.rows("a.npy", *domain, "--format", "%q %c %C")]
             values = np.array(rows, float)
             np.testing.assert_allclose(values[:, :3] + values[:, 3:6], values[:, 6:], rtol=0, atol=1e-14)

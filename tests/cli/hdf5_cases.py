@@ -160,7 +160,7 @@ class Hdf5Files(Hdf5Test):
         self.assertEqual(self.json("sides.hdf5", *wish, "--periodic")["domain"]["upper"], [1, 2, 3])
         self.snapshot("isolated", 1, points, BoxSize=0.0)
         self.assertEqual(self.json("isolated.hdf5", *wish)["domain"]["from"], "default")
-        self.refuse("isolated.hdf5", *wish, "--periodic", says="a periodic axis needs a box")
+        self.refuse("isolated.hdf5", *wish, "--periodic", says="--periodic needs a box")
         self.snapshot("outside", 1, points, BoxSize=0.5)
         self.refuse("outside.hdf5", *wish, says=["point", "outside the box"])
         (self.folder / "snap_010.0.hdf5").rename(self.folder / "renamed.hdf5")

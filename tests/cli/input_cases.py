@@ -1,5 +1,6 @@
 """Input: text, .npy, stdin, --random, and refused files."""
 
+import csv
 import io
 import os
 
@@ -27,6 +28,23 @@ class Source(CliTest):
         self.run_cli("a.npy", "--only", "ids.txt", "-o", "some.npz", "-q")
         with np.load(self.folder / "some.npz") as file:
             self.assertEqual(file["ids"].tolist(), [7, 3, 59])
+        indices = np.array([7, 3, 59])
+        flags = np.zeros(60, bool)
+        flags[[3, 7, 59]] = True
+        for k, some in enumerate([indices, indices.astype("u1"), indices.astype("i4"), flags, indices[:0], flags & False]):
+            self.put("some.npy", some)
+            self.assertEqual(self.rows("a.npy", "--format", "%i %v %n", "--only", "some.npy"), [every[i] for i in np.arange(60)[some]], k)
+        self.put("empty.txt", "\n")
+        self.assertEqual(self.rows("a.npy", "--only", "empty.txt"), [])
+        (self.folder / "folder.npy").mkdir()
+        self.put("bad.txt", "3\n4 x\n")
+        self.put("short.npy", flags[:-1])
+        self.put("two.npy", np.array([[1, 2]]))
+        self.put("float.npy", np.array([1.5]))
+        for name, says in ((".", "'.': Is a directory"), ("", "--only is empty"), ("bad.txt", "bad.txt:2: 'x'"), ("folder.npy", "folder.npy"),
+                           ("short.npy", ["(59,)", "60 points"]), ("two.npy", "(1, 2)"), ("float.npy", "(1,)"), ("/dev/zero", "1048576 bytes"),
+                           ("absent.npy", "No such file")):
+            self.refuse("a.npy", f"--only={name}", "-o", "out.csv", says=says)
         for arguments, says in ((["--only", "60"], "seed 60"), (["--only", "1:2:0"], "step"), (["--only", "no.txt"], "no.txt"),
                                 (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
             self.refuse("a.npy", *arguments, says=says)
@@ -86,6 +104,70 @@ class Source(CliTest):
         self.refuse(self.put("a.csv", "1,2,3\nx,y,z\n"), says=["a.csv:2:", "'x'"])
         self.refuse(self.put("a.csv", "1,2,oops\n1,2,3\n"), says=["a.csv:1:", "'oops'"])
         self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
+
+    def test_csv_by_rfc_4180(self):
+        """Random tables written by Python's csv come back, with quotes, marks and blanks in fields, and empty cells."""
+        rng = np.random.default_rng(2)
+        texts = ["plain", "two words", "a,b", 'say "hi"', "#5", "C#1", "", " padded ", "x;y", '"', "1,5"]
+        for mark, quoting in [(",", csv.QUOTE_MINIMAL), (";", csv.QUOTE_MINIMAL), (",", csv.QUOTE_ALL), (",", csv.QUOTE_NONNUMERIC)]:
+            points, mass = rng.random((30, 3)), rng.random(30)
+            words = [texts[i] for i in rng.integers(0, len(texts), 30)]
+            words[0] = "two words"
+            sparse = [None if rng.random() < 0.5 else i / 4 for i in range(30)]
+            sparse[0] = 0.0
+            names = ["", "note, long", "y", "mass [10^10 Msun]", "x", "sparse", "z", "Id"]
+            rows = [[i, w, p[1], m, p[0], s, p[2], i + 5] for i, (w, p, m, s) in enumerate(zip(words, points.tolist(), mass.tolist(), sparse))]
+            text = io.StringIO()
+            writer = csv.writer(text, delimiter=mark, quoting=quoting, lineterminator="\r\n")
+            writer.writerow(names)
+            writer.writerows(rows)
+            self.assert_reads("a.csv", text.getvalue().encode(), points, list(range(5, 35)))
+            for arguments in (["--copy", "mass [10^10 Msun]"], ["--copy", "all"]):
+                self.run_cli("a.csv", *arguments, "-o", "b.csv", "-o", "b.npz")
+                with np.load(self.folder / "b.npz") as arrays:
+                    np.testing.assert_array_equal(arrays["mass [10^10 msun]"], mass)
+                    if "all" in arguments:  # an empty cell of a column that nobody named
+                        np.testing.assert_array_equal(arrays["sparse"], [np.nan if s is None else s for s in sparse])
+                with open(self.folder / "b.csv", newline="") as file:
+                    table = list(csv.DictReader(file))
+                self.assertEqual([float(row["mass [10^10 msun]"]) for row in table], mass.tolist())
+            self.run_cli("a.csv", "--copy", "2", "-o", "b.csv")
+            with open(self.folder / "b.csv", newline="") as file:
+                self.assertEqual([row["note, long"].strip() for row in csv.DictReader(file)], [w.strip() for w in words])
+            for out in ("b.xyz", "b.dump", "b.txt"):
+                self.refuse("a.csv", "--copy", "2", "-o", out, says=["'note, long'", f"'{out}'", "one word"])
+            self.refuse("a.csv", "--radii", "sparse", "-o", "out.npz", says=[f"a.csv:{sparse.index(None) + 2}: column 6 is empty"])
+        for content, says in [('x,y,z\n1,"2,3\n', "a.csv:2: the quote in column 2 does not end"), ('x,y,z\n1,"2"3,4\n', "goes on behind its quotes"),
+                              ("x,y,z\n1,,3\n", "a.csv:2: column 2 is empty"), ("x,y,z\n1,2\n", "2 columns, the line of names 3"),
+                              ('"x,y",z,q\n1,2,3\n', ["lacks 'x'", "'x,y'"]), ('x,y,z\n1,"0,5",3\n', "decimals need a point")]:
+            self.refuse(self.put("a.csv", content), "-o", "out.npz", says=says)
+        self.assert_reads("a.csv", ",x,y,z\n0,1,2,3\n1,4,5,6\n", [[1, 2, 3], [4, 5, 6]])  # pandas' to_csv()
+        self.assert_reads("a.csv", '"1 2",x,y,z\n7,1,2,3 # more\n# none, at all\n1 2 3 4\n', [[1, 2, 3], [2, 3, 4]])
+
+    def test_names_in_a_comment(self):
+        """`# x y z mass`, as numpy.savetxt(header=...) writes it, names the columns if it fits the rows."""
+        points, mass = random_points(9), np.arange(9) / 8
+        for names, columns, values in [("x y z mass", "mass", mass), ("mass x y z", "mass", mass), ("X, Y, Z, Mass", "Mass", mass), ("z mass y x", "2", mass),
+                                       ("id x y z mass", "mass", mass)]:
+            order = {"x": points[:, 0], "y": points[:, 1], "z": points[:, 2], "mass": mass, "id": np.arange(9) + 4}
+            table = np.column_stack([order[name.strip().lower()] for name in names.replace(",", " ").split()])
+            rows = "".join(" ".join(f"{x:.17g}" for x in row) + "\n" for row in table)
+            for name in ("a.txt", "a.csv", "a.xyz"):
+                self.put(name, f"# made in 2026\n# {names}\n{rows}")
+                got = [row.split() for row in self.rows(name, "--radii", columns, "--format", "%i %q %r")]
+                np.testing.assert_array_equal(np.array(got, float)[:, 1:], np.column_stack((points, mass)), names)
+                self.assertEqual([int(row[0]) for row in got], list(range(4, 13) if "id" in names else range(9)))
+                self.run_cli(name, "--copy", "all", "-o", "b.npz")
+                with np.load(self.folder / "b.npz") as arrays:
+                    np.testing.assert_array_equal(arrays["mass"], mass)
+        # Comments that do not fit, and ids whatever their name is, mean what they meant before.
+        for comment, content, expected, ids in [("x y z", "7 1 2 3\n", [[1, 2, 3]], [7]), ("x y", "1 2 3\n", [[1, 2, 3]], None),
+                                                ("number x y z", "7 1 2 3\n", [[1, 2, 3]], [7]), ("x 2 y", "1 2 3\n", [[1, 2, 3]], None),
+                                                ('"x" y z', "1 2 3\n", [[1, 2, 3]], None), ("a b c", "1 2 3\n", [[1, 2, 3]], None)]:
+            self.assert_reads("a.txt", f"# {comment}\n{content}", expected, ids)
+        self.refuse(self.put("a.txt", "# x y mass\n1 2 3\n"), says=["a.txt:2:", "lacks 'z'", "--2d"])
+        self.assertEqual(self.rows("a.txt", "--2d", "--format", "%q"), ["1 2"])
+        self.refuse(self.put("a.txt", "# x y z r\n1 2 3 4\n"), "--radii", "mass", says=["'mass'", "x y z r"])
 
     def test_csv_names_are_all_or_none(self):
         """A line of names must name x, y and z once each, and every column of the rows."""

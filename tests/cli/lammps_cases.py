@@ -34,6 +34,23 @@ class LammpsFiles(ReaderTest):
         self.assertRegex(self.run_cli("a.lammpstrj").stdout,
                          "(?m)^input +timestep 0\ndomain +box 0,0,-1 to 2,1,1, not periodic; stated$")
 
+    def test_type_labels(self):
+        """`typelabel` of LAMMPS since 2024 is the species, except beside elements; `type` finds it too."""
+        rows = text_of(random_points(6) * [2, 1, 1]).splitlines()
+        labels, elements = ["Cu", "c3", "Zr+", "Cu", "o_w", "c3"], ["Cu", "C", "Zr", "Cu", "O", "C"]
+        for names, row, species in [("id typelabel x y z", "{i} {label} {row}", labels), ("typelabel id type x y z", "{label} {i} 7 {row}", labels),
+                                    ("type x y z typelabel element", "7 {row} {label} {element}", elements), ("type x y z", "7 {row}", ["7"] * 6)]:
+            self.put("a.dump", self.dump(names, [row.format(i=i, row=r, label=l, element=e) for i, (r, l, e) in enumerate(zip(rows, labels, elements))]))
+            self.run_cli("a.dump", "-o", "b.xyz", "-o", "b.dump")
+            for name in ("b.xyz", "b.dump"):
+                lines = (self.folder / name).read_text().splitlines()[-6:]
+                self.assertEqual([line.split()[0 if name == "b.xyz" else 1] for line in lines], species, names)
+            got = self.rows("a.dump", "--copy", "species", "--format", "%i")
+            self.assertEqual([line.split()[-1] for line in got], species)
+            types = labels if " type " not in f" {names} " else ["7"] * 6
+            got = self.rows("a.dump", "--copy", "type", "--format", "%i")
+            self.assertEqual([line.split()[-1] for line in got], types)
+
     def test_dump_scaled(self):
         scaled = random_points(30)
         rows = text_of(scaled).splitlines()
@@ -119,7 +136,8 @@ class LammpsFiles(ReaderTest):
         points = random_points(25) * [2, 1, 2] - [0, 0, 1]
         lines = text_of(points).splitlines()
         for style, before in [("atomic", "1"), ("charge", "1 -0.5"), ("molecular", "3 1"), ("bond", "3 1"),
-                              ("angle", "3 2"), ("full", "3 1 0.25"), ("sphere", "1 0.5 1.0")]:
+                              ("angle", "3 2"), ("full", "3 1 0.25"), ("sphere", "1 0.5 1.0"), ("amoeba", "3 1 0.25"),
+                              ("apip", "1"), ("oxdna", "1"), ("rheo", "1 2 1000.0")]:
             for flags in ["", " 0 -1 2"]:
                 rows = [f"{i + 1} {before} {line}{flags}" for i, line in enumerate(lines)]
                 for hint in ["", f" # {style}"]:
@@ -151,7 +169,7 @@ class LammpsFiles(ReaderTest):
               ("mesont", "1 1 -1 2 1.5 6.785 20.0 0", ""), ("dielectric", "1 0.5", " 0 0 1 0.5 10 5.5 1 -2"),
               ("dielectric", "1 2 0.5", " 0 0 1 0.5 10 5.5 1 -2"), ("template", "1 1 0 2", ""),
               ("wavepacket", "1 0.5 1 0.5 7 0.25 0.5", ""), ("bpm/sphere", "1 1 0.5 1.0", ""),
-              ("full/kk", "1 1 0.5", ""), ("spin", "1", " 0 0 1 2"), ("dipole", "1 0.5", " 0 1 0")]
+              ("full/kk", "1 1 0.5", ""), ("rheo/thermal", "1 2 1000.0 0.5", ""), ("spin", "1", " 0 0 1 2"), ("dipole", "1 0.5", " 0 1 0")]
 
     def test_data_styles(self):
         """Coordinates may be whole numbers too, which no check of image flags can tell apart."""

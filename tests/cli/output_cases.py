@@ -301,9 +301,10 @@ class TextOutput(CliTest):
 class VoroppCommand(CliTest):
     """clvotess --voro++, compared with voro++ if it is installed."""
 
-    def both(self, *arguments, radii=False, count=300, beyond=False):
+    def both(self, *arguments, radii=False, count=300, beyond=False, points=None):
         """Returns the rows of both programs by id, for the same command line."""
-        points = random_points(count, 21) * (1.2 if beyond else 1)
+        if points is None:
+            points = random_points(count, 21) * (1.2 if beyond else 1)
         columns = [points] + ([0.02 + points[:, :1] / 50] if radii else [])
         rows = [f"{i + 7} {' '.join(map(repr, row))}\n" for i, row in enumerate(np.hstack(columns).tolist())]
         self.put("pack.x", "".join(rows))
@@ -329,6 +330,33 @@ class VoroppCommand(CliTest):
                     self.assertEqual(len(mine.split()), len(other.split()))
                     np.testing.assert_allclose(np.array(mine.split(), float), np.array(other.split(), float), rtol=2e-5)
                     self.assertEqual(mine.split()[:4], other.split()[:4])  # six digits, as %g
+
+    def test_walls_and_periods(self):
+        """Seeds on a lower wall stay, those on an upper one are dropped; in periodic axes all are wrapped and printed there."""
+        box = "0 1 0 1 0 1 walls".split()
+        places = [(1.3, 0.5, 0.5), (0.75, -0.5, 0.5), (0.5, 0.9, 1.0), (0.2, 0.2, 0.0), (2.0, 0.1, 0.1), (1.0, 0.6, 0.3), (-3.75, 0.33, 0.9)]
+        self.put("walls", "".join(f"{i} {x} {y} {z}\n" for i, (x, y, z) in enumerate(places)))
+        for arguments, rows in [  # of voro++ 0.4.6
+                (["-p"], ["0 0.3 0.5 0.5 0.3 0.5 0.5", "1 0.75 0.5 0.5 0.75 0.5 0.5", "2 0.5 0.9 0 0.5 0.9 0", "3 0.2 0.2 0 0.2 0.2 0",
+                          "4 0 0.1 0.1 0 0.1 0.1", "5 0 0.6 0.3 0 0.6 0.3", "6 0.25 0.33 0.9 0.25 0.33 0.9"]),
+                (["-px"], ["0 0.3 0.5 0.5 0.3 0.5 0.5", "3 0.2 0.2 0 0.2 0.2 0", "4 0 0.1 0.1 0 0.1 0.1", "5 0 0.6 0.3 0 0.6 0.3",
+                           "6 0.25 0.33 0.9 0.25 0.33 0.9"]),
+                (["-py", "-pz"], ["1 0.75 0.5 0.5 0.75 0.5 0.5", "2 0.5 0.9 0 0.5 0.9 0", "3 0.2 0.2 0 0.2 0.2 0"]),
+                ([], ["3 0.2 0.2 0 0.2 0.2 0"])]:
+            self.run_cli("--voro++", *arguments, "-c", "%i %q %x %y %z", *box)
+            self.assertEqual((self.folder / "walls.vol").read_text().splitlines(), rows, arguments)
+        rng = np.random.default_rng(8)
+        for arguments in [["-p"], ["-px"], ["-pz", "-py"], []]:
+            points = np.round(random_points(300, 8) * 256) / 256 + rng.integers(0, 3, (300, 3)) - (rng.random((300, 3)) < 0.2) / 3
+            inside = rng.random(300) < 0.5
+            points[inside] = np.round(random_points(300, 9)[inside] * 16) / 16  # many on walls
+            points = np.unique(points, axis=0)
+            places = points % 1
+            _, kept = np.unique(places, axis=0, return_index=True)  # voro++ fails at equal seeds
+            ours, theirs = self.both(*arguments, "-c", "%i %q %x %y %z %v %C", points=points[kept])
+            self.assertEqual([row.split()[:7] for row in ours], [row.split()[:7] for row in theirs], arguments)
+            one, other = (np.array([row.split() for row in rows], float) for rows in (ours, theirs))
+            np.testing.assert_allclose(one, other, rtol=2e-5, atol=2e-5)
 
     def test_neighbors_and_walls(self):
         for arguments in [["-p"], ["-r", "-py"]]:

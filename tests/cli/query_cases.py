@@ -440,5 +440,5 @@ class Stops(CliTest):
             resource.setrlimit(resource.RLIMIT_AS, (1 << 30, 1 << 30))  # stacks of 8 MB each
 
         done = self.run_cli("--random", 100, "-t", 1024, "-x", "cpu", "-o", "a.npz", code=1, preexec_fn=limit)
-        self.assertRegex(done.stderr, r"\Aclvotess: threads = 1024, but the system gives only \d+: request fewer[^\n]*\n\Z")
+        self.assertRegex(done.stderr, r"\Aclvotess: --threads 1024, but the system gives only \d+: request fewer[^\n]*\n\Z")
         self.assertEqual(self.files(), [])

@@ -327,7 +327,9 @@ class HostileFiles(ReaderTest):
                 ("a.txt", "1 2\n3 4\n", ["--list-walls", "--periodic", "z"], ["a.txt:1:", "2 columns, expected 3", "add --2d"]),
                 ("a.txt", "0.1 0.2 0.3 1.0\n", [], ["'0.1' is not a whole number", "--radii 4"]),
                 ("POSCAR", cif, [], ["CIF", "ase convert"]), ("a.cif", cif, [], ["extended XYZ", "ase convert"]),
-                ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], "MDAnalysis"),
+                ("a.pdb", "ATOM\n", [], ["'a.pdb'", "extended XYZ", "ASE"]), ("a.xtc", "x", [], ["OVITO", "lammps/dump"]),
+                ("a.gsd", "x", [], "OVITO"), ("a.dcd", "x", [], "OVITO"), ("a.nc", "x", [], "OVITO"), ("a.trr", "x", [], "OVITO"),
+                ("XDATCAR", "Cu\n1\n4 0 0\n0 4 0\n0 0 4\nCu\n1\nDirect configuration=     1\n0 0 0\n", [], ["'XDATCAR'", "ase convert"]),
                 ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--weights", "species"],
                                                     ["'H'", "'species' has text", "--weights need columns of numbers"])]:
             self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
@@ -479,6 +481,21 @@ class Columns(ReaderTest):
         self.put("b.xyz", "90000\n\n" + many)  # pieces for threads
         got = self.rows("b.xyz", "--copy", "species", "--format", "%i")
         self.assertEqual([row.split()[1] for row in got], words * 3000)
+
+    def test_names_that_are_not_utf8(self):
+        """Names in Latin-1 are refused before any file, and others of every script pass."""
+        rows = b"".join(f"{row},{i}\n".replace(" ", ",").encode() for i, row in enumerate(text_of(random_points(5)).splitlines()))
+        for name in ["Gr\xf6\xdfe".encode("latin-1"), b"m\xc3", b"\xed\xa0\x80", b"\xc0\xaf", b"\xf5\x80\x80\x80", b"\xff", b"a\x80b"]:
+            self.put("a.csv", b"x,y,z," + name + b"\n" + rows)
+            for out in ["out.npz", "out.h5", "out.csv", "out.xyz", "out.dump", "out.vtu"]:
+                self.refuse("a.csv", "--copy", "all", "-o", out, says=["\\x", "not UTF-8", "iconv"])
+            self.refuse("a.csv", "--frames", "all", "--points", "--copy", "all", says=["not UTF-8", "iconv"])
+            self.refuse("a.csv", "--copy", "q", "-o", "out.npz", says="\\x")  # lists the names
+            self.run_cli("a.csv", "-o", "out.npz")
+        for name in ["Größe", "質量", "Ω²", "\U0001d54f"]:
+            self.put("a.csv", f"x,y,z,{name}\n".encode() + rows)
+            got, _ = self.carried("a.csv", "--copy", name)
+            np.testing.assert_array_equal(got[name], np.arange(5))
 
     def test_covalent_radii(self):
         words = [["C", "h", "FE3+", "O2-"][i % 4] for i in range(40)]

@@ -139,7 +139,7 @@ class Mesh(CliTest):
         volumes = [row for row in self.rows(*run, "--frames", "all") if row[0] != "#"]
         np.testing.assert_allclose(np.array(volumes, float), [0.5, 0.5, 0.75, 0.25], rtol=1e-14)
         self.assertIn("a.off, 12 triangles", self.run_cli(points, "--mesh", "a.off", "--frames", "all").stdout)
-        self.refuse(points, "--mesh", "a.off", "--periodic", says="a periodic axis needs a box")
+        self.refuse(points, "--mesh", "a.off", "--periodic", says="--periodic needs a box")
 
     def test_periodic(self):
         """The second cell has its own part at x = 0.85 to 1, and that of an image at 0 to 0.1."""

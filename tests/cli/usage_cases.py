@@ -1,10 +1,12 @@
 """Options, domain, duplicates, help, summary and verification."""
 
 import json
+import os
 import re
 import shutil
 import subprocess
 import time
+import unittest
 
 import numpy as np
 
@@ -101,8 +103,8 @@ class Usage(CliTest):
                 "b": [0.5, 2, 0], "c": [0, 0, 2], "periodic": [axis in axes for axis in "xyz"], "from": "option",
                 "periodic_from": "option" if periodic else "default"})
         self.refuse("a.txt", *cell, "--periodic=none", "-o", "out.npz", says=["point", "outside of the cell"])
-        self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="box and cell")
-        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="walls and cell")
+        self.refuse("a.txt", *cell, "--box", CUBE_BOX, "-o", "out.npz", says="--box and --cell")
+        self.refuse("a.txt", *cell, "--wall", "1,0,0,1", "-o", "out.npz", says="--wall and --cell")
         round_walls = ["--wall-sphere=0.5,0.5,0.5,1,100", "--wall-cylinder=0.5,0.5,0.5,0,0,1,0.6,30",
                        "--wall-cone=0.5,0.5,-1,0,0,2,0.4,20"]
         summary = self.run_cli("--random", "60", *round_walls, "--wall", "1,1,1,2.5", "--outside", "drop", "--verify").stdout
@@ -111,7 +113,7 @@ class Usage(CliTest):
         self.refuse("a.txt", "--wall-sphere=0,0,0,1,2", says="2 faces")
         self.refuse("a.txt", "--wall-cone=0,0,0,1,2", says="x,y,z,ax,ay,az,ANGLE,FACES")
         for periodic in [["--periodic"], ["--periodic", "y"]]:
-            self.refuse("a.txt", *periodic, "-o", "out.npz", says="a periodic axis needs a box")
+            self.refuse("a.txt", *periodic, "-o", "out.npz", says="--periodic needs a box")
         self.refuse("a.txt", "--periodic", "abc", says=["--periodic", "none", "'abc'"])
         domain = self.json("a.txt", "--periodic=none")["domain"]
         self.assertEqual((domain["kind"], domain["from"], domain["a"]), ("box", "default", None))
@@ -158,6 +160,14 @@ class Usage(CliTest):
                        ["--precision", "single"], ["--precision=double"], ["--instructions", "baseline"]]:
             self.assertEqual(self.rows(*arguments, *option), expected, option)
         self.assertEqual(self.json("--random", "3000", "-t", "1")["threads"], 1)
+
+    @unittest.skipUnless(hasattr(os, "sched_setaffinity"), "needs affinity masks")
+    def test_threads_are_those_of_the_affinity_mask(self):
+        processors = sorted(os.sched_getaffinity(0))
+        for mask in (processors[:1], processors[-1:], processors[:2], processors):
+            limited = {"preexec_fn": lambda mask=mask: os.sched_setaffinity(0, mask)}
+            self.assertEqual(self.json("--random", "3000", **limited)["threads"], min(len(mask), 1024))
+            self.assertRegex(self.run_cli("--list-devices", **limited).stdout, rf"\b{len(mask)} threads?,")
 
     def test_help_is_true_and_complete(self):
         for option in ["-h", "--help"]:
@@ -342,3 +352,53 @@ class Usage(CliTest):
         self.assertEqual(json.loads(done.stdout)["verified_cells"], 7)
         self.assertRegex(done.stderr, r"\Aclvotess: verification failed[^\n]*seed 3 lists 5 but not back\n\Z")
         self.assertEqual(self.files(), [])
+
+
+class Words(CliTest):
+    """Refusals name options of the command line, whatever the library calls them."""
+
+    OPTIONS = [
+        ["--2d"], ["--box", "none"], ["--box", "hull"], ["--box", "0,0,0,1,1,1"], ["--box", "0,0,0,1,1,0"], ["--periodic"],
+        ["--periodic", "x"], ["--cell", "2,0,0,0.5,2,0,0,0,2"], ["--cell", "1,0,0,2,0,0,0,0,1"], ["--wall", "1,0,0,0.5"],
+        ["--wall", "0,0,0,1"], ["--wall-sphere", "0.5,0.5,0.5,0.1,2"], ["--mesh", "cube.off"], ["--mesh", "hole.off"],
+        ["--outside", "drop"], ["--outside", "keep"], ["--only", "0:2"], ["--only", "99"], ["--min-face", "0.1"],
+        ["--min-face=-1"], ["--min-area", "0.1"], ["--weights", "5"], ["--radii", "5"], ["--volumes", "4"],
+        ["--volumes", "4", "--normalize", "--tolerance", "0"], ["--volumes", "4", "--normalize", "--max-steps", "0"],
+        ["--watershed", "4"], ["--watershed", "5", "--merge", "nan"], ["--alpha", "1"], ["--alpha", "2"],
+        ["--duplicates", "error"], ["--want", "vertices"], ["--want", "radii,counts"], ["--want", "none"], ["--device", "none"],
+        ["--threads", "5000"], ["--memory", "1000"], ["--memory", "2M"], ["--instructions", "none"],
+        ["--image", "p.png", "--slice", "z=9"], ["--probe", "q.txt"], ["--locate", "q.txt"], ["--trace", "rays.txt"],
+        ["--interpolate", "q.txt", "--values", "4"], ["--to-grid", "dtfe", "--values", "4", "--shape", "2"],
+    ]  # fmt: skip
+    # One of a pair is among these.
+    FIRST = [["--box", "none"], ["--box", "hull"], ["--periodic"], ["--cell", "2,0,0,0.5,2,0,0,0,2"], ["--mesh", "cube.off"],
+             ["--only", "0:2"], ["--min-face", "0.1"], ["--volumes", "4"]]
+    ARRAYS = re.compile(r"\b(face_areas|face_normals|surface_areas|mesh_areas|security_radii|cell_vertices|duplicate_of"
+                        r"|(face|edge|vertex)_counts|cell_vertex_\w+|face_offsets|face_vertices)\b")
+
+    def test_pairs_of_options(self):
+        rows = np.column_stack((2 * random_points(8) - 0.5, np.linspace(0.1, 0.2, 8), -random_points(8)[:, 0]))
+        self.put("a.txt", "".join(" ".join(map(repr, row)) + "\n" for row in rows.tolist()))
+        self.put("q.txt", CUBE)
+        self.put("rays.txt", "0 0 0 0 0 0 1\n")
+        faces = ["0 1 3", "0 3 2", "4 6 7", "4 7 5", "0 4 5", "0 5 1", "2 3 7", "2 7 6", "0 2 6", "0 6 4", "1 5 7", "1 7 3"]
+        for name, some in (("cube.off", faces), ("hole.off", faces[1:])):
+            corners = "".join(f"{x} {y} {z}\n" for x in (0, 1) for y in (0, 1) for z in (0, 1))
+            self.put(name, f"OFF\n8 {len(some)} 0\n{corners}" + "".join(f"3 {face}\n" for face in some))
+        names = "|".join(name[2:] for name in OPTIONS)
+        foreign = re.compile(rf"::|\w\(\)|`|[a-z]_[a-z]|\b(leave out|set|raise|give|use|without|with) ({names}|walls|planar)\b")
+        refusals = {}
+        for some in [*([one] for one in self.OPTIONS), *([a, b] for a in self.FIRST for b in self.OPTIONS if a[0] != b[0])]:
+            words = [word for one in some for word in one]
+            for_numbers = {"--locate", "--interpolate", "--to-grid"} & {*words}
+            columns = [] if {"--weights", "--radii", "--volumes", "--watershed", "--values"} & {*words} else ["--copy", "4,5"]
+            output = "o.h5" if "--memory" in words else "o.npy" if for_numbers else "o.npz"
+            command = [CLI, "a.txt", *words, *columns, "-q", "-x", "cpu", "-t", "1", "-o", output]
+            if "--device" in words or "--threads" in words:
+                command = command[:-6] + command[-2:]
+            done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
+            if done.returncode not in (0, 3):
+                refusals.setdefault(done.stderr, " ".join(command[1:]))
+        wrong = [f"{text}  of {words}" for text, words in refusals.items() if foreign.search(self.ARRAYS.sub("", text))]
+        self.assertFalse(wrong, "\n" + "\n".join(wrong))
+        self.assertGreater(len(refusals), 40)

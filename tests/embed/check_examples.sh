@@ -74,6 +74,7 @@ echo "== MPI"
 if [[ -x $work/cmake/ranks ]]; then
     expect "4000 cells, their volumes sum to 1.0000000000; volumes of remote neighbors received: yes" env \
         OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1 \
+        PRTE_MCA_rmaps_default_mapping_policy=:oversubscribe \
         "$(cached MPIEXEC_EXECUTABLE)" -n 2 "$work/cmake/ranks"
 else
     skip "votess is built without MPI"

@@ -75,6 +75,12 @@ inline std::vector<Input> all_inputs() {
     octahedron.options.outside = votess::Outside::drop;
     octahedron.options.walls = test::octahedron(0.6);
     all.push_back(octahedron);
+    // In slices some ranks hand in dropped seeds alone.
+    Input dropped = input_of(uniform(1000, 12), ", the first half is dropped");
+    for (std::size_t i = 0; i < dropped.points.size() / 2; i += 3) dropped.points[i] += 1.5;
+    dropped.options.outside = votess::Outside::drop;
+    dropped.options.want.surfaces = dropped.options.want.radii = true;
+    all.push_back(dropped);
     for (const bool periodic : {false, true}) {
         Input kept = input_of(uniform(1500, 10), ", seeds outside kept");
         kept.options.box = cube(0.2, 0.7);

@@ -61,6 +61,14 @@ std::string difference(const votess::mpi::Result& result, const votess::Tessella
                        const std::vector<int>& owners) {
     const votess::BlockCells& cells = result.cells;
     if (cells.indptr.size() != result.ids.size() + 1) return "indptr has another length";
+    const auto fits = [&](const auto& some, const auto& of_whole, std::size_t each) {
+        return some.size() == (of_whole.empty() ? 0 : each * result.ids.size());
+    };
+    if (!fits(cells.status, t.status(), 1) || !fits(cells.volumes, t.volumes(), 1) ||
+        !fits(cells.centroids, t.centroids(), 3) || !fits(cells.surface_areas, t.surface_areas(), 1) ||
+        !fits(cells.security_radii, t.security_radii(), 1) || !fits(cells.face_counts, t.face_counts(), 1) ||
+        !fits(cells.edge_counts, t.edge_counts(), 1) || !fits(cells.vertex_counts, t.vertex_counts(), 1))
+        return "an array of cells has another length";
     for (std::size_t k = 0; k < result.ids.size(); ++k) {
         const auto i = static_cast<std::size_t>(result.ids[k]);
         const std::string cell = "cell " + std::to_string(i) + ": ";
@@ -83,6 +91,10 @@ std::string difference(const votess::mpi::Result& result, const votess::Tessella
             return cell + "the shifts differ";
         if (cells.face_counts[k] != t.face_counts()[i]) return cell + "the number of faces differs";
         if (cells.volumes[k] != t.volumes()[i]) return cell + "the volume differs";
+        if (!cells.surface_areas.empty() && cells.surface_areas[k] != t.surface_areas()[i])
+            return cell + "the surface area differs";
+        if (!cells.security_radii.empty() && cells.security_radii[k] != t.security_radii()[i])
+            return cell + "the security radius differs";
         for (std::size_t d = 0; d < 3; ++d) {
             const double a = cells.centroids[3 * k + d], b = t.centroids()[3 * i + d];
             if (a != b && !(std::isnan(a) && std::isnan(b))) return cell + "the centroid differs";
@@ -165,12 +177,11 @@ void compare(MPI_Comm comm, const Input& input, Share share) {
 }
 
 // All ranks must throw the same message, which ends with these words.
-void refuses(MPI_Comm comm, const std::string& words, const std::vector<double>& points,
-             const std::vector<std::int64_t>& ids, const votess::Options& options) {
+void refuses(MPI_Comm comm, const std::string& words, const std::function<void()>& call) {
     ++runs;
     std::string what;
     try {
-        (void)votess::mpi::tessellate(comm, points, ids, options);
+        call();
     } catch (const votess::Error& error) {
         what = error.what();
     }
@@ -180,6 +191,57 @@ void refuses(MPI_Comm comm, const std::string& words, const std::vector<double>&
     MPI_Allreduce(&own, &least, 1, MPI_UINT64_T, MPI_MIN, comm);
     MPI_Allreduce(&own, &most, 1, MPI_UINT64_T, MPI_MAX, comm);
     if (least != most) wrong(comm, "not all ranks throw '" + what + "'");
+}
+void refuses(MPI_Comm comm, const std::string& words, const std::vector<double>& points,
+             const std::vector<std::int64_t>& ids, const votess::Options& options, Cells cells = Cells::handed_in) {
+    refuses(comm, words, [&] { (void)votess::mpi::tessellate(comm, points, ids, options, cells); });
+}
+
+// Each argument that must be the same on all ranks, with another value on the last one.
+void check_agreement(MPI_Comm comm, const std::vector<double>& points, const votess::Options& options) {
+    const int last = size_of(comm) - 1;
+    const bool is_last = rank_in(comm) == last;
+    const auto differs = [&](const std::string& what) {
+        return "rank " + std::to_string(last) + ": " + what + " differs from that of rank 0: give all ranks the same";
+    };
+    const std::vector<std::pair<std::string, std::function<void(votess::Options&)>>> changes{
+        {"box", [](votess::Options& o) { o.box->upper[2] = 2; }},
+        {"box", [](votess::Options& o) { o.box.reset(); }},
+        {"cell", [](votess::Options& o) { o.cell.emplace(); }},
+        {"periodic", [](votess::Options& o) { o.periodic[1] = true; }},
+        {"walls",
+         [](votess::Options& o) {
+             o.walls.push_back({{1, 0, 0}, 3});
+         }},
+        {"outside", [](votess::Options& o) { o.outside = votess::Outside::keep; }},
+        {"duplicates", [](votess::Options& o) { o.duplicates = votess::Duplicates::error; }},
+        {"want", [](votess::Options& o) { o.want.volumes = false; }},
+        {"list_walls", [](votess::Options& o) { o.list_walls = true; }},
+        {"min_face", [](votess::Options& o) { o.min_face = 0.1; }},
+        {"min_area", [](votess::Options& o) { o.min_area = 0.1; }}};
+    for (const auto& [name, change] : changes) {
+        votess::Options other = options;
+        if (is_last) change(other);
+        refuses(comm, differs(name), points, {}, other);
+    }
+    refuses(comm, differs("cells"), points, {}, options, is_last ? Cells::made : Cells::handed_in);
+
+    const auto result = votess::mpi::tessellate(comm, points, {}, options);
+    const auto made = votess::mpi::tessellate(comm, points, {}, options, Cells::made);
+    votess::VerifyOptions verify;
+    if (is_last) verify.sample = 3;
+    refuses(comm, differs("sample"), [&] { (void)votess::mpi::verify(comm, result, points, verify); });
+    verify = {.rng_seed = is_last ? 2u : 1u};
+    refuses(comm, differs("rng_seed"), [&] { (void)votess::mpi::verify(comm, result, points, verify); });
+    refuses(comm, differs("the result"), [&] {
+        (void)votess::mpi::verify(comm, is_last ? made : result, is_last ? std::vector<double>() : points);
+    });
+    refuses(comm, "() differs from that of rank 0: give all ranks the same", [&] {
+        if (is_last)
+            (void)votess::mpi::verify(comm, result, points);
+        else
+            (void)votess::mpi::tessellate(comm, points, {}, options);
+    });
 }
 
 void check_errors(MPI_Comm comm) {
@@ -204,7 +266,7 @@ void check_errors(MPI_Comm comm) {
     refuses(comm,
             at_last +
                 "point 0: x = 1.5 is outside the box, which spans 0 to 1, by 0.5: move it, or drop points "
-                "outside (outside = drop) or keep them (outside = keep)",
+                "outside (Options::outside = drop) or keep them (Options::outside = keep)",
             bad, ids, options);
     std::vector<std::int64_t> twice = ids;
     if (is_last) twice[1] = 0;
@@ -212,17 +274,19 @@ void check_errors(MPI_Comm comm) {
     if (is_last) twice[1] = -3;
     refuses(comm, at_last + "id 1 = -3 is negative", points, is_last ? twice : ids, options);
     if (last == 0) return;
-    refuses(comm, at_last + "it has no ids, but another rank has: give them on all ranks or on none", points,
-            is_last ? std::vector<std::int64_t>{} : ids, options);
-    votess::Options other = options;
-    other.want.volumes = !is_last;
-    refuses(comm, "its domain or `want` differs from another rank's: give all ranks the same options", points, ids,
-            other);
+    refuses(comm, at_last + "it has 0 ids for 2 points, but another rank has ids: give them on all ranks or on none",
+            points, is_last ? std::vector<std::int64_t>{} : ids, options);
     const std::vector<double> weights(2);
-    other = options;
+    votess::Options other = options;
     if (!is_last) other.weights = weights;
-    refuses(comm, at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks",
+    refuses(comm,
+            at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
             points, ids, other);
+    if (is_last) other.radii = weights;
+    refuses(comm,
+            at_last + "it has 0 weights for 2 points, but another rank has weights: give them on all ranks or on none",
+            points, ids, other);
+    check_agreement(comm, points, options);
 }
 
 // Two communicators at once.

@@ -98,6 +98,14 @@ class SameFile(RanksTest):
         arrays = self.assert_same("d.csv", "--density", "m", "--copy", "m", ranks=(4,))
         self.assertAlmostEqual(np.nansum(arrays["density"] * arrays["volumes"]), mass.sum(), places=10)
 
+    def test_dropped(self):
+        """The seeds of one rank are all dropped."""
+        points = random_points(60)
+        points[20:40] += 2
+        self.put("a.txt", text_of(points))
+        arrays = self.assert_same("a.txt", "--box", "0,0,0,1,1,1", "--outside", "drop", "--want", ALL)
+        self.assertTrue(np.isnan(arrays["centroids"][20:40]).all())
+
     def test_snapshot(self):
         """Several files, one of them without particles, columns that travel."""
         points, begin = 10 * random_points(900), [0, 300, 300, 900]

@@ -63,14 +63,68 @@ def with_one_machine(comm, points, want="volumes,centroids,areas,normals,counts,
     check(np.array_equal(np.sort(np.concatenate(comm.allgather(made.ids))), np.arange(len(points))), "all are made")
 
 
-def refused(comm, kind, text, *arguments, **options):
+def refused(comm, kind, text, *arguments, function=pyvotess.mpi.tessellate, **options):
     try:
-        pyvotess.mpi.tessellate(*arguments, **options)
+        function(*arguments, **options)
     except kind as error:
         messages = comm.allgather(str(error))
         check(len(set(messages)) == 1 and text in messages[0], f"{messages}")
     else:
         check(False, f"not refused: {text}")
+
+
+def wrong_on_one_rank(comm, points):
+    """A wrong or another argument of one rank ends the call on all ranks, for each argument of each function."""
+    last = comm.size - 1
+    box = (0, 0, 0, 1, 1, 1)
+    t = pyvotess.mpi.tessellate(points, comm, box=box)
+
+    def on_last(function, name, value, *arguments, text=None, **options):
+        if comm.rank == last:
+            options[name] = value
+        text = text or f"rank {last}: {name} "
+        refused(comm, ValueError, text, *arguments, function=function, **options)
+
+    same = "differs from that of rank 0"
+    for name, value in (("sample", -1), ("sample", "x"), ("sample", 3), ("rng_seed", -1), ("rng_seed", None), ("rng_seed", 7)):
+        on_last(t.verify, name, value, comm, points=points)
+    on_last(t.verify, "points", points[:, :2], comm)
+    on_last(t.verify, "points", None, comm, points=points, text=f"rank {last}: verify: points ")
+    for name, value in (
+        ("ids", np.zeros(2)), ("ids", np.ma.masked_array(np.arange(len(points)), np.arange(len(points)) == 1)),
+        ("box", "hull"), ("box", (0, 0, 0, 2, 2, 2)), ("periodic", "w"), ("periodic", "x"), ("weights", np.zeros(2)),
+        ("want", "else"), ("want", "volumes,radii"), ("cell", 3), ("walls", 3), ("walls", ((1, 0, 0, 2),)),
+        ("list_walls", True), ("threads", -1), ("duplicates", "x"), ("origin", (0, 0, 0)), ("outside", "keep"),
+        ("cells", "made"), ("progress", 3),
+    ):  # fmt: skip
+        on_last(pyvotess.mpi.tessellate, name, value, points, comm, box=box)
+    each = np.ones(len(points))
+    on_last(pyvotess.mpi.tessellate, "radii", each, points, comm, box=box, text="it has 0 radii")
+    by_rank = {"weights" if comm.rank == last else "radii": each}
+    refused(comm, ValueError, "another rank has", points, comm, box=box, **by_rank)
+    functions = (t.verify, lambda: pyvotess.mpi.tessellate(points, comm))
+    arguments = ((), (comm, points))[comm.rank != last]
+    refused(comm, ValueError, same, *arguments, function=functions[comm.rank == last])
+
+
+def dropped_by_rank(comm):
+    """Ranks whose seeds are all dropped get each array that one machine gives them."""
+    points = np.random.default_rng(3).random((30, 3)) + (comm.rank > 0) * np.array((2.0, 0, 0))
+    want = "volumes,centroids,areas,normals,counts,surfaces,radii"
+    options = {"box": (0, 0, 0, 1, 1, 1), "outside": "drop", "want": want}
+    t = pyvotess.mpi.tessellate(points, comm, **options)
+    alone = pyvotess.tessellate(points, device="cpu", **options)
+    if comm.rank:
+        same_rows(t, alone, np.arange(30))
+    for name in ("status", "volumes", "centroids", "surface_areas", "security_radii", "face_counts", "edge_counts",
+                 "vertex_counts"):  # fmt: skip
+        ours, theirs = getattr(t, name), getattr(alone, name)
+        check(ours.shape == theirs.shape, f"{name} of rank {comm.rank} has shape {ours.shape}")
+        check(comm.rank == 0 or np.array_equal(ours, theirs, equal_nan=True), f"{name} of dropped seeds")
+    check(t.verify(comm, points), "dropped seeds")
+    made = pyvotess.mpi.tessellate(points, comm, cells="made", **options)
+    check(np.array_equal(np.sort(np.concatenate(comm.allgather(made.ids))), np.arange(30)), "dropped seeds are on no rank")
+    check(made.verify(comm), "dropped seeds, made")
 
 
 def stopped_by_one_rank(comm, points):
@@ -122,6 +176,8 @@ def main():
     refused(WORLD, ValueError, "ids has shape", own, WORLD, ids=np.arange(2))
     refused(WORLD, ValueError, "id 4 is given twice", own, WORLD, ids=np.full(len(own), 4))
     refused(WORLD, ValueError, "cells is 'mine'", own, WORLD, cells="mine")
+    wrong_on_one_rank(WORLD, own)
+    dropped_by_rank(WORLD)
     refused(WORLD, pyvotess.VotessError, "vertices", own, WORLD, want="vertices")
     for _ in range(3):
         stopped_by_one_rank(WORLD, own)

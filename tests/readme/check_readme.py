@@ -202,12 +202,12 @@ def check(path, is_page, args, environment):
 
 def dead_links(source):
     """Yields the links to missing files in Markdown files of the repository outside the pages."""
-    listed = subprocess.run(["git", "-C", str(source), "ls-files", "*.md"], text=True, capture_output=True, check=False)
-    for name in listed.stdout.split():
-        if (source / name).exists() and "/docs/pages/" not in name:
-            for link in LINK.findall((source / name).read_text(encoding="utf-8")):
-                if not (source / name).parent.joinpath(link).exists():
-                    yield f"{name}: there is no {link}"
+    trees = [tree for tree in source.iterdir() if tree.is_dir() and tree.name not in (".git", "build", "dist")]
+    for file in sorted([*source.glob("*.md"), *(file for tree in trees for file in tree.rglob("*.md"))]):
+        if "/docs/pages/" not in file.as_posix():
+            for link in LINK.findall(file.read_text(encoding="utf-8")):
+                if not file.parent.joinpath(link).exists():
+                    yield f"{file.relative_to(source)}: there is no {link}"
 
 
 def main():

@@ -7,6 +7,7 @@
 #include <limits>
 #include <set>
 #include <sstream>
+#include <votess/pieces.hpp>
 
 #include "oracle/certificate.hpp"
 #include "oracle/half_spaces.hpp"
@@ -211,6 +212,65 @@ std::string check_identical(const votess::Tessellation& a, const votess::Tessell
     if (!equal(a.security_radii(), b.security_radii())) return "security radii differ";
     if (!equal(a.vertices(), b.vertices())) return "vertices differ";
     return "";
+}
+
+namespace {
+
+// Returns what follows from a result, as text: equal results give equal text.
+std::string derived(const votess::Tessellation& t) {
+    std::ostringstream out;
+    out.precision(17);
+    const auto put = [&](const auto&... lists) {
+        (std::ranges::for_each(lists, [&](auto x) { out << +x << ' '; }), ...);
+        out << '\n';
+    };
+    const auto attempt = [&](auto&& make) {
+        try {
+            make();
+        } catch (const votess::Error& error) {
+            out << error.what() << '\n';
+        }
+    };
+    attempt([&] {
+        const votess::Delaunay dual = votess::delaunay(t);
+        put(dual.tetrahedra, dual.tetrahedra_shifts, dual.tetrahedra_centers, dual.polytope_indptr,
+            dual.polytope_indices, dual.polytope_shifts, dual.polytope_centers);
+    });
+    attempt([&] {
+        const votess::Pieces pieces = votess::pieces(t);
+        put(pieces.volumes, pieces.vertices);
+    });
+    return out.str();
+}
+
+}  // namespace
+
+std::string check_same_result(const votess::Tessellation& a, const votess::Tessellation& b) {
+    if (const std::string arrays = check_identical(a, b); !arrays.empty()) return arrays;
+    if (!equal(a.mesh_areas(), b.mesh_areas())) return "mesh areas differ";
+    if (!equal(a.ids(), b.ids())) return "ids differ";
+    if (!equal(a.weights(), b.weights())) return "weights differ";
+    if (a.box().lower != b.box().lower || a.box().upper != b.box().upper) return "boxes differ";
+    if (a.periodic() != b.periodic()) return "periodic axes differ";
+    if (a.cell().has_value() != b.cell().has_value()) return "one has a cell";
+    if (a.cell() && (a.cell()->origin != b.cell()->origin || a.cell()->a != b.cell()->a || a.cell()->b != b.cell()->b ||
+                     a.cell()->c != b.cell()->c || a.cell()->periodic != b.cell()->periodic))
+        return "cells differ";
+    if (!std::ranges::equal(a.walls(), b.walls(), [](const votess::Wall& v, const votess::Wall& w) {
+            return v.normal == w.normal && v.offset == w.offset;
+        }))
+        return "walls differ";
+    if (a.planar() != b.planar() || a.lists_walls() != b.lists_walls() || a.probed() != b.probed() ||
+        a.in_mesh() != b.in_mesh() || a.is_subset() != b.is_subset() || a.least_face() != b.least_face())
+        return "attributes differ";
+    const votess::Stats &s = a.stats(), &t = b.stats();
+    if (s.device != t.device || s.points != t.points || s.faces != t.faces || s.mean_faces != t.mean_faces ||
+        s.volume_sum != t.volume_sum || s.box_volume != t.box_volume || s.duplicates != t.duplicates ||
+        s.empty_cells != t.empty_cells || s.exact_cells != t.exact_cells || s.tiny_faces != t.tiny_faces ||
+        s.threads != t.threads || s.precision != t.precision)
+        return "stats differ";
+    const std::string of_a = derived(a), of_b = derived(b);
+    return of_a == of_b ? "" : text("what is made of the results differs: ", of_a, "and ", of_b);
 }
 
 std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b) {

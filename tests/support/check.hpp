@@ -32,6 +32,9 @@ std::vector<std::int32_t> row_of(const votess::Tessellation& t, std::size_t i);
 std::string check_invariants(const votess::Tessellation& t, std::span<const double> points, bool may_underflow = false);
 // Checks that every array is equal.
 std::string check_identical(const votess::Tessellation& a, const votess::Tessellation& b);
+// Checks that every array and attribute is equal, except the times and the memory of the run, and so are dual and
+// pieces.
+std::string check_same_result(const votess::Tessellation& a, const votess::Tessellation& b);
 // Checks that lists are equal, and geometry to the promised digits.
 std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b);
 // Proves a tessellation with all_options() and the invariants.

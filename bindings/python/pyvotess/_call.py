@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import importlib
+import re
 import sys
 import threading
-from typing import TYPE_CHECKING, Any, Callable, Generator, Iterator, List, Optional, Tuple, Type, Union
+from typing import TYPE_CHECKING, Any, Callable, Dict, Generator, Iterator, List, Optional, Tuple, Type, Union
 
 import numpy as np
 
@@ -36,10 +37,31 @@ class VotessError(RuntimeError):
         return str(self.args[0])
 
 
+# An option in a message of the library, with its value: options.outside = drop. Arguments of other names follow.
+_OPTION = re.compile(r"\b(?:[a-z]+_)?options\.(want\.)?(\w+(?:\.\w+)?)( = [^\s:,)]+)?")
+_ARGUMENTS = {"planar": "points of shape (N, 2)", "cell.periodic": "periodic=", "cell.origin": "origin=",
+              "mesh.merge": 'mesh_repair="merge"', "mesh.tolerance": "mesh_tolerance="}  # fmt: skip
+
+
+def _argument(option: re.Match[str]) -> str:
+    want, name, value = option.groups()
+    if want:
+        return f'want="{name}"'
+    if value is None:
+        is_subject = option.string[option.end() :].startswith((":", " is ", " has ", " hold "))
+        return name if is_subject else _ARGUMENTS.get(name, name + "=")
+    return name + "=" + (value[3:] if re.search(r"\d", value) else f'"{value[3:]}"')
+
+
+def last_error() -> str:
+    """Returns the message of the library, with options as arguments of Python."""
+    return _OPTION.sub(_argument, lib.votess_last_error().decode("utf-8", "replace"))
+
+
 def raise_on_failure(status: int) -> None:
     if status == _c_api.OK:
         return
-    message = lib.votess_last_error().decode("utf-8", "replace")
+    message = last_error()
     if status == ErrorCode.INVALID_ARGUMENT:
         raise ValueError(message)
     if status == ErrorCode.OUT_OF_MEMORY:
@@ -51,12 +73,13 @@ class Handle:
     """Owns one object of the library."""
 
     def __init__(self, free: Callable[[ctypes.c_void_p], None]) -> None:
-        self.pointer = ctypes.c_void_p()
+        self.pointer: Any = ctypes.c_void_p()
         self._free = free  # kept here: module globals may be gone when the interpreter ends
 
     def free(self) -> None:
-        # Cleared first: a signal handler may raise right after the call, and free() may be called again.
-        pointer, self.pointer = self.pointer, ctypes.c_void_p()
+        # Cleared first: a signal handler may raise right after the call, and free() may be called again. None is NULL for
+        # ctypes, and no module is needed: all of them may be empty when the interpreter ends.
+        pointer, self.pointer = self.pointer, None
         if pointer:
             self._free(pointer)
 
@@ -65,6 +88,27 @@ class Handle:
 
     def __reduce__(self) -> Any:
         raise TypeError("an object of the library cannot be pickled or deep-copied")
+
+
+class WithHandle:
+    """An object with arrays, and the library's object for further computations. Pickles hold the arrays alone."""
+
+    _handle: Optional[Handle]
+
+    def __getstate__(self) -> Dict[str, Any]:
+        return dict(self.__dict__, _handle=None)
+
+    def __copy__(self) -> Any:
+        """Returns a copy that shares everything."""
+        other = object.__new__(type(self))
+        other.__dict__.update(self.__dict__)
+        return other
+
+    def _pointer(self, source: str) -> Any:
+        """Returns the library's object. ``source``: what made it, for the error."""
+        if self._handle is None:
+            raise ValueError(f"a pickle or deep copy holds no object of the library: use what {source} returned")
+        return self._handle.pointer
 
 
 class _Memory:

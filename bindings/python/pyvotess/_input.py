@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import ctypes
-import operator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 
 import numpy as np
 
 from . import _c_api
-from ._call import Handle, array_of, raise_on_failure, run
+from ._arguments import as_flag, as_one_of, shown
+from ._call import Handle, array_of, run
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -23,8 +23,30 @@ if TYPE_CHECKING:
 _HOST = (1, 3, 11, 13)
 
 
+def _of_pandas(values: Any) -> Any:
+    """Returns an array of a frame or column of pandas with nullable or Arrow types, other values as they are.
+
+    NumPy would make objects of them. Missing numbers become NaN.
+    """
+    if not type(values).__module__.startswith("pandas") or not hasattr(values, "to_numpy"):
+        return values
+    types = list(values.dtypes) if values.ndim == 2 else [values.dtype]
+    kinds = {kind.kind for kind in types}
+    if all(isinstance(kind, np.dtype) for kind in types) or not kinds:
+        return values
+    missing = bool(np.any(values.isna()))
+    if not missing and (kinds <= {"i"} or kinds == {"u"} or kinds == {"b"}):
+        return values.to_numpy(dtype={"i": np.int64, "u": np.uint64, "b": np.bool_}[kinds.pop()])
+    if kinds <= set("fiu"):
+        return values.to_numpy(dtype=np.float64, na_value=np.nan)
+    return values
+
+
 def as_array(values: Any, name: str) -> npt.NDArray[Any]:
-    """Returns an array, without a copy of one that has the interface of NumPy or DLPack."""
+    """Returns an array, without a copy of one that has the interface of NumPy or DLPack. Refuses masked values."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
+    values = _of_pandas(values)
     known = ("__array__", "__array_interface__", "__array_struct__")
     if not hasattr(values, "__dlpack__") or any(hasattr(values, attribute) for attribute in known):
         try:
@@ -45,8 +67,6 @@ def as_float64_or_float32(values: Any, name: str) -> npt.NDArray[Any]:
 
     Raises ValueError where the conversion would change a value.
     """
-    if np.ma.is_masked(values):
-        raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
     array = as_array(values, name)
     if array.dtype.kind not in "fiu" or array.dtype.itemsize > 8:
         raise ValueError(f"{name} has dtype {array.dtype}: give float64, float32 or integers")
@@ -84,8 +104,18 @@ def as_box(box: Any, planar: bool = False) -> Float64Array:
     array = as_float64_or_float32(box, "box").astype(np.float64)
     if planar:
         if array.shape not in ((4,), (2, 2)):
-            raise ValueError(f"box has shape {array.shape}: give (x0, y0, x1, y1) or ((x0, y0), (x1, y1))")
-        return _with_zero(array.reshape(2, 2), 2)
+            raise ValueError(
+                f"box has shape {array.shape}: give (x0, y0, x1, y1), ((x0, y0), (x1, y1)) or ((x0, x1), (y0, y1))"
+            )
+        corners = array.reshape(2, 2)
+        if array.ndim == 2 and np.all(corners[:, 0] < corners[:, 1]):  # limits of x and y
+            if np.all(corners[0] < corners[1]) and corners[0, 1] != corners[1, 0]:
+                raise ValueError(
+                    f"box is {corners.tolist()}, which may be two corners or the limits of x and of y: give "
+                    "(x0, y0, x1, y1)"
+                )
+            corners = corners.T
+        return _with_zero(corners, 2)
     if array.shape not in ((6,), (2, 3), (3, 2)):
         raise ValueError(
             f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or "
@@ -97,42 +127,6 @@ def as_box(box: Any, planar: bool = False) -> Float64Array:
 def _with_zero(rows: Float64Array, column: int) -> Float64Array:
     """Returns the rows with a column of zeros: the missing z."""
     return np.insert(rows, column, 0.0, axis=1)
-
-
-def as_count(value: Any, name: str, bits: int) -> int:
-    number = operator.index(value)
-    if not 0 <= number < 2**bits:  # ctypes would wrap it silently
-        raise ValueError(f"{name} is {number}: it must be from 0 to {2**bits - 1}")
-    return number
-
-
-def as_want(want: Union[str, Iterable[_c_api.WantName]]) -> int:
-    """Returns the bits of these words and names of arrays. The library adds the arrays that they imply."""
-    names = want if isinstance(want, str) else list(want)
-    if not isinstance(names, str):
-        for name in names:
-            if not isinstance(name, str):
-                raise TypeError(f"want has {name!r}: give names of arrays")
-        if not names:
-            return 0
-        names = ",".join(names)
-    bits = ctypes.c_uint32()
-    raise_on_failure(lib.votess_want_of(as_text(names, "want"), ctypes.byref(bits)))
-    return bits.value
-
-
-def as_word(word: Any, name: str, words: Dict[str, int]) -> int:
-    if word not in words:
-        raise ValueError(f"{name} is {word!r}: the words are {', '.join(words)}")
-    return words[word]
-
-
-def as_text(text: Any, name: str) -> bytes:
-    if not isinstance(text, str):
-        raise TypeError(f"{name} must be a str, not {type(text).__name__}")
-    if "\0" in text:
-        raise ValueError(f"{name} is {text!r}: remove the zero character")
-    return text.encode()
 
 
 def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Float64Array:
@@ -206,18 +200,18 @@ def as_vector(values: Any, name: str) -> Float64Array:
 
 
 def _as_periodic(periodic: Any, planar: bool) -> Tuple[bool, bool, bool]:
-    if planar and not isinstance(periodic, str):
-        if np.ndim(periodic) == 0:
-            return (bool(periodic), bool(periodic), False)
-        if len(tuple(periodic)) == 2:
-            periodic = (*periodic, False)
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
             raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy', or False")
         return ("x" in periodic, "y" in periodic, "z" in periodic)
-    if np.ndim(periodic) == 0:
-        return (bool(periodic),) * 3
-    flags = tuple(bool(flag) for flag in periodic)
+    try:
+        given = list(periodic)
+    except TypeError:
+        every = as_flag(periodic, "periodic")
+        return (every, every, every and not planar)
+    flags = [as_flag(flag, "periodic") for flag in given]
+    if planar and len(flags) == 2:
+        flags.append(False)
     if len(flags) != 3:
         raise ValueError(f"periodic holds {len(flags)} values: give one for each axis, or True for all")
     return (flags[0], flags[1], flags[2])
@@ -284,16 +278,14 @@ class Domain:
             else:
                 options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
         kept: List[Any] = []
-        if len(self.walls) > 0:
-            if planar:
-                rows = _with_zero(_as_numbers(self.walls, "walls", (len(self.walls), 3), "(M, 3) rows nx, ny, d"), 2)
-            else:
-                rows = _as_numbers(self.walls, "walls", (len(self.walls), 4), "(M, 4) rows nx, ny, nz, d")
-            walls = np.ascontiguousarray(rows)
+        given_walls = np.atleast_1d(as_float64_or_float32(self.walls, "walls"))
+        if given_walls.size > 0:
+            form = "(M, 3) rows nx, ny, d" if planar else "(M, 4) rows nx, ny, nz, d"
+            rows = _as_numbers(given_walls, "walls", (len(given_walls), 4 - planar), form)
+            walls = np.ascontiguousarray(_with_zero(rows, 2) if planar else rows)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)
-        if self.mesh_repair not in (None, "merge"):
-            raise ValueError(f'mesh_repair is {self.mesh_repair!r}: give "merge" or None')
+        as_one_of(self.mesh_repair, "mesh_repair", ("merge",))
         if self.mesh_repair is not None and self.mesh is None:
             raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
         if self.mesh is not None:

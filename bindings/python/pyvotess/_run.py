@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 import numpy as np
 
 from . import _c_api
+from ._arguments import as_count, as_flag, as_number, as_text, as_want, as_word
 from ._call import Handle, raise_on_failure, run, showing
-from ._input import Domain, as_count, as_only, as_points, as_text, as_want, as_word
+from ._input import Domain, as_only, as_points
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def set_options(options: _c_api.Options, given: Dict[str, Any]) -> None:
         elif types[name] is ctypes.c_char_p:
             setattr(options, name, as_text(value, name))
         else:
-            setattr(options, name, float(value) if types[name] is ctypes.c_double else bool(value))
+            setattr(options, name, (as_number if types[name] is ctypes.c_double else as_flag)(value, name))
 
 
 def implied_words(options: _c_api.Options) -> Tuple[str, ...]:

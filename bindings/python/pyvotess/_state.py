@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
+from ._arguments import as_number
 from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 from .mesh import Faces, Lists, Neighbors, Rows, count_edges
@@ -393,14 +394,17 @@ class Cells:
         """
         self._require_space("voronoi_indices()")
         self._require_end("voronoi_indices()")
+        threshold = as_number(edge_threshold, "edge_threshold")
+        if not threshold >= 0:
+            raise ValueError(f"edge_threshold is {threshold}: give a length from 0 on")
         tiny = self.stats.tiny_faces
-        if tiny and edge_threshold == 0:
+        if tiny and threshold == 0:
             warnings.warn(
                 f"{tiny} of {self.stats.faces} faces are smaller than 1e-9 of the mean face. If the points are a rounded "
                 "lattice, drop them with min_face=1e-6, and short edges with edge_threshold",
                 stacklevel=2,
             )
-        return count_edges(self.neighbors, self.faces, self.vertices, edge_threshold)
+        return count_edges(self.neighbors, self.faces, self.vertices, threshold)
 
 
 class SeedCells(Cells):
@@ -443,7 +447,7 @@ class SeedCells(Cells):
 
     def _check_whole(self) -> None:
         if self.ids is not None:
-            raise ValueError("the cells of some points do not form a diagram: leave out `only`")
+            raise ValueError("the cells of some points do not form a diagram: leave out only=")
 
     @property
     def least_face(self) -> float:

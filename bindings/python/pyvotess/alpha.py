@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
+from ._arguments import as_each_axis
 from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 
@@ -59,10 +60,7 @@ class AlphaComplex:
 
 def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]]) -> AlphaComplex:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    copies = np.array(replicate)
-    if copies.dtype.kind not in "iu" or copies.shape not in ((), (3,)):
-        raise ValueError(f"replicate must be a whole number or three, not {replicate!r}")
-    copies = np.clip(np.broadcast_to(copies, 3), -1, 2**31 - 1).astype(np.int32)
+    copies = np.array(as_each_axis(replicate, "replicate"), np.int32)
     handle = Handle(lib.votess_alpha_free)
     arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
     raise_on_failure(watched(lib.votess_alpha_new, result.pointer, *arguments))

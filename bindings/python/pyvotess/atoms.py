@@ -32,10 +32,27 @@ def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
     return np.array([[a, 0, 0], [b * cos_ab, b * sin_ab, 0], [c * cos_ac, c * y, c * np.sqrt(1 - cos_ac**2 - y**2)]])
 
 
+def _corner_of_ase(atoms: Any) -> Float64Array:
+    """Returns the corner of the cell. ASE's reader of extended XYZ keeps it in ``info`` alone."""
+    corner = np.ravel(atoms.get_celldisp()) if hasattr(atoms, "get_celldisp") else np.zeros(3)  # (3, 1) there
+    for key, value in {} if np.any(corner) else getattr(atoms, "info", {}).items():
+        if str(key).lower() == "origin" and np.shape(value) == (3,) and np.asarray(value).dtype.kind in "fiu":
+            return np.asarray(value, dtype=np.float64)
+    return corner
+
+
+def require_edges(edges: Any, of: str) -> None:
+    missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
+    if missing:
+        raise ValueError(
+            f"the cell of {of} has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...), or give box"
+        )
+
+
 def _parts_of(atoms: Any) -> _Parts:
     zero = np.zeros(3)
     if hasattr(atoms, "get_positions") and hasattr(atoms, "pbc"):  # ASE
-        corner = np.ravel(atoms.get_celldisp()) if hasattr(atoms, "get_celldisp") else zero  # (3, 1) there
+        corner = _corner_of_ase(atoms)
         return atoms.get_positions(), np.asarray(atoms.cell, dtype=np.float64), corner, atoms.pbc
     if hasattr(atoms, "cart_coords") and hasattr(atoms, "lattice"):  # pymatgen's Structure
         return atoms.cart_coords, atoms.lattice.matrix, zero, getattr(atoms.lattice, "pbc", (True, True, True))
@@ -60,11 +77,7 @@ def _cells_of(atoms: Any, options: Dict[str, Any], tessellator: Optional[Tessell
     repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
     given = dict(options)
     if given.get("box") is None and np.any(edges):
-        missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
-        if missing:
-            raise ValueError(
-                f"the cell of the atoms has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...)"
-            )
+        require_edges(edges, "the atoms")
         given.update(cell=edges, origin=origin)
     given.setdefault("periodic", repeats)
     return (tessellator.tessellate if tessellator else tessellate)(positions, **given)
@@ -96,6 +109,9 @@ def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellatio
         list of results, and an iterator such as ``ase.io.iread(file)`` an iterator: one :class:`Tessellator` makes all.
     options : of :func:`tessellate`, except points, cell and origin. ``periodic`` overrides that of the atoms;
         ``box`` replaces their cell.
+
+    The corner of ASE's cell is ``celldisp``, or ``info["Origin"]`` where that is 0: its reader of extended XYZ puts the
+    corner there. Remove it from ``info`` if you move the atoms.
 
     Atoms without a cell get the default box of :func:`tessellate`. An atom outside of the cell along an edge without
     period is an error, or dropped with ``outside="drop"``.

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, Iterable, Literal, Optional, Tuple, Union
 import numpy as np
 
 from . import _c_api
+from ._arguments import as_axis, as_each_axis, as_flag, as_word
 from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
-from ._input import Domain, as_array, as_one_each, as_points, as_word
+from ._input import Domain, as_float64_or_float32, as_one_each, as_points
 from ._library import lib
 from ._run import implied_words, new_options
 from ._state import Cells
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
 
-def _as_queries(queries: Any) -> npt.NDArray[np.float64]:
-    return np.require(as_points(queries, "queries"), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+def _as_queries(queries: Any, name: str = "queries") -> npt.NDArray[np.float64]:
+    return np.require(as_points(queries, name), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
 
 
 def _as_weights(weights: Optional[npt.ArrayLike], queries: int) -> Optional[npt.NDArray[np.float64]]:
@@ -154,13 +155,14 @@ class Diagram:
         ------
         ValueError : bad input; a direction of length 0; an infinite ray that no wall ends.
         """
-        start, along = _as_queries(origins), _as_queries(directions)
+        start, along = _as_queries(origins, "origins"), _as_queries(directions, "directions")
         if len(along) != len(start):
             raise ValueError(f"{len(start)} origins, but {len(along)} directions: give one for each ray")
-        given = np.linalg.norm(along, axis=1) if lengths is None else as_array(lengths, "lengths")
+        given = np.linalg.norm(along, axis=1) if lengths is None else as_float64_or_float32(lengths, "lengths")
         if given.ndim == 0:
             given = np.full(len(start), given)
         numbers = as_one_each(given, "lengths", len(start), "rays")
+        with_middles = as_flag(middles, "middles")
         rays = Handle(lib.votess_rays_free)
         self._ask(
             lib.votess_rays_new,
@@ -169,14 +171,15 @@ class Diagram:
             along.ctypes.data,
             numbers.ctypes.data,
             len(start),
-            int(middles),
+            with_middles,
             ctypes.byref(rays.pointer),
         )
         return RayCells(
             array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
             array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
             array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
-            array_of(rays, "middles", np.float64, 3, "votess_rays_") if middles else None,
+            array_of(rays, "middles", np.float64, 3, "votess_rays_") if with_middles else None,
+            len(self),
         )
 
     def probe(
@@ -258,6 +261,7 @@ class Diagram:
         """
         array = _as_queries(queries)
         numbers = _as_weights(weights, len(array))
+        with_gradient = as_flag(gradient, "gradient")
         natural = Handle(lib.votess_natural_free)
         self._ask(
             lib.votess_natural_new,
@@ -265,8 +269,8 @@ class Diagram:
             array.ctypes.data,
             len(array),
             as_word(method, "method", _c_api.NATURAL_METHODS),
-            bool(at_walls),
-            bool(gradient),
+            as_flag(at_walls, "at_walls"),
+            with_gradient,
             _address(numbers),
             ctypes.byref(natural.pointer),
         )
@@ -277,7 +281,7 @@ class Diagram:
         return NaturalCoordinates(
             Neighbors(read("indptr", np.int64), read("indices", np.int32)),
             read("weights", np.float64),
-            read("gradients", np.float64, 3) if gradient else None,
+            read("gradients", np.float64, 3) if with_gradient else None,
         )
 
     @overload
@@ -328,14 +332,13 @@ class Diagram:
         """
         array = _as_queries(queries)
         of_seeds = self._as_values(values)
-        if beyond not in ("nan", "nearest"):
-            raise ValueError(f"beyond is {beyond!r}: the words are nan, nearest")
+        as_word(beyond, "beyond", dict.fromkeys(("nan", "nearest")))
         numbers = _as_weights(weights, len(array))
         asked = of_seeds
         if beyond == "nearest":  # a column of ones is NaN exactly where there are no coordinates
             asked = np.column_stack((of_seeds, np.ones(len(of_seeds))))
         field = np.empty((len(array), *asked.shape[1:]))
-        slopes = np.empty((*field.shape, 3)) if gradient else None
+        slopes = np.empty((*field.shape, 3)) if as_flag(gradient, "gradient") else None
         self._ask(
             lib.votess_diagram_interpolate,
             progress,
@@ -344,7 +347,7 @@ class Diagram:
             array.ctypes.data,
             len(array),
             as_word(method, "method", _c_api.NATURAL_METHODS),
-            bool(at_walls),
+            as_flag(at_walls, "at_walls"),
             _address(numbers),
             field.ctypes.data,
             _address(slopes),
@@ -402,13 +405,9 @@ class Diagram:
         ValueError : bad input.
         """
         of_seeds = self._as_values(values)
-        cells = np.array(np.broadcast_to(np.asarray(shape), 3))  # raises unless it is one number or three
-        if cells.dtype.kind not in "iu" or cells.min() < 1:
-            raise ValueError(f"shape is {shape!r}: give three whole numbers of at least 1, or one for all")
-        if project not in (None, 0, 1, 2):
-            raise ValueError(f"project is {project!r}: it must be 0, 1 or 2, or None")
-        numbers = [int(n) for n in cells]
-        left = [n for axis, n in enumerate(numbers) if axis != project]
+        numbers = as_each_axis(shape, "shape")
+        axis_of_sum = as_axis(project, "project")
+        left = [n for axis, n in enumerate(numbers) if axis != axis_of_sum]
         grid = np.empty((*left, *of_seeds.shape[1:]))
         without = ctypes.c_size_t()
         self._ask(
@@ -418,7 +417,7 @@ class Diagram:
             of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
             (ctypes.c_size_t * 3)(*numbers),
             as_word(method, "method", _c_api.GRID_METHODS),
-            -1 if project is None else project,
+            axis_of_sum,
             grid.ctypes.data,
             ctypes.byref(without),
         )
@@ -427,9 +426,9 @@ class Diagram:
         return grid
 
     def _as_values(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
-        array = np.ascontiguousarray(as_array(values, "values"), np.float64)
+        array = as_float64_or_float32(values, "values").astype(np.float64, copy=False)
         if array.ndim not in (1, 2) or len(array) != len(self):
-            raise ValueError(f"values have the shape {array.shape}: give ({len(self)},) or ({len(self)}, m)")
+            raise ValueError(f"values has shape {array.shape}: give ({len(self)},) or ({len(self)}, m)")
         return array
 
     def __reduce__(self) -> Any:

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, Iterable, Optional, Union
 import numpy as np
 
 from . import _c_api
+from ._arguments import as_count, as_flag, as_number
 from ._c_api import ErrorCode, PrecisionWord, RepairWord, WantName
-from ._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from ._input import Domain, as_count, as_one_each, as_points
+from ._call import Callbacks, Handle, Progress, VotessError, array_of, last_error, raise_on_failure, showing
+from ._input import Domain, as_one_each, as_points
 from ._library import lib
 from ._run import implied_words, new_options
 from .tessellation import Tessellation
@@ -116,9 +117,9 @@ def fit_volumes(
     wanted = implied_words(options)
     fit_options = _c_api.FitOptions()
     raise_on_failure(lib.votess_fit_options_init(ctypes.byref(fit_options), ctypes.sizeof(fit_options)))
-    fit_options.tolerance = float(tolerance)
+    fit_options.tolerance = as_number(tolerance, "tolerance")
     fit_options.max_steps = as_count(max_steps, "max_steps", 32)
-    fit_options.normalize = bool(normalize)
+    fit_options.normalize = as_flag(normalize, "normalize")
 
     fit = Handle(lib.votess_fit_free)
     with showing(progress) as show, Callbacks() as callbacks:
@@ -135,7 +136,7 @@ def fit_volumes(
     if not fit.pointer:
         raise_on_failure(status)
     stats = _c_api.FitStats(struct_size=ctypes.sizeof(_c_api.FitStats))
-    message = lib.votess_last_error().decode("utf-8", "replace")
+    message = last_error()
     raise_on_failure(lib.votess_fit_get_stats(fit.pointer, ctypes.byref(stats)))
     found = array_of(fit, "weights", np.float64, prefix="votess_fit_")
     if status == ErrorCode.NOT_CONVERGED:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import itertools
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -18,6 +20,8 @@ import numpy as np
 from . import _library
 from ._call import VotessError
 from ._c_api import ErrorCode
+from ._frames_of_hdf5 import frames_of
+from .atoms import require_edges
 from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
@@ -40,7 +44,8 @@ class Frame:
     timestep: Optional[float] = None
     ids: Optional[Int64Array] = None  #: (N,)
     species: Optional[List[str]] = None  #: N elements or types
-    columns: Dict[str, Float64Array] = field(default_factory=dict)  #: other numbers, (N,) or (N, width)
+    #: other numbers, (N,) or (N, width); words, (N,), of columns that read_frames() names
+    columns: Dict[str, npt.NDArray[Any]] = field(default_factory=dict)
     units: Dict[str, Union[float, str]] = field(default_factory=dict)
 
     def __len__(self) -> int:
@@ -52,6 +57,8 @@ class Frame:
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
         """Returns the cells in the domain of the file. Options are those of :func:`tessellate`, and override it."""
         given = {} if {"box", "cell"} & options.keys() else self.domain
+        if "cell" in given:
+            require_edges(given["cell"], f"frame {self.number}")
         run = tessellator.tessellate if tessellator else tessellate
         return run(self.points, **{**given, **options})
 
@@ -79,6 +86,11 @@ def _read(stream: IO[bytes], dtype: Any, count: int) -> npt.NDArray[Any]:
     return array
 
 
+def _words(stream: IO[bytes], size: int) -> List[str]:
+    """Reads words of so many bytes. Each ends with its line."""
+    return _read(stream, np.uint8, size).tobytes().decode("utf-8", "replace").split("\n")[:-1]
+
+
 def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     line = stream.readline()
     if not line.endswith(b"\n"):
@@ -88,10 +100,10 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     points = _read(stream, np.float64, head["dimensions"] * count).reshape(-1, head["dimensions"])
     ids = _read(stream, np.int64, count) if head["ids"] else None
     columns = {}
-    for name, width in head["columns"]:
-        values = _read(stream, np.float64, count * width)
-        columns[name] = values if width == 1 else values.reshape(-1, width)
-    words = _read(stream, np.uint8, head["species"]).tobytes().decode("utf-8", "replace")
+    for name, width, size in head["columns"]:
+        values = _read(stream, np.float64, count * width) if width else np.array(_words(stream, size), str)
+        columns[name] = values if width < 2 else values.reshape(-1, width)
+    species = _words(stream, head["species"])
     domain: Dict[str, Any] = {name: np.array(head[name], float) for name in ("box", "cell", "origin") if name in head}
     if domain or any(head["periodic"]):
         domain["periodic"] = tuple(head["periodic"])
@@ -103,18 +115,51 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
         domain=domain,
         timestep=float(head["timestep"]) if head["timestep"] else None,
         ids=ids,
-        species=words.split(" ") if words else None,
+        species=species or None,
         columns=columns,
         units=head["units"],
     )
 
 
-def _failure(message: str, code: int) -> Exception:
+#: What options of the command line are in Python, the first that fits.
+_PYTHON = (
+    (r"--radii (\d+), --weights \d+ or --copy \d+", r'columns="\1"'),
+    (r"leave --2d out, if x y r, add --radii (\d+)", r'give columns=(), if x y r, columns="\1"'),
+    (r"add --radii (\d+)", r'give columns="\1"'),
+    (r"; --density.* need columns of numbers", ", its first row a number"),
+    (r"; for two dimensions add --2d", '; in two dimensions give coordinates=("1", "2")'),
+    (r"add --2d for x and y alone", 'give coordinates=("x", "y") for these alone'),
+    (r" with --2d", " in two dimensions"),
+    (r"--columns", "coordinates"),
+    (r"--copy", "columns"),
+    (r"--wall", "walls"),
+    (r"--frames?", "frames"),
+    (r"--(2d|box|cell|dataset|memory|origin|outside|periodic|radii|weights)\b", r"\1"),
+)
+
+
+def _in_python(message: str, path: str) -> str:
+    """Returns a message with the arguments of Python instead of options. Paths and quoted words stay."""
+    begin = len(path) if message.startswith(path) else 0
+    parts = re.split(r"('[^']*')", message[begin:])
+    for k in range(0, len(parts), 2):
+        for option, name in _PYTHON:
+            parts[k] = re.sub(option, name, parts[k])
+    return message[:begin] + "".join(parts)
+
+
+def _failure(message: str, code: int, path: str) -> Exception:
     message = message.strip()[len("clvotess: ") :] or f"clvotess ended with the code {code}"
-    return ValueError(message) if code == 2 else VotessError(message, ErrorCode.INTERNAL)
+    if code != 2:
+        return VotessError(message, ErrorCode.INTERNAL)
+    unread = re.fullmatch("cannot (?:open|read) '(.*)': (.*)", message)
+    for number in (errno.ENOENT, errno.EACCES, errno.EISDIR, errno.ENOTDIR) if unread else ():
+        if unread and os.strerror(number) == unread[2]:
+            return OSError(number, unread[2], unread[1])  # FileNotFoundError and others
+    return ValueError(_in_python(message, path))
 
 
-def _frames(command: Sequence[str]) -> Iterator[Frame]:
+def _frames(command: Sequence[str], path: str) -> Iterator[Frame]:
     with tempfile.TemporaryFile() as errors:
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, stdin=subprocess.DEVNULL) as process:
             assert process.stdout is not None
@@ -132,7 +177,7 @@ def _frames(command: Sequence[str]) -> Iterator[Frame]:
                 process.kill()
         if code != 0:
             errors.seek(0)
-            raise _failure(errors.read().decode("utf-8", "replace"), code)
+            raise _failure(errors.read().decode("utf-8", "replace"), code, path)
 
 
 def read_frames(
@@ -140,6 +185,7 @@ def read_frames(
     frames: str = "all",
     dataset: Optional[str] = None,
     columns: Union[str, Sequence[str]] = "all",
+    coordinates: Optional[Sequence[str]] = None,
 ) -> Iterator[Frame]:
     """Returns an iterator over the frames of a file, in one pass, with memory for few frames.
 
@@ -154,16 +200,29 @@ def read_frames(
     ----------
     frames : "all", "last" or "a:b:c", frames a to b - 1 in steps of c, counted from 0.
     dataset : of .h5 or .npz; default: the only one that fits.
-    columns : names of the columns to read, or "all" with numbers that have a name.
+    columns : names of the columns to read, or their numbers from 1; "all" with numbers that have a name.
+    coordinates : names or numbers of the columns of x, y and perhaps z, in rows of text, .npz, .ply and LAMMPS dumps.
 
-    Raises ValueError for a file that cannot be read, ImportError without ``clvotess``.
+    Raises ValueError for a file that cannot be read, FileNotFoundError without one, ImportError without ``clvotess``, or
+    without h5py for HDF5 where ``clvotess`` lacks it, as in a wheel.
     """
-    command = [_program(), os.fspath(path), "--frames", frames, "--points"]
+    file = os.fsdecode(path)
+    if file.startswith("-"):  # not an option, nor the input of the program
+        file = os.path.join(os.curdir, file)
+    command = [_program(), file, f"--frames={frames}", "--points"]
     if dataset is not None:
-        command += ["--dataset", dataset]
+        command.append(f"--dataset={dataset}")
     names = [columns] if isinstance(columns, str) else list(columns)
     if names:
-        command += ["--copy", ",".join(names)]
-    found = _frames(command)
-    first = next(found)  # errors of the file are raised here
+        command.append("--copy=" + ",".join(names))
+    if coordinates is not None:
+        command.append("--columns=" + ",".join(coordinates))
+    found = _frames(command, file)
+    try:
+        first = next(found)  # errors of the file are raised here
+    except ValueError as error:
+        if "the module for HDF5 cannot be loaded" not in str(error):  # as in a wheel
+            raise
+        found = (Frame(**parts) for parts in frames_of(file, frames, dataset, names))
+        first = next(found)
     return itertools.chain((first,), found)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional, Uni
 
 import numpy as np
 
+from ._arguments import as_count
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -125,10 +127,13 @@ class NaturalCoordinates:
 
     def to_scipy(self, seeds: int) -> Any:
         """Returns the (Q, seeds) scipy.sparse.csr_array of the weights. Its product with values interpolates them."""
+        rows, columns = self.neighbors, as_count(seeds, "seeds", 31)
+        least = int(rows.indices.max(initial=-1)) + 1
+        if columns < least:
+            raise ValueError(f"seeds is {columns}, but the rows name seed {least - 1}: give the number of seeds")
         from scipy.sparse import csr_array
 
-        rows = self.neighbors
-        return csr_array((self.weights, rows.indices, rows.indptr), shape=(len(rows), seeds))
+        return csr_array((self.weights, rows.indices, rows.indptr), shape=(len(rows), columns))
 
     def __repr__(self) -> str:
         return f"<pyvotess.NaturalCoordinates of {len(self.neighbors)} queries>"

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional
+from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
-from ._call import Handle, array_of, raise_on_failure, watched
+from ._arguments import as_axis
+from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
 from ._library import lib
 from .pairs import edges_of
 
@@ -39,7 +40,7 @@ class FreeSphere(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Network:
+class Network(WithHandle):
     """V vertices and E edges of a diagram. In a periodic domain each occurs once, not for each image.
 
     The radius of a place is its distance to the nearest seed. With ``radii`` or ``weights`` seeds are spheres, and
@@ -60,10 +61,6 @@ class Network:
     def __repr__(self) -> str:
         return f"<pyvotess.Network: {len(self.points)} vertices, {len(self.edges)} edges>"
 
-    def __getstate__(self) -> Dict[str, Any]:
-        """Returns the arrays without the library's object."""
-        return dict(self.__dict__, _handle=None)
-
     @property
     def lengths(self) -> Float64Array:
         """(E,) lengths of the edges, as a new array."""
@@ -77,7 +74,7 @@ class Network:
         """
         radius, vertex = ctypes.c_double(), ctypes.c_int32()
         raise_on_failure(
-            watched(lib.votess_network_largest_included, self._pointer(), ctypes.byref(radius), ctypes.byref(vertex))
+            watched(lib.votess_network_largest_included, self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex))
         )
         if vertex.value < 0:
             raise ValueError("the network has no vertices, so no sphere")
@@ -94,16 +91,11 @@ class Network:
         """
         radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
         out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
-        raise_on_failure(watched(lib.votess_network_largest_free, self._pointer(), -1 if axis is None else int(axis), *out))
+        raise_on_failure(watched(lib.votess_network_largest_free, self._pointer("network()"), as_axis(axis, "axis"), *out))
         if edge.value < 0:
             along = "" if axis is None else f" along axis {axis}"
             raise ValueError(f"no edges lead to an image of themselves{along}: give a domain that is periodic there")
         return FreeSphere(radius.value, edge.value, IncludedSphere(included.value, vertex.value))
-
-    def _pointer(self) -> ctypes.c_void_p:
-        if self._handle is None:
-            raise ValueError("a pickle holds no object of the library: call this on the network that t.network() returned")
-        return self._handle.pointer
 
     def to_networkx(self) -> Any:
         """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, ``z``, ``radius``; edges ``radius``, ``length``, ``shift``.

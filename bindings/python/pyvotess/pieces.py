@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
 import numpy as np
 
 from . import _c_api
+from ._arguments import as_count, as_number, as_path
 from ._call import Callbacks, Handle, Progress, array_of, raise_on_failure, showing
+from ._input import as_array
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -109,11 +111,11 @@ class Pieces:
         from .export.mesh_file import writing
         from .export.whole_file import whole_file
 
-        file = os.fspath(path)
+        file = as_path(path, "path")
         extension = os.path.splitext(file)[1].lower()
         if extension not in _FORMATS:
-            raise ValueError(f"cannot write {file!r}: known are {' '.join(_FORMATS)}")
-        numbers = np.asarray(self.ids if ids is None else ids)
+            raise ValueError(f"path is {file!r}: known are {' '.join(_FORMATS)}")
+        numbers = as_array(self.ids if ids is None else ids, "ids")
         if numbers.shape != self.ids.shape or numbers.dtype.kind not in "iu":
             raise ValueError(
                 f"ids have shape {numbers.shape} and type {numbers.dtype}: give a whole number for each of the "
@@ -136,9 +138,10 @@ def make_pieces(
     t: SeedCells, result: Handle, gap: float, threads: int, progress: Union[None, bool, Progress]
 ) -> Pieces:
     handle = Handle(lib.votess_pieces_free)
+    distance, count = as_number(gap, "gap"), as_count(threads, "threads", 32)
     with showing(progress) as show, Callbacks() as callbacks:
         status = lib.votess_pieces_new(
-            result.pointer, float(gap), threads, callbacks.progress(show), None, ctypes.byref(handle.pointer)
+            result.pointer, distance, count, callbacks.progress(show), None, ctypes.byref(handle.pointer)
         )
     raise_on_failure(status)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from ._input import as_array
+from ._input import as_float64_or_float32
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -23,6 +23,7 @@ class RayCells:
     #: (offsets[R], 3) the middle of each piece, minus the place of the seed or image whose cell it is; None unless
     #: requested.
     middles: Optional[npt.NDArray[np.float64]] = None
+    seed_count: Optional[int] = None  #: N, the number of seeds of the Diagram; None if unknown
 
     def __len__(self) -> int:
         """R, the number of rays."""
@@ -44,9 +45,13 @@ class RayCells:
 
         Raises
         ------
-        ValueError : gradients of another shape, or without middles.
+        ValueError : another number of values, gradients of another shape, or without middles.
         """
-        of_seeds: npt.NDArray[Any] = as_array(values, "values").astype(np.float64, copy=False)
+        of_seeds: npt.NDArray[Any] = as_float64_or_float32(values, "values").astype(np.float64, copy=False)
+        least = int(self.seeds.max(initial=-1)) + 1
+        count = least if self.seed_count is None else self.seed_count
+        if of_seeds.ndim not in (1, 2) or len(of_seeds) < count or (self.seed_count is not None and len(of_seeds) > count):
+            raise ValueError(f"values has shape {of_seeds.shape}: give ({count},) or ({count}, m), one row for each seed")
         rays = np.repeat(np.arange(len(self)), np.diff(self.offsets))
         columns = of_seeds.reshape(len(of_seeds), -1).T
         slopes: Any = None
@@ -54,7 +59,7 @@ class RayCells:
         if gradients is not None:
             if middles is None:
                 raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
-            slopes = as_array(gradients, "gradients").astype(np.float64, copy=False)
+            slopes = as_float64_or_float32(gradients, "gradients").astype(np.float64, copy=False)
             if slopes.shape != (*of_seeds.shape, 3):
                 raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, 3)}")
             slopes = slopes.reshape(len(slopes), -1, 3)

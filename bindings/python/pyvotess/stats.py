@@ -8,7 +8,7 @@ from typing import Any, Dict, Optional, Tuple
 
 from . import _c_api
 from ._call import Handle, raise_on_failure
-from ._input import as_count
+from ._arguments import as_count
 from ._library import lib
 
 
@@ -95,16 +95,20 @@ class VerifyReport:
         return self.passed
 
 
-def verify(function: Any, arguments: Tuple[Any, ...], sample: Optional[int], rng_seed: int) -> VerifyReport:
-    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report."""
+def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
+    """Returns the two arguments of :meth:`Tessellation.verify` for the library."""
     bits = 8 * ctypes.sizeof(ctypes.c_size_t)
+    cells = _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits)
+    return cells, as_count(rng_seed, "rng_seed", 64)
+
+
+def verify(function: Any, *arguments: Any) -> VerifyReport:
+    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report."""
     passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     failure = ctypes.create_string_buffer(1024)
     raise_on_failure(
         function(
             *arguments,
-            _c_api.SAMPLE_AUTOMATIC if sample is None else as_count(sample, "sample", bits),
-            as_count(rng_seed, "rng_seed", 64),
             ctypes.byref(passed),
             ctypes.byref(skipped),
             ctypes.byref(sampled),

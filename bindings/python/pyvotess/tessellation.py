@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 
 import numpy as np
 
+from ._arguments import as_flag
 from ._c_api import CellStatus, ErrorCode
 from ._call import Handle, Progress, VotessError, array_of, raise_on_failure, watched
 from ._input import as_one_each
@@ -22,7 +23,7 @@ from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_pairs
 from .pieces import Pieces, make_pieces
-from .stats import VerifyReport, verify
+from .stats import VerifyReport, as_sample, verify
 from .zones import Zones, read_zones
 
 if TYPE_CHECKING:
@@ -156,9 +157,10 @@ class Tessellation(SeedCells):
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
         handle = Handle(lib.votess_zones_free)
-        arguments = (array.ctypes.data, len(array), bool(maxima), ctypes.byref(handle.pointer))
+        falls = as_flag(maxima, "maxima")
+        arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
         raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
-        return read_zones(handle, self.lists_walls, bool(maxima))
+        return read_zones(handle, self.lists_walls, falls)
 
     def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
@@ -281,6 +283,7 @@ class Tessellation(SeedCells):
         far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated
         again.
         """
+        drawn = as_sample(sample, rng_seed)
         points = np.ascontiguousarray(self._points, dtype=np.float64)
         try:
             handle = self._handle()
@@ -289,7 +292,7 @@ class Tessellation(SeedCells):
                 raise
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
-        report = verify(partial(watched, lib.votess_verify), seeds, sample, rng_seed)
+        report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
         if self.planar or self.in_mesh:
             return report
         tiny = ctypes.c_uint64()

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ._arguments import as_count, as_number
 from ._call import raise_on_failure
-from ._input import as_count, as_vector
+from ._input import as_vector
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -30,12 +31,12 @@ def _walls(function: Any, faces: int, *arguments: Any) -> Float64Array:
 
 def sphere(center: npt.ArrayLike, radius: float, faces: int = 300) -> Float64Array:
     """Returns walls around a sphere. They enclose about 3 / faces more of its volume."""
-    return _walls(lib.votess_sphere_walls, faces, as_vector(center, "center"), float(radius))
+    return _walls(lib.votess_sphere_walls, faces, as_vector(center, "center"), as_number(radius, "radius"))
 
 
 def cylinder(point: npt.ArrayLike, axis: npt.ArrayLike, radius: float, faces: int = 32) -> Float64Array:
     """Returns walls around an infinite cylinder. They enclose about pi**2 / (3 faces**2) more of its cross section."""
-    return _walls(lib.votess_cylinder_walls, faces, as_vector(point, "point"), as_vector(axis, "axis"), float(radius))
+    return _walls(lib.votess_cylinder_walls, faces, as_vector(point, "point"), as_vector(axis, "axis"), as_number(radius, "radius"))
 
 
 def cone(apex: npt.ArrayLike, axis: npt.ArrayLike, angle: float, faces: int = 32) -> Float64Array:
@@ -43,4 +44,4 @@ def cone(apex: npt.ArrayLike, axis: npt.ArrayLike, angle: float, faces: int = 32
 
     ``axis`` points from the apex into the cone. ``angle``: between axis and surface, radians.
     """
-    return _walls(lib.votess_cone_walls, faces, as_vector(apex, "apex"), as_vector(axis, "axis"), float(angle))
+    return _walls(lib.votess_cone_walls, faces, as_vector(apex, "apex"), as_vector(axis, "axis"), as_number(angle, "angle"))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Optional
+from typing import TYPE_CHECKING, Any, Optional
 
 import numpy as np
 
-from ._call import Handle, array_of, raise_on_failure, watched
+from ._arguments import as_number
+from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Zones:
+class Zones(WithHandle):
     """Z zones of N cells, with P pairs of adjacent zones. For ``maxima`` read "highest" for lowest, "falls" for rises."""
 
     labels: Int32Array  #: (N,) the zone of each cell; -1 for seeds without a cell
@@ -42,20 +43,15 @@ class Zones:
     def __repr__(self) -> str:
         return f"<pyvotess.Zones: {len(self)} zones of {len(self.labels)} cells>"
 
-    def __getstate__(self) -> Dict[str, Any]:
-        """Returns the arrays without the library's object."""
-        return dict(self.__dict__, _handle=None)
-
     def merge(self, threshold: float) -> Zones:
         """Returns the zones that remain when each zone with ``persistence <= threshold`` joins its parent.
 
         ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins zones
         that only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
         """
-        if self._handle is None:
-            raise ValueError("a pickle holds no merge tree of the library: merge the zones that watershed() returned")
         handle = Handle(lib.votess_zones_free)
-        raise_on_failure(watched(lib.votess_zones_merge, self._handle.pointer, float(threshold), ctypes.byref(handle.pointer)))
+        level = as_number(threshold, "threshold")
+        raise_on_failure(watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer)))
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 

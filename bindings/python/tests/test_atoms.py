@@ -76,6 +76,22 @@ class Atoms(unittest.TestCase):
         atoms.get_positions = lambda: positions + (2, 2, 3)
         np.testing.assert_allclose(vt.from_ase(atoms).volumes, t.volumes, rtol=1e-13)
 
+    def test_corner_in_info(self):
+        """ASE 3.29 reads Origin of extended XYZ into info, while celldisp stays 0."""
+        positions, edges = np.array([(-1, -1, 1), (1, 1, 2.5), (1, -1, 4.5)], float), np.diag([4.0, 4, 8])
+        expected = vt.tessellate(positions, cell=edges, origin=(-2, -2, -3), periodic="xy").volumes
+        atoms = looks_like("ase", positions, edges, (True, True, False))
+        for key in ("Origin", "origin"):
+            for corner in (np.array([-2, -2, -3]), np.array([-2.0, -2.0, -3.0]), (-2, -2, -3.0)):
+                atoms.info = {"energy": 1.0, key: corner}
+                np.testing.assert_array_equal(vt.from_ase(atoms).volumes, expected)
+        atoms = looks_like("ase", positions, edges, (True, True, False), (-2, -2, -3))
+        atoms.info = {"Origin": np.array([7, 7, 7])}  # celldisp counts
+        np.testing.assert_array_equal(vt.from_ase(atoms).volumes, expected)
+        for other in ("Freiburg", np.eye(3), None, [True, False, True]):
+            atoms.info = {"Origin": other}
+            np.testing.assert_array_equal(vt.from_ase(atoms).volumes, expected)
+
     def test_shifted_tilted_partly_periodic(self):
         corner = np.array((-31.0, 17.5, 4.25))
         positions = corner + alloy(200)
@@ -127,7 +143,7 @@ class Atoms(unittest.TestCase):
             vt.from_ase("Cu")
         with self.assertRaisesRegex(ValueError, "no edge c"):
             vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], (True, True, False)))
-        with self.assertRaisesRegex(ValueError, "a periodic axis needs a box"):
+        with self.assertRaisesRegex(ValueError, "periodic= needs a box"):
             vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (True, True, False)))
         self.assertIsNone(vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (False,) * 3)).cell)
         for name in ("cell", "origin"):

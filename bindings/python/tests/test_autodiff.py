@@ -164,7 +164,7 @@ class Identities(unittest.TestCase):
             ("volumes has shape .3,.: it must be .20,.", lambda: autodiff.vjp(t, volumes=np.ones(3))),
             ("areas has shape", lambda: autodiff.vjp(t, areas=np.ones(3))),
             ("whole cells", lambda: autodiff.vjp(autodiff.forward(points, box=UNIT_BOX, min_face=0.5))),
-            ("leave out `only`", lambda: autodiff.vjp(autodiff.forward(points, box=UNIT_BOX, only=[1]))),
+            ("leave out only=", lambda: autodiff.vjp(vt.tessellate(points, box=UNIT_BOX, want="faces", only=[1]))),
             ("infinity", lambda: autodiff.vjp(vt.tessellate(points, "none", want="faces"), areas=())),
         ):
             t = autodiff.forward(points, box=UNIT_BOX)
@@ -246,8 +246,19 @@ class Jax(unittest.TestCase):
         self.assertEqual(module._cells_of.cache_info().misses, made)
 
     def test_refused(self):
+        import jax
+
         with self.assertRaisesRegex(ValueError, "points has dtype int64"):
             self.tessellate(np.ones((2, 3), np.int64), box=UNIT_BOX)
+        with self.assertRaisesRegex(ValueError, "points has dtype float16"):
+            self.tessellate(self.points.astype(np.float16), box=UNIT_BOX)
+        with self.assertRaisesRegex(TypeError, "progress is of type function, which cannot be pickled"):
+            self.tessellate(self.points, box=UNIT_BOX, progress=lambda fraction: None)
+        with self.assertRaisesRegex(ValueError, "only is not an option of derivatives"):
+            self.tessellate(self.points, box=UNIT_BOX, only=[1])
+        self.tessellate(self.points, box=UNIT_BOX, min_face=0.1)
+        with self.assertRaisesRegex(ValueError, "derivatives need whole cells: leave out min_face and min_area"):
+            jax.grad(lambda p: self.tessellate(p, box=UNIT_BOX, min_face=0.1).volumes[0])(self.points)
         with self.assertLogs("jax"), self.assertRaisesRegex(Exception, "max_rows is 5, but the rows have"):
             self.tessellate(self.points, box=UNIT_BOX, max_rows=5).areas.block_until_ready()
 
@@ -290,6 +301,8 @@ class Torch(unittest.TestCase):
         self.assertEqual(narrow.grad.dtype, torch.float32)
 
     def test_refused(self):
+        with self.assertRaisesRegex(ValueError, "points is torch.float16"):
+            self.tessellate(self.points.detach().half(), box=UNIT_BOX)
         with self.assertRaisesRegex(ValueError, "points is torch.int64"):
             self.tessellate(self.points.detach().long(), box=UNIT_BOX)
         with self.assertRaisesRegex(ValueError, "points is on meta: give points.cpu"):

@@ -1,5 +1,6 @@
 """derivatives(): volumes and areas compared with central differences, in every kind of domain."""
 
+import tracemalloc
 import unittest
 
 import numpy as np
@@ -111,6 +112,19 @@ class Derivatives(unittest.TestCase):
                     closed = t.derivatives(of) @ way.ravel()
                     self.assertLess(np.abs(numeric - closed).max(), 1e-5 * np.abs(way).max(), f"{of}, {count}, {options}")
                     self.assertEqual(t.derivatives(of, by="weights").shape, (len(closed), count))
+
+    @have("scipy")
+    def test_memory(self):
+        """Temporary arrays are smaller than a few copies of the matrix."""
+        count = 1500
+        t = vt.tessellate(uniform(count), UNIT_BOX, want="faces,areas")
+        t.derivatives("areas")  # imports
+        tracemalloc.start()
+        matrix = t.derivatives("areas")
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        size = matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes
+        self.assertLess(peak, 4 * size + 5_000_000)
 
     @have("scipy")
     def test_refused(self):

@@ -416,7 +416,7 @@ class Stops(unittest.TestCase):
         )
         environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")
         done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=False)
-        self.assertRegex(done.stdout, r"\ANO_THREADS threads = 1024, but the system gives only \d+: request fewer", done.stderr)
+        self.assertRegex(done.stdout, r"\ANO_THREADS threads=1024, but the system gives only \d+: request fewer", done.stderr)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,9 @@
 """Frames: read_frames(), and the files of clvotess --frames in other programs, where these are installed."""
 
 import gc
+import os
+import pathlib
+import re
 import subprocess
 import types
 import unittest
@@ -118,10 +121,15 @@ class Files(Folder):
         np.testing.assert_array_equal(frame.columns["m"], np.arange(120))
 
     def test_refusals(self):
-        with self.assertRaisesRegex(ValueError, "^cannot open '.*nothing.xyz'"):
+        with self.assertRaisesRegex(FileNotFoundError, "No such file.*nothing.xyz'"):
             vt.read_frames(self.folder / "nothing.xyz")
+        (self.folder / "a.csv").mkdir()
+        with self.assertRaises(IsADirectoryError):
+            vt.read_frames(self.folder / "a.csv")
+        with self.assertRaises(NotADirectoryError):
+            vt.read_frames(self.put("b.txt", "1 2 3\n") / "b.txt")
         path = self.put("a.xyz", xyz_of(0) + xyz_of(1)[:-20])
-        with self.assertRaisesRegex(ValueError, "--frames must be"):
+        with self.assertRaisesRegex(ValueError, "^frames must be"):
             vt.read_frames(path, frames="some")
         with self.assertRaisesRegex(ValueError, "no column 'p'"):
             vt.read_frames(path, columns="p")
@@ -129,6 +137,147 @@ class Files(Folder):
         self.assertEqual(next(frames).number, 0)
         with self.assertRaisesRegex(ValueError, "a.xyz:24"):
             next(frames)
+
+    def test_words_of_python(self):
+        """Messages name arguments of read_frames(), never options of the command line."""
+        for name, text, options, says in (
+            ("a.csv", "a,b,c\n1,2,3\n", {}, "lacks 'x': name the columns of the coordinates by coordinates, or give"),
+            ("a.csv", "x,y,m\n1,2,3\n", {}, r'or give coordinates=\("x", "y"\) for these alone'),
+            ("a.csv", "x,y,m\n1,2,3\n", {"coordinates": ("x", "m", "z")}, "lacks 'z' of coordinates"),
+            ("a.txt", "1 2 3 4 5\n", {}, 'name it with columns="5", or remove it'),
+            ("a.txt", "0.5 2 3 4\n", {}, 'if the columns are x y z r, give columns="4"'),
+            ("a.txt", "1 2 3 4\n1 2 3 q\n", {"columns": "4"}, "the column 'column_4' has text, its first row"),
+            ("a.csv", "x,y,z,--q\n1,2,3,4\n", {"columns": "r"}, "there are x y z --q"),
+            ("a.npy", "", {"dataset": "q"}, "^dataset goes with"),
+            ("a.xyz", xyz_of(0), {"frames": "1:0:"}, "frame"),
+            ("--x", "1 2\n1\n", {}, "--x:2: "),
+        ):
+            path = self.put(name, text)
+            with self.assertRaisesRegex(ValueError, says) as raised:
+                list(vt.read_frames(path, **options))
+            if "--" not in text + name:
+                self.assertNotIn("--", str(raised.exception))
+        root = pathlib.Path(__file__).resolve().parents[3]
+        for source in (root / "cli/read").rglob("*.cpp"):
+            if "surface" in source.name or "mesh" in str(source.relative_to(root)):
+                continue  # of --mesh
+            for text in re.findall(r'"((?:[^"\\\n]|\\.)*--[a-z0-9](?:[^"\\\n]|\\.)*)"', source.read_text()):
+                self.assertNotIn("--", module._in_python(text, ""), source)
+
+    def test_paths(self):
+        """A path that looks like an option or like stdin is a file; so are paths of bytes."""
+        old = os.getcwd()
+        os.chdir(self.folder)
+        self.addCleanup(os.chdir, old)
+        for name in ("-x.xyz", "--help", "-", "- .xyz", "--frames=all"):
+            self.put(name, xyz_of(3) if name.endswith(".xyz") else "1 2 3\n4 5 6\n")
+            for path in (name, os.fsencode(name), pathlib.Path(name), self.folder / name):
+                frame, = vt.read_frames(path)
+                self.assertEqual(len(frame), 120 if name.endswith(".xyz") else 2)
+
+    def test_columns(self):
+        """Columns of words, those of quoted names and cells, and coordinates under other names."""
+        points = positions(2)
+        rows = [f'{i},"w {i % 3}",{x!r},{y!r},{z!r},{"" if i % 4 == 1 else i / 2}' for i, (x, y, z) in enumerate(points.tolist())]
+        path = self.put("a.csv", 'n,"a, note",Points:0,Points:1,Points:2,sparse\n' + "\n".join(rows))
+        frame, = vt.read_frames(path, coordinates=("Points:0", "Points:1", "Points:2"), columns=("2", "n"))
+        np.testing.assert_array_equal(frame.points, points)
+        self.assertEqual(frame.columns["a, note"].tolist(), [f"w {i % 3}" for i in range(120)])
+        np.testing.assert_array_equal(frame.columns["n"], np.arange(120))
+        frame, = vt.read_frames(path, coordinates="345")
+        self.assertEqual(list(frame.columns), ["n", "sparse"])
+        np.testing.assert_array_equal(np.isnan(frame.columns["sparse"]), np.arange(120) % 4 == 1)
+        path = self.put("a.xyz", "3\n\nCu 1 2 3\nZr 4 5 6\nCu 7 8 9\n")
+        frame, = vt.read_frames(path, columns="species")
+        self.assertEqual((frame.species, frame.columns["species"].tolist()), (["Cu", "Zr", "Cu"],) * 2)
+
+    def test_h5py_reads_what_clvotess_reads(self):
+        """A clvotess without HDF5, as in a wheel, leaves .h5 to h5py. Both readers give the same frames."""
+        try:
+            import h5py
+        except ImportError:
+            self.skipTest("h5py is not installed")
+        rng = np.random.default_rng(5)
+        places = rng.random((4, 9, 3)) * 3
+        padded, absent = places.copy(), np.tile(np.arange(9), (4, 1))
+        padded[1, 5:] = np.nan
+        absent[2, ::2] = -1
+
+        def h5md(name, value, edges, boundary, step=(0, 10, 20, 30), box_step=None, pbc=None, ids=None, **attributes):
+            with h5py.File(self.folder / name, "w") as file:
+                group = file.create_group("particles/all")
+                group["position/value"], group["position/step"] = value, step
+                group["position/step"].attrs.update(attributes)
+                group["velocity/value"], group["mass"], group["charge/value"] = value, np.arange(9.0), rng.random((4, 9))
+                box = group.create_group("box")
+                box.attrs["boundary"] = boundary
+                if np.ndim(edges) == 1:
+                    box.attrs["edges"] = edges
+                else:
+                    box["edges/value"] = edges
+                if box_step is not None:
+                    box["edges/step"] = box_step
+                if pbc is not None:
+                    box["pbc/value"] = pbc
+                if ids is not None:
+                    group.create_dataset("id/value", data=ids, fillvalue=-1)
+            return name
+
+        words = np.array(["periodic", "none", "periodic"], "S8")
+        cells = np.array([EDGES * (1 + k / 10) for k in range(4)])
+        names = [h5md("a.h5", places, cells, words), h5md("b.h5md", padded, (4.0, 5.0, 6.0), [True, False, True], pbc=rng.random((4, 3)) < 0.5),
+                 h5md("c.h5", places, cells[:2], words, box_step=[0, 15], ids=absent), h5md("d.h5", places, cells[:, :1, 0][:, [0, 0, 0]] * 1.0, words, step=5, offset=3),
+                 h5md("e.h5", places[:, :, :2], (4.0, 5.0), words[:2], pbc=np.full((4, 2), np.nan))]
+        with h5py.File(self.folder / "f.h5", "w") as file:
+            file["coordinates"], file["cell_lengths"], file["cell_angles"] = places.astype("f4"), np.full((4, 3), 4.0), np.tile((90.0, 80, 60), (4, 1))
+        with h5py.File(self.folder / "g.h5", "w") as file:
+            file["PartType0/Coordinates"], file["PartType0/Masses"], file["PartType0/ParticleIDs"] = places[0], np.arange(9.0), np.arange(9, dtype="u8") + 7
+            file.create_group("Header").attrs.update(BoxSize=4.0, Time=0.5, UnitLength_in_cm=3e21)
+            file.create_group("RuntimePars").attrs["PeriodicBoundariesOn"] = 1
+        self.run_cli("--random", "50", "-o", "h.h5", "--want", "centroids")
+        self.run_cli("h.h5", "--dataset", "centroids", "--cell", "2,0,0,0.5,2,0,0,0.1,2", "--origin=-0.5,-0.5,-0.5", "--want", "centroids", "-o", "i.h5")
+        names += ["f.h5", "g.h5", "h.h5", "i.h5"]
+
+        def same(one, other):
+            self.assertEqual((one.number, one.timestep, one.units, sorted(one.domain), sorted(one.columns)),
+                             (other.number, other.timestep, other.units, sorted(other.domain), sorted(other.columns)))
+            np.testing.assert_array_equal(one.points, other.points)
+            np.testing.assert_array_equal(one.ids, other.ids)
+            for key in one.domain:
+                np.testing.assert_allclose(one.domain[key], other.domain[key], rtol=1e-15, atol=1e-15)
+            for key in one.columns:
+                np.testing.assert_array_equal(one.columns[key], other.columns[key])
+
+        try:
+            next(vt.read_frames(self.folder / "a.h5"))
+        except ValueError as error:
+            self.skipTest(str(error))
+        real = module._frames
+
+        def without_hdf5(command, path):
+            raise ValueError("cannot read 'a.h5': the module for HDF5 cannot be loaded: no such file")
+            yield
+
+        for name in names:
+            for options in ({}, {"frames": "last"}, {"frames": "1:4:2"} if name < "g" else {}, {"columns": "mass"} if name < "f" else {}):
+                answers = []
+                for frames in (real, without_hdf5):
+                    module._frames = frames
+                    try:
+                        answers.append(list(vt.read_frames(self.folder / name, **options)))
+                    finally:
+                        module._frames = real
+                self.assertEqual(len(answers[0]), len(answers[1]), name)
+                for one, other in zip(*answers):
+                    with self.subTest(name, frame=one.number):
+                        same(one, other)
+
+    def test_cell_that_lacks_an_edge(self):
+        path = self.put("a.xyz", '2\nLattice="4 0 0 0 4 0 0 0 0" pbc="T T F"\nCu 1 1 1\nCu 2 2 2\n')
+        frame, = vt.read_frames(path)
+        with self.assertRaisesRegex(ValueError, r"cell of frame 0 has no edge c: .*atoms.center\(vacuum=...\)"):
+            frame.tessellate()
+        self.assertAlmostEqual(frame.tessellate(box=(0, 0, 0, 4, 4, 4)).volumes.sum(), 64)
 
     def test_volumes_of_ovito(self):
         try:
@@ -162,6 +311,8 @@ class Files(Folder):
         path = self.put("a.xyz", "".join(xyz_of(k) for k in range(5)))
         self.run_cli(path, "--frames", "all", "-o", "a.dump", "-o", "b.xyz")
         for name, prefix, kind in (("a.dump", "c_", "lammps-dump-text"), ("b.xyz", "", "extxyz")):
+            for k, atoms in enumerate(ase.io.iread(self.folder / name, format=kind)):
+                np.testing.assert_allclose(vt.from_ase(atoms).volumes, expected(k).volumes, rtol=1e-12)
             read = ase.io.read(self.folder / name, index=":", format=kind)
             self.assertEqual(len(read), 5)
             for k, atoms in enumerate(read):

@@ -3,6 +3,7 @@
 import copy
 import ctypes
 import gc
+import importlib.util
 import pickle
 import unittest
 import weakref
@@ -137,6 +138,25 @@ class BadInput(unittest.TestCase):
         points[6, 2] = -3
         self.refused(r"4.*1\.5", points, box=UNIT_BOX)
 
+    def test_rounded_coordinates(self):
+        """Points that the decimals of a file put beyond a wall are to be kept; farther ones are a fault."""
+        inside = np.random.default_rng(4).random((20, 3))
+        edges = np.array([(4.1, 0, 0), (0.7, 3.3, 0), (0.2, -0.4, 5.2)])
+        for scale in (1e-3, 1, 1e5):
+            cell, box = edges * scale, (0, 0, 0, *(np.array((4.1, 3.3, 5.2)) * scale))
+            for places, domain in ((inside * box[3:], {"box": box}), (inside @ cell, {"cell": cell, "periodic": "xy"}),
+                                   (inside * box[3:], {"box": box, "walls": [(1, 1, 1, 99 * scale), (0, 0.6, 0.8, (0.6 * 3.3 + 0.8 * 5.2) * scale)]})):
+                for beyond, rounded in ((5e-9, True), (1e-7, True), (1e-3, False), (0.5, False)):
+                    points = places.copy()
+                    points[7] = (np.array(box[3:]) / 2 if "cell" not in domain else cell.sum(axis=0) / 2)
+                    points[7, 2] = box[5] + beyond * scale
+                    with self.assertRaisesRegex(ValueError, "point 7") as raised:
+                        vt.tessellate(points, **domain)
+                    self.assertEqual("may be rounded: keep points outside (outside = keep)" in str(raised.exception), rounded, (domain, beyond))
+                    self.assertEqual("outside = drop" in str(raised.exception), not rounded)
+                    t = vt.tessellate(points, outside="keep", **domain)
+                    self.assertAlmostEqual(t.volumes.sum() / np.prod(box[3:]), 1, 9)
+
     def test_boxes(self):
         points = uniform(4)
         self.refused("(?i)box", points, box=(0, 0, 0, 1, 0, 1))
@@ -152,6 +172,54 @@ class BadInput(unittest.TestCase):
             self.refused(f"points has shape .*{len(shape) and shape[0] or ''}", np.zeros(shape))
         self.refused(r"\(4, 4\).*\(N, 3\)", np.zeros((4, 4)))
         self.refused("points", [[1.0, 2.0, 3.0], [1.0, 2.0]])
+
+    def test_pandas(self):
+        """Nullable and Arrow columns of pandas 3.1.1, which NumPy takes for objects; imitations, and frames where it is installed."""
+        class Kind:
+            def __init__(self, kind):
+                self.kind = kind
+
+        def column(values, *kinds, missing=False):
+            def to_numpy(dtype, **options):
+                if missing and "na_value" not in options:
+                    raise ValueError("NA")
+                return np.array(values, dtype)
+            own = type("Frame", (), {"__module__": "pandas.core.frame", "__array__": lambda self, dtype=None, copy=None: np.array(values, object)})()
+            own.ndim, own.to_numpy = np.ndim(values), to_numpy
+            own.dtypes = [Kind(kind) for kind in kinds]
+            own.dtype = own.dtypes[0]
+            own.isna = lambda: np.array([missing])
+            return own
+
+        points = np.random.default_rng(2).random((9, 3)).tolist()
+        expected = vt.tessellate(points).volumes
+        np.testing.assert_array_equal(vt.tessellate(column(points, "f", "f", "f")).volumes, expected)
+        whole = [[i, i * i, -i] for i in range(9)]
+        self.assertEqual(vt.tessellate(column(whole, "i", "f", "u")).points.dtype, np.float64)
+        np.testing.assert_array_equal(vt.tessellate(column(whole, "i", "i", "i")).points, whole)
+        radii = column([0.1] * 9, "f")
+        np.testing.assert_array_equal(vt.tessellate(points, radii=radii).volumes, vt.tessellate(points, radii=[0.1] * 9).volumes)
+        np.testing.assert_array_equal(vt.tessellate(points, only=column([True] + [False] * 8, "b")).ids, [0])
+        for frame, says in ((column([[2**53 + 1, 0, 0]], "i", "i", "i"), r"points\[0\]\[0\] is 9007199254740993"),
+                            (column([[1, np.nan, 2]], "f", "f", "f", missing=True), "point 0: y = nan"), (column([["1", "2", "3"]], "O", "O", "O"), "dtype object"),
+                            (column(points, "f", "b", "f"), "dtype object")):
+            with self.assertRaisesRegex(ValueError, says):
+                vt.tessellate(frame)
+        try:
+            import pandas
+        except ImportError:
+            return
+        frame = pandas.DataFrame(points, columns=list("xyz"))
+        backends = [{}] + ([{"dtype_backend": "pyarrow"}] if importlib.util.find_spec("pyarrow") else [])
+        for options in backends:
+            other = frame.convert_dtypes(**options)
+            np.testing.assert_array_equal(vt.tessellate(other).volumes, expected)
+            np.testing.assert_array_equal(vt.tessellate(points, weights=other["x"] / 99).volumes, vt.tessellate(points, weights=frame["x"].to_numpy() / 99).volumes)
+            other.iloc[3, 1] = None
+            with self.assertRaisesRegex(ValueError, "point 3: y = nan"):
+                vt.tessellate(other)
+            with self.assertRaisesRegex(ValueError, "dtype object"):
+                vt.tessellate(frame.astype(str).convert_dtypes(**options))
 
     def test_types(self):
         self.refused("complex128", np.zeros((2, 3), complex))

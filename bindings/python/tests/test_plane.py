@@ -146,6 +146,30 @@ class Plane(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "vertices"):
             vt.tessellate(POINTS, box=BOX).plot()
 
+    def test_boxes_as_limits(self):
+        """((x0, x1), (y0, y1)) as in space; what may also be two corners is refused."""
+        points = np.array([(0.25, 2.25), (0.75, 2.75), (0.5, 2.5)])
+        for box, corners in (
+            (((0, 1), (2, 3)), None),
+            (((0, 2), (1, 3)), None),  # area 1 as corners, 4 as limits
+            (((0, 2), (1, 4)), None),
+            (((0, 2), (2, 3)), (0, 2, 2, 3)),
+            (((0, 1), (1, 3)), (0, 1, 1, 3)),  # the same in both ways
+            (((0, 2), (2.0, 3)), (0, 2, 2, 3)),
+            (((-1, 2), (-1, 3)), (-1, -1, 2, 3)),
+            (((-1, -1), (1, 3)), (-1, -1, 1, 3)),
+            ((-1, -1, 1, 3), (-1, -1, 1, 3)),
+            (((0, 4), (1.5, 3)), (0, 1.5, 4, 3)),
+        ):
+            with self.subTest(box):
+                if corners is None:
+                    with self.assertRaisesRegex(ValueError, r"may be two corners or the limits.*\(x0, y0, x1, y1\)"):
+                        vt.tessellate(points, box=box)
+                    continue
+                t = vt.tessellate(points, box=box, outside="keep")
+                x0, y0, x1, y1 = corners
+                self.assertAlmostEqual(t.volumes.sum(), (x1 - x0) * (y1 - y0))
+
     def test_refusals(self):
         for text, arguments in (
             ("box has shape", {"box": (0, 0, 0, 1, 1, 1)}),

@@ -63,6 +63,9 @@ class Rays(unittest.TestCase):
         np.testing.assert_allclose(far.integrate(values, gradients), both, atol=1e-12)
         with self.assertRaisesRegex(ValueError, r"gradients has shape \(50, 3\): values need \(50, 2, 3\)"):
             cells.integrate(values, gradients[:, 0])
+        for wrong in (values[:-1], np.concatenate((values, values[:1])), values[0, 0]):
+            with self.assertRaisesRegex(ValueError, r"values has shape .*: give \(50,\) or \(50, m\)"):
+                cells.integrate(wrong)
         with self.assertRaisesRegex(ValueError, r"use trace\(..., middles=True\)"):
             vt.Diagram(points).trace(origins, directions).integrate(values, gradients)
 

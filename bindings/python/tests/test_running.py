@@ -315,6 +315,26 @@ class TessellatorTest(unittest.TestCase):
             vt.Tessellator(device=None)
 
 
+class End(unittest.TestCase):
+    def test_modules_that_are_empty_at_exit(self):
+        """Objects of the library end without a word after the interpreter has emptied the modules."""
+        program = (
+            "import ctypes, os, sys, numpy as np, pyvotess as vt\n"
+            "points = np.random.default_rng(1).random((20, 3))\n"
+            "tessellator, diagram = vt.Tessellator(device='cpu'), vt.Diagram(points)\n"
+            "t = tessellator.tessellate(points, want='faces')\n"
+            "kept = [tessellator, diagram, t, t.delaunay(), t.network(), t.watershed(np.arange(20.0)), diagram.locate(points),\n"
+            "        diagram.natural_neighbors(points), diagram.trace(points, points - 0.5), t.vertices]\n"
+            "for module in (ctypes, os, *(m for name, m in sys.modules.items() if name.startswith('pyvotess'))):\n"
+            "    vars(module).update(dict.fromkeys(vars(module)))\n"
+            "del tessellator, diagram, t, kept\n"
+            "print('done')\n"
+        )
+        environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT)
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment)
+        self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "done\n", ""))
+
+
 class Forks(unittest.TestCase):
     """Uses the Tessellator of the parent in a forked child."""
 
@@ -376,9 +396,10 @@ class Forks(unittest.TestCase):
             "print('done')\n"
         )
         environment = dict(os.environ, PYTHONPATH=PACKAGE_PARENT)
-        done = subprocess.run(
-            [sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, timeout=120, env=environment
-        )
+        # Python warns of a fork with threads, which is what this tests.
+        warnings = ["-W", "error", "-W", "ignore:This process:DeprecationWarning"]
+        command = [sys.executable, *warnings, "-c", program]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment)
         self.assertEqual((done.returncode, done.stdout, done.stderr), (0, "done\n", ""))
 
 

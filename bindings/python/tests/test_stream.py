@@ -85,7 +85,7 @@ class Stream(unittest.TestCase):
         self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
         with tempfile.TemporaryDirectory() as folder:
             for options, error, says in [
-                ({"memory": 7}, ValueError, "memory = 7 bytes"),
+                ({"memory": 7}, ValueError, "memory=7 bytes"),
                 ({"temporary": folder + "/absent"}, ValueError, "absent"),
                 ({"want": "faces"}, vt.VotessError, "vertices and faces"),
                 ({"beside": "mass"}, ValueError, "beside is 'mass'"),

@@ -94,8 +94,11 @@ class Zones(unittest.TestCase):
             for name in ("labels", "cores", "pairs", "saddles", "passes", "parents", "persistence", "at_walls"):
                 np.testing.assert_array_equal(getattr(other, name), getattr(zones, name), name)
             self.assertEqual((len(other), other.maxima), (len(zones), False))
-            with self.assertRaisesRegex(ValueError, "pickle"):
+            with self.assertRaisesRegex(ValueError, "a pickle or deep copy holds no object of the library"):
                 other.merge(1)
+        shared = copy.copy(zones)
+        self.assertIs(shared.labels, zones.labels)
+        np.testing.assert_array_equal(shared.merge(0.5).labels, zones.merge(0.5).labels)
         again = pickle.loads(pickle.dumps(t)).watershed(1 / t.volumes)
         np.testing.assert_array_equal(again.labels, zones.labels)
 

@@ -34,6 +34,8 @@ public:
     [[nodiscard]] bool is_whole() const noexcept {
         return type_ == "<i8" || type_ == "<i4" || type_ == "<u4" || type_ == "<u8" || type_ == "|u1" || type_ == "|b1";
     }
+    [[nodiscard]] bool is_flags() const noexcept { return type_ == "|b1"; }
+    [[nodiscard]] std::string shape_text() const;
 
     // Reads all values of a float64 or float32 array, in row-major order. Value k goes to to[offset + stride k]. Call
     // it once.
@@ -49,7 +51,6 @@ public:
 
 private:
     [[nodiscard]] Failure error(const std::string& message) const;
-    [[nodiscard]] std::string shape_text() const;
     void parse_header(std::string_view dict);
     void check_size(std::size_t item_size) const;
     template <typename Number, typename Take>

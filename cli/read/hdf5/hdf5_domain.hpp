@@ -14,6 +14,9 @@ struct FrameOfFile {
     std::uint64_t number = 0, frames = 1;
 };
 
+// Returns the group of the particles in H5MD, of a dataset position or position/value; empty for other files.
+[[nodiscard]] std::string particles_of(const std::string& points);
+
 // Returns the domain of a file. points: the dataset. frame: of it, if it has frames.
 [[nodiscard]] FileDomain domain_of_hdf5(const Hdf5File& file, const std::string& points,
                                         const std::optional<FrameOfFile>& frame);

@@ -27,7 +27,7 @@ class Hdf5Dataset {
 public:
     Hdf5Dataset(hid_t file, const std::string& path, std::string where)
         : where_(std::move(where)), set_(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose) {
-        if (!set_.valid()) throw error("cannot be opened as a dataset");
+        if (!set_.valid()) throw error("cannot be opened as a dataset" + newer_version());
         const Hdf5Handle space(H5Dget_space(set_.id()), H5Sclose);
         const int rank = space.valid() ? H5Sget_simple_extent_ndims(space.id()) : -1;
         if (rank < 0) throw error("has no readable shape");
@@ -66,6 +66,7 @@ public:
     [[nodiscard]] std::uint64_t width() const { return extent_.size() == 2 ? extent_[1] : 1; }
     [[nodiscard]] bool is_column() const { return extent_.size() == 1 && (is_float() || is_whole()); }
     [[nodiscard]] bool is_float() const { return type_class_ == H5T_FLOAT && type_size_ <= sizeof(double); }
+    [[nodiscard]] bool is_flags() const { return type_class_ == H5T_ENUM; }
     [[nodiscard]] bool is_whole() const { return type_class_ == H5T_INTEGER && type_size_ <= sizeof(std::int64_t); }
     [[nodiscard]] std::uint64_t rows() const { return extent_.empty() ? 0 : extent_[0]; }
     [[nodiscard]] std::size_t rank() const { return extent_.size(); }
@@ -96,13 +97,24 @@ public:
             }
             const auto rank = static_cast<int>(count.size());
             const Hdf5Handle memory_space(H5Screate_simple(rank, count.data(), nullptr), H5Sclose);
-            if (H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) <
-                    0 ||
-                H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
-                        to.data() + begin + row * columns) < 0) {
+            const bool selected = rank == 0 || H5Sselect_hyperslab(file_space.id(), H5S_SELECT_SET, start.data(),
+                                                                   nullptr, count.data(), nullptr) >= 0;
+            if (!selected || H5Dread(set_.id(), memory_type, memory_space.id(), file_space.id(), H5P_DEFAULT,
+                                     to.data() + begin + row * columns) < 0) {
                 throw error("cannot be read: the file is damaged, or packed by a filter that is not there");
             }
         }
+    }
+
+    // Returns the value of entries that were never written, if the file sets one.
+    [[nodiscard]] std::optional<std::int64_t> fill_value() const {
+        const Hdf5Handle plist(H5Dget_create_plist(set_.id()), H5Pclose);
+        H5D_fill_value_t state{};
+        std::int64_t value = 0;
+        if (H5Pfill_value_defined(plist.id(), &state) < 0 || state != H5D_FILL_VALUE_USER_DEFINED ||
+            H5Pget_fill_value(plist.id(), H5T_NATIVE_INT64, &value) < 0)
+            return std::nullopt;
+        return value;
     }
 
     [[nodiscard]] std::string description() const {
@@ -171,7 +183,7 @@ public:
             throw bad_input(path + ": not a regular file");
         size_ = InputFile(path).size();
         file_ = {H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose};
-        if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one");
+        if (!file_.valid()) throw bad_input(path + ": not an HDF5 file, or a damaged one" + newer_version());
         hsize_t size = 0;
         if (H5Fget_filesize(file_.id(), &size) < 0 || size > size_) throw bad_input(path + ": the file ends too early");
     }
@@ -221,15 +233,17 @@ public:
         return has("Header") ? attribute("Header", name) : std::vector<double>();
     }
 
-    [[nodiscard]] std::vector<double> attribute(const char* group, const char* name) const {
-        if (H5Aexists_by_name(file_.id(), group, name, H5P_DEFAULT) <= 0) return {};
-        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), group, name, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+    // Returns the numbers or flags of an attribute; empty without it.
+    [[nodiscard]] std::vector<double> attribute(const std::string& object, const char* name) const {
+        if (H5Aexists_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT) <= 0) return {};
+        const Hdf5Handle attribute(H5Aopen_by_name(file_.id(), object.c_str(), name, H5P_DEFAULT, H5P_DEFAULT),
+                                   H5Aclose);
         const Hdf5Handle space(H5Aget_space(attribute.id()), H5Sclose);
         const Hdf5Handle type(H5Aget_type(attribute.id()), H5Tclose);
         const hssize_t count = space.valid() ? H5Sget_simple_extent_npoints(space.id()) : -1;
         const H5T_class_t kind = type.valid() ? H5Tget_class(type.id()) : H5T_NO_CLASS;
         constexpr hssize_t max_count = 64;
-        if (count < 1 || count > max_count || (kind != H5T_FLOAT && kind != H5T_INTEGER)) return {};
+        if (count < 1 || count > max_count || (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_ENUM)) return {};
         std::vector<double> values(static_cast<std::size_t>(count));
         if (H5Aread(attribute.id(), H5T_NATIVE_DOUBLE, values.data()) < 0) return {};
         return values;

@@ -103,6 +103,7 @@ public:
     }
 
     bool restart() override {
+        begin_hdf5();
         part_.reset();
         opened_ = read_ = 0;
         found_ = false;
@@ -110,6 +111,7 @@ public:
     }
 
     bool next(Input& piece) override {
+        begin_hdf5();
         piece = {};
         return append(piece, rows_);
     }
@@ -206,6 +208,7 @@ private:
                             rows = std::clamp(end_, read_, read_ + passed) - read_ - skipped;
         const std::uint64_t first = here + skipped;
         to.dimensions = part_->points->width();
+        const std::size_t before = to.size();
         part_->points->append_to(to.points, first, rows);
         if (part_->ids) part_->ids->append_to(to.ids, first, rows);
         if (to.columns.empty()) to.columns = columns_;
@@ -215,9 +218,40 @@ private:
             else
                 to.columns[c].values.insert(to.columns[c].values.end(), rows, *mass_of_all());
         }
+        if (!particles_of(name_).empty()) remove_absent(to, before);
         part_->next += passed;
         read_ += passed;
         return true;
+    }
+
+    // Removes particles that a file of H5MD lists without a place, from row `begin` on: those whose id is the fill
+    // value of the ids, and rows of NaN at the end of a frame with others (ZnH5MD).
+    void remove_absent(Input& to, std::size_t begin) const {
+        const std::size_t size = to.dimensions;
+        std::size_t end = to.size();
+        const auto is_empty = [&](std::size_t row) {
+            return std::all_of(&to.points[size * row], &to.points[size * row] + size,
+                               [](double x) { return std::isnan(x); });
+        };
+        while (end > begin && is_empty(end - 1)) --end;
+        if (end == begin) end = to.size();
+        const auto fill = part_->ids ? part_->ids->fill_value() : std::nullopt;
+        std::size_t kept = begin;
+        const auto move_row = [](auto& values, std::size_t width, std::size_t from, std::size_t row) {
+            if (!values.empty()) std::copy_n(&values[width * from], width, &values[width * row]);
+        };
+        for (std::size_t row = begin; row < end; ++row) {
+            if (fill && to.ids[row] == *fill) continue;
+            if (row != kept) {
+                move_row(to.points, size, row, kept);
+                move_row(to.ids, 1, row, kept);
+                for (InputColumn& column : to.columns) move_row(column.values, column.width, row, kept);
+            }
+            ++kept;
+        }
+        to.points.resize(size * kept);
+        if (part_->ids) to.ids.resize(kept);
+        for (InputColumn& column : to.columns) column.values.resize(column.width * kept);
     }
 
     // A file of a snapshot may lack particles of the requested type.
@@ -406,6 +440,7 @@ public:
 
     bool next(Input& frame) override {
         if (passed_ >= frames_) return false;
+        begin_hdf5();  // on the thread that reads
         if (pieces_.frames()) pieces_.choose_frame(passed_);
         frame = pieces_.all();
         frame.frame = passed_++;

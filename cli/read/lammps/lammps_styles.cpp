@@ -15,7 +15,9 @@ struct Style {
 };
 
 constexpr std::array styles = std::to_array<Style>({
+    {"amoeba", "id mol type q x y z"},
     {"angle", "id mol type x y z"},
+    {"apip", "id type x y z"},
     {"atomic", "id type x y z"},
     {"body", "id type bodyflag mass x y z"},
     {"bond", "id mol type x y z"},
@@ -36,7 +38,10 @@ constexpr std::array styles = std::to_array<Style>({
     {"mesont", "id mol type bond_nt mass mradius mlength buckling x y z"},
     {"mesont", "id mol type bond_nt1 bond_nt2 mass mradius mlength buckling x y z"},
     {"molecular", "id mol type x y z"},
+    {"oxdna", "id type x y z"},
     {"peri", "id type volume density x y z"},
+    {"rheo", "id type status rho x y z"},
+    {"rheo/thermal", "id type status rho esph x y z"},
     {"smd", "id type mol volume mass kradius cradius x0 y0 z0 x y z"},
     {"sph", "id type rho esph cv x y z"},
     {"sphere", "id type diameter density x y z"},

@@ -39,16 +39,20 @@ auto with_memory(const Work& work) {
 Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
-                    "device '" + options.device + "': blocks find their cells on the CPU, give cpu or auto");
+                    "Options::device = " + options.device + ": blocks find their cells on the CPU, give cpu or auto");
     const Want want = with_implied(options);
     if (want.vertices || want.faces)
-        throw Error(ErrorCode::unsupported, "vertices and faces are not available across blocks: leave them out");
+        throw Error(ErrorCode::unsupported,
+                    "vertices and faces are not available across blocks: leave them out of Options::want");
     if (options.min_face != 0 || options.min_area != 0)
-        throw Error(ErrorCode::unsupported, "min_face and min_area need the faces of all cells: leave them out");
+        throw Error(ErrorCode::unsupported,
+                    "Options::min_face and Options::min_area need the faces of all cells: leave them out");
     if (options.only)
-        throw Error(ErrorCode::unsupported, "cells of some seeds are not available across blocks: leave out `only`");
+        throw Error(ErrorCode::unsupported,
+                    "cells of some seeds are not available across blocks: leave out Options::only");
     if (options.duplicates == Duplicates::error)
-        throw Error(ErrorCode::unsupported, "duplicates = error is not available across blocks: check the statuses");
+        throw Error(ErrorCode::unsupported,
+                    "Options::duplicates = error is not available across blocks: check the statuses");
     options.weights = options.radii = {};
     options.device = "cpu";
     check_options(options);

@@ -1,6 +1,7 @@
 #include "distributed/mpi/exchange.hpp"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <string>
@@ -101,6 +102,29 @@ int Ranks::share_first_error(int& code, std::string& text) const {
     text.resize(static_cast<std::size_t>(head[1]));
     check(MPI_Bcast(text.data(), head[1], MPI_CHAR, first, comm_), "MPI_Bcast");
     return first;
+}
+
+void Ranks::agree(std::string_view function, std::span<const CommonArgument> arguments) const {
+    Hash all;
+    Writer own;
+    own.put(Hash().mix_bytes(std::as_bytes(std::span(function))).value());
+    for (const CommonArgument& argument : arguments) own.put(argument.hash);
+    const Message message = own.take();
+    const std::uint64_t hash = all.mix_bytes(message).value();
+    const std::uint64_t largest = maximum(hash), least = ~maximum(~hash);
+    if (least == largest) return;
+    const Message first = gather_all(message).front();
+    together([&] {
+        const auto refuse = [&](const std::string& what) {
+            throw Error(ErrorCode::invalid_argument, what + " differs from that of rank 0: give all ranks the same");
+        };
+        const auto differs = [&](std::size_t k) {
+            return std::memcmp(&message[k * sizeof hash], &first[k * sizeof hash], sizeof hash) != 0;
+        };
+        if (differs(0)) refuse("the call of " + std::string(function) + "()");
+        for (std::size_t k = 0; k < arguments.size(); ++k)
+            if (differs(k + 1)) refuse(std::string(arguments[k].name));
+    });
 }
 
 std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {

@@ -4,12 +4,38 @@
 #include <mpi.h>
 
 #include <functional>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/bytes.hpp"
 
 namespace votess::mpi {
+
+// A hash (FNV-1a) of values without padding.
+class Hash {
+public:
+    template <class... T>
+    Hash& mix(const T&... values) {
+        (mix_bytes(std::as_bytes(std::span(&values, 1))), ...);
+        return *this;
+    }
+    Hash& mix_bytes(std::span<const std::byte> bytes) {
+        for (const std::byte byte : bytes) value_ = (value_ ^ static_cast<std::uint64_t>(byte)) * 1099511628211u;
+        return *this;
+    }
+    [[nodiscard]] std::uint64_t value() const { return value_; }
+
+private:
+    std::uint64_t value_ = 14695981039346656037u;
+};
+
+// An argument that all ranks must give equal values, by their hash.
+struct CommonArgument {
+    std::string_view name;
+    std::uint64_t hash;
+};
 
 // Duplicates the communicator, so that messages meet no others.
 class Ranks {
@@ -27,6 +53,9 @@ public:
     void together(const std::function<void()>& work) const;
     // Throws Stopped, which together() ignores, when another rank has failed in together(). Not collective.
     void check_others() const;
+    // Throws, on all ranks, unless all call the same function with equal arguments. Each function of several ranks
+    // calls this before anything else.
+    void agree(std::string_view function, std::span<const CommonArgument> arguments) const;
     // to: by rank. Returns the messages to this rank, by rank.
     [[nodiscard]] std::vector<Message> exchange(const std::vector<Message>& to) const;
     [[nodiscard]] std::vector<Message> gather_all(const Message& own) const;

@@ -107,7 +107,7 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
 }
 
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status, SomeCells own) {
+                  const std::vector<CellStatus>& status, const Want& want, SomeCells own) {
     std::vector<std::pair<std::int64_t, std::size_t>> place_of;
     place_of.reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) place_of.emplace_back(ids[i], i);
@@ -153,8 +153,15 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
         }
         drop(member);
     });
+    // A rank whose seeds were all dropped gets no cells, but all arrays.
+    const auto is_wanted = [&](const void* array) {
+        return array == &out.status || (want.volumes && array == &out.volumes) ||
+               (want.centroids && array == &out.centroids) || (want.surfaces && array == &out.surface_areas) ||
+               (want.radii && array == &out.security_radii) ||
+               (want.counts && (array == &out.face_counts || array == &out.edge_counts || array == &out.vertex_counts));
+    };
     for_cell_arrays([&](auto member, std::size_t each) {
-        if (!is_anywhere(member) && !(all.empty() && static_cast<const void*>(&(out.*member)) == &out.status)) return;
+        if (!is_anywhere(member) && !is_wanted(&(out.*member))) return;
         auto& to = out.*member;
         to.reserve(each * ids.size());
         for (const auto& [source, k] : where) {

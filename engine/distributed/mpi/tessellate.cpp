@@ -17,22 +17,24 @@ namespace {
 
 constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places: in all, in each block
 
-// Returns a hash (FNV-1a) of the options that must be the same on all ranks.
-std::uint64_t digest(const Options& options) {
-    std::uint64_t hash = 14695981039346656037u;
-    const auto mix = [&](const auto&... values) {
-        const auto one = [&](const auto& value) {
-            for (const std::byte byte : std::as_bytes(std::span(&value, 1)))
-                hash = (hash ^ static_cast<std::uint64_t>(byte)) * 1099511628211u;
-        };
-        (one(values), ...);
-    };
-    mix(options.periodic, options.outside, options.list_walls, options.want, options.duplicates, options.min_face,
-        options.min_area, options.box.has_value(), options.cell.has_value());
-    if (options.box) mix(*options.box);
-    if (const auto& cell = options.cell) mix(cell->origin, cell->a, cell->b, cell->c, cell->periodic);
-    for (const Wall& wall : options.walls) mix(wall);
-    return hash;
+// Returns the arguments that must be the same on all ranks.
+std::vector<CommonArgument> common_arguments(const Options& options, Cells where) {
+    Hash box, cell, walls;
+    if (options.box) box.mix(*options.box);
+    if (const auto& edges = options.cell) cell.mix(edges->origin, edges->a, edges->b, edges->c, edges->periodic);
+    for (const Wall& wall : options.walls) walls.mix(wall);
+    const auto of = [](const auto& value) { return Hash().mix(value).value(); };
+    return {{"cells", of(where)},
+            {"box", box.value()},
+            {"cell", cell.value()},
+            {"periodic", of(options.periodic)},
+            {"walls", walls.value()},
+            {"outside", of(options.outside)},
+            {"duplicates", of(options.duplicates)},
+            {"want", of(options.want)},
+            {"list_walls", of(options.list_walls)},
+            {"min_face", of(options.min_face)},
+            {"min_area", of(options.min_area)}};
 }
 
 class Run {
@@ -51,9 +53,9 @@ public:
     Run& operator=(const Run&) = delete;
 
     Result operator()(Cells where) {
+        ranks_.agree("tessellate", common_arguments(options_, where));
         first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
         ranks_.together([&] { check_input(); });
-        compare_options();
         assign_ids();
         split_domain();
         send_seeds();
@@ -95,33 +97,29 @@ private:
         for (std::size_t i = 0; i < ids_.size(); ++i)
             if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
         if (!options_.weights.empty() && !options_.radii.empty())
-            refuse("weights and radii are both given: weights are the squares of radii, give one of them");
-        for (const double radius : radii_) weights_.push_back(radius * radius);
+            refuse(
+                "Options::weights and Options::radii are both given: weights are the squares of radii, give one of "
+                "them");
     }
 
-    void compare_options() {
-        const std::uint64_t own = digest(options_), largest = ranks_.maximum(own);
-        ranks_.together([&] {
-            if (own != largest)
-                throw Error(ErrorCode::invalid_argument,
-                            "its domain or `want` differs from another rank's: give all ranks the same options");
-        });
-    }
-
-    // Checks that ids are given on all ranks or on none, each once; without ids seeds are numbered.
+    // Checks that ids, weights and radii are given on all ranks that have points, or on none, and each id once. Without
+    // ids seeds are numbered. Radii become weights.
     void assign_ids() {
         counts_.seeds = ranks_.sum(std::uint64_t{count()});
-        const bool given = ranks_.maximum(std::uint64_t{ids_.size()}) > 0;
-        const bool weighted = ranks_.maximum(std::uint64_t{weights_.size()}) > 0;
-        ranks_.together([&] {
-            if (given && ids_.size() != count())
-                throw Error(ErrorCode::invalid_argument,
-                            "it has no ids, but another rank has: give them on all ranks or on none");
-            if (weighted && weights_.size() != count())
-                throw Error(ErrorCode::invalid_argument,
-                            "it has " + std::to_string(weights_.size()) + " weights for " + std::to_string(count()) +
-                                " points, but another rank has weights: give them on all ranks");
-        });
+        const auto require_on_all = [&](std::size_t own, const std::string& name) {
+            const bool given = ranks_.maximum(std::uint64_t{own}) > 0;
+            ranks_.together([&] {
+                if (given && own != count())
+                    throw Error(ErrorCode::invalid_argument,
+                                "it has " + std::to_string(own) + " " + name + " for " + std::to_string(count()) +
+                                    " points, but another rank has " + name + ": give them on all ranks or on none");
+            });
+            return given;
+        };
+        require_on_all(weights_.size(), "weights");
+        require_on_all(radii_.size(), "radii");
+        for (const double radius : radii_) weights_.push_back(radius * radius);
+        const bool given = require_on_all(ids_.size(), "ids");
         if (!given) {
             for (std::size_t i = 0; i < count(); ++i) ids_.push_back(static_cast<std::int64_t>(first_ + i));
             return;
@@ -268,7 +266,7 @@ private:
         ranks_.together([&] {
             result.ids = ids_;
             result.weights = weights_;
-            result.cells = unpack(from, ids_, status_, std::move(own));
+            result.cells = unpack(from, ids_, status_, options_.want, std::move(own));
         });
         list_exchange(result);
         return result;

@@ -1,4 +1,5 @@
 // votess::mpi::verify(): each rank feeds its rows to the checker, which combines the ranks.
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -9,6 +10,8 @@
 
 namespace votess::mpi {
 namespace {
+
+constexpr std::size_t automatic = std::numeric_limits<std::size_t>::max();
 
 class RankBlock : public RunBlocks {
 public:
@@ -64,6 +67,12 @@ private:
 
 VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points, const VerifyOptions& options) {
     const Ranks ranks(comm);
+    Hash of_result;  // of what is equal on all ranks that hold a part of it
+    of_result.mix(result.send_indptr.empty(), result.counts.seeds, result.counts.box_volume, result.counts.volume_sum,
+                  result.counts.exact_cells);
+    ranks.agree("verify", std::array{CommonArgument{"the result", of_result.value()},
+                                     CommonArgument{"sample", Hash().mix(options.sample.value_or(automatic)).value()},
+                                     CommonArgument{"rng_seed", Hash().mix(options.rng_seed).value()}});
     std::optional<RankBlock> block;
     std::optional<RowChecker> checker;
     ranks.together([&] {

@@ -147,7 +147,8 @@ void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
     if ((first > 0 || scanned_) && !all_like_this)
         refuse("some pieces of seeds have weights, others have radii or neither");
     if (!some.weights.empty() && !some.radii.empty())
-        refuse("weights and radii are both given: weights are the squares of radii, give one of them");
+        refuse(
+            "Options::weights and Options::radii are both given: weights are the squares of radii, give one of them");
     weighted_ = weighted;
     radii_ |= !some.radii.empty();
 }

@@ -372,19 +372,18 @@ void StreamSink::begin(const StreamHead&) {}
 StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,
                                const StreamOptions& stream) {
     if (stream.memory < StreamOptions::least_memory)
-        throw Error(ErrorCode::invalid_argument, "memory = " + std::to_string(stream.memory) +
+        throw Error(ErrorCode::invalid_argument, "StreamOptions::memory = " + std::to_string(stream.memory) +
                                                      " bytes is too little: give at least " +
                                                      std::to_string(StreamOptions::least_memory));
     if (!options.weights.empty() || !options.radii.empty())
-        throw Error(
-            ErrorCode::invalid_argument,
-            "weights and radii of a stream come from its source with the points: leave them out of the options");
+        throw Error(ErrorCode::invalid_argument,
+                    "Options::weights and Options::radii of a stream come from its source with the points: leave them "
+                    "out of the options");
     (void)free_bytes(temporary_folder(stream.temporary));  // throws if it cannot be used
     try {
         return Run(source, sink, options, stream)();
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    "out of memory: lower `memory` of tessellate_stream(), for smaller blocks");
+        throw Error(ErrorCode::out_of_memory, "out of memory: lower StreamOptions::memory, for smaller blocks");
     }
 }
 

@@ -521,7 +521,7 @@ TEST_SUITE("dtfe") {
                         FAIL("no refusal");
                     } catch (const votess::Error& error) {
                         CHECK(error.code() == votess::ErrorCode::invalid_argument);
-                        CHECK(std::string(error.what()).find("to_grid: element 0 of the grid has the mass ") == 0);
+                        CHECK(std::string(error.what()).find("to_grid(): element 0 of the grid has the mass ") == 0);
                     }
                     continue;
                 }

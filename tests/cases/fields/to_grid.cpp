@@ -169,22 +169,22 @@ TEST_SUITE("to_grid") {
         GridOptions grid{.shape = {2, 3, 4}};
         CHECK(refusal(diagram, values, grid, 24) == "");
         CHECK(refusal(diagram, values, grid, 23) ==
-              "to_grid: the grid holds 23 numbers, its shape needs 24 for each of 1 columns");
-        CHECK(refusal(diagram, {1, 2}, grid, 24) == "to_grid: there are 2 values, 20 seeds need 1 each");
+              "to_grid(): the grid holds 23 numbers, its shape needs 24 for each of 1 columns");
+        CHECK(refusal(diagram, {1, 2}, grid, 24) == "to_grid(): there are 2 values, 20 seeds need 1 each");
         grid.method = GridMethod::nearest;
         grid.shape[1] = 0;
-        CHECK(refusal(diagram, values, grid, 0) == "to_grid: shape[1] = 0 is not from 1 to 1048576");
+        CHECK(refusal(diagram, values, grid, 0) == "to_grid(): shape[1] = 0 is not from 1 to 1048576");
         grid.shape[1] = std::size_t{1} << 40;
-        CHECK(refusal(diagram, values, grid, 0).starts_with("to_grid: shape[1] = 1099511627776 is not"));
+        CHECK(refusal(diagram, values, grid, 0).starts_with("to_grid(): shape[1] = 1099511627776 is not"));
         grid.shape[1] = 1;
         grid.project = 3;
-        CHECK(refusal(diagram, values, grid, 8) == "to_grid: project = 3 is no axis: give 0, 1 or 2");
+        CHECK(refusal(diagram, values, grid, 8) == "to_grid(): project = 3 is no axis: give 0, 1 or 2");
         grid.project = {};
         grid.columns = 0;
-        CHECK(refusal(diagram, values, grid, 0) == "to_grid: columns = 0 is not from 1 to 1048576");
+        CHECK(refusal(diagram, values, grid, 0) == "to_grid(): columns = 0 is not from 1 to 1048576");
         grid.columns = 1;
         grid.method = static_cast<GridMethod>(7);
         CHECK(refusal(diagram, values, grid, 8) ==
-              "to_grid: method = 7 is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
+              "to_grid(): method = 7 is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
     }
 }

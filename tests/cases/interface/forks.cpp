@@ -120,7 +120,7 @@ TEST_SUITE("forks") {
                 const auto code = test::error_of([&] { (void)tessellator.tessellate(set.points, options); }, &message);
                 if (code != votess::ErrorCode::no_threads) return "no error: " + message;
             }
-            if (!message.starts_with("threads = 1024, but the system gives only ")) return message;
+            if (!message.starts_with("Options::threads = 1024, but the system gives only ")) return message;
             for (const unsigned threads : {2u, 0u}) {
                 options.threads = threads;
                 if (tessellator.tessellate(set.points, options).size() != 50) return "no cells";

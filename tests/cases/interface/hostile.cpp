@@ -179,7 +179,7 @@ TEST_SUITE("api") {
             note("value_colors", votess_value_colors(hostile.pointer<const double>(numbers.data()), hostile.count(n),
                                                      hostile.number(0), hostile.pointer(rgb)));
             const std::int64_t rows[] = {0, hostile.any(1, {0, -1})}, corners_of[] = {0, hostile.any(3, {0, 2, -1})};
-            const std::int32_t corners[] = {0, hostile.number(1), 2}, wall = -1;
+            const std::int32_t corners[] = {0, hostile.number(1), 2}, wall = hostile.number(-1);
             const votess_column column{hostile.pointer("m"), hostile.pointer<const double>(numbers.data()),
                                        hostile.count(1), hostile.any('f', {'i', 'x', '\0'}),
                                        hostile.any<std::uint8_t>(8, {0, 1, 3, 4})};

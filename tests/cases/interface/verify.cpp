@@ -40,7 +40,7 @@ std::shared_ptr<votess::detail::Result> domain_of(const votess::Tessellation& t)
     result->box = t.box();
     result->periodic = t.periodic();
     result->cell = t.cell();
-    result->weights.assign(t.weights().begin(), t.weights().end());
+    copy(result->weights, t.weights());
     result->lists_walls = t.lists_walls();
     result->stats = t.stats();
     return result;

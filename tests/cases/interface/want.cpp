@@ -66,7 +66,7 @@ TEST_SUITE("interface") {
             CHECK_MESSAGE(bits(votess::want_of(c.names)) == bits(expected), c.names);
         }
         for (const char* wrong : {"", "volumes,", "face_area", "Volumes", "volumes;areas", "\n"})
-            CHECK_THROWS_WITH_AS((void)votess::want_of(wrong), doctest::Contains("want has '"), votess::Error);
+            CHECK_THROWS_WITH_AS((void)votess::want_of(wrong), doctest::Contains("Options::want has '"), votess::Error);
     }
 
     TEST_CASE("want: what is wanted changes nothing in the rest") {

@@ -249,7 +249,7 @@ TEST_SUITE("probe") {
                 CHECK(std::string(error.what()).find(says) != std::string::npos);
             }
         };
-        refuses("delaunay: cells of probes do not form a diagram", [&] { return votess::delaunay(probes); });
+        refuses("delaunay(): cells of probes do not form a diagram", [&] { return votess::delaunay(probes); });
         refuses("verify: cells of probes do not form a diagram", [&] { return votess::verify(probes, points); });
         refuses("wrapped_points: cells of probes do not form a diagram",
                 [&] { return votess::wrapped_points(probes, points); });

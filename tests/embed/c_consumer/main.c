@@ -221,7 +221,7 @@ static void check_refusals(void) {
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "duplicates = 2");
     options = good;
     options.outside = 256;
-    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "outside = 256");
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "options.outside = 256");
     options = good;
     options.precision = VOTESS_PRECISION_DOUBLE + 256;
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "precision = 257");
@@ -230,7 +230,7 @@ static void check_refusals(void) {
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "wall_count is 2");
     options = good;
     options.has_mesh = 1;
-    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "mesh: it has no triangles");
+    CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "options.mesh: it has no triangles");
     options.mesh_triangle_count = 4;
     CHECK_REFUSES(votess_tessellate(NULL, cube, 8, &options, &result), "options.mesh_triangles");
     options = good;
@@ -428,7 +428,7 @@ static void check_fit(void) {
     votess_result_free(result);
     fit_options.max_steps = 0;
     CHECK_FAILS(votess_fit_volumes(points, 2, targets, &options, &fit_options, &fit), VOTESS_ERROR_NOT_CONVERGED,
-                "raise max_steps");
+                "raise fit_options.max_steps");
     CHECK(fit != NULL && votess_fit_weights(fit, &length)[1] == 0 && length == 2);
     CHECK_REFUSES(votess_fit_result(fit, &result), "did not converge");
     CHECK(result == NULL);
@@ -465,6 +465,28 @@ static void check_zones(void) {
     CHECK(votess_zones_labels(NULL, &length) == NULL && length == 0);
 }
 
+static int take_bytes(const votess_bytes* piece, void* user) {
+    return piece != NULL && user == NULL;
+}
+
+static void check_mesh_indices(void) {
+    const int64_t rows[2] = {0, 1}, corners_of[2] = {0, 3};
+    const int32_t corners[3] = {0, 1, 2};
+    int32_t neighbor = -1;
+    votess_mesh mesh = {0};
+    mesh.struct_size = sizeof mesh;
+    mesh.cells = 1;
+    mesh.vertex_count = 3;
+    mesh.indptr = mesh.cell_vertex_indptr = rows;
+    mesh.indices = &neighbor;
+    mesh.face_offsets = corners_of;
+    mesh.face_vertices = mesh.cell_vertex_indices = corners;
+    mesh.vertices = cube;
+    CHECK(votess_write_mesh(&mesh, ".ply", take_bytes, NULL) == VOTESS_OK);
+    neighbor = 1;
+    CHECK_REFUSES(votess_write_mesh(&mesh, ".ply", take_bytes, NULL), "mesh.indices[0] is 1, but there are 1 cells");
+}
+
 static void check_network(void) {
     votess_options options = options_with_box(2);
     options.want |= VOTESS_WANT_FACES;
@@ -472,6 +494,10 @@ static void check_network(void) {
     CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
     votess_network* network = NULL;
     CHECK_REFUSES(votess_network_new(result, cube, 7, &network), "21 coordinates");
+    double other[24];
+    memcpy(other, cube, sizeof other);
+    other[4] = NAN;
+    CHECK_REFUSES(votess_network_new(result, other, 8, &network), "point 1: y = nan is not finite");
     CHECK(votess_network_new(result, cube, 8, &network) == VOTESS_OK);
     votess_result_free(result);
     size_t length = 0;
@@ -597,6 +623,7 @@ int main(void) {
     check_diagram();
     check_fit();
     check_zones();
+    check_mesh_indices();
     check_network();
     check_alpha();
     check_stream();

@@ -22,6 +22,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "core/processors.hpp"
 #include "fuzz/judge.hpp"
 #include "fuzz/kinds/kinds.hpp"
 #include "fuzz/tool/reduce.hpp"
@@ -43,7 +44,7 @@ struct Arguments {
     std::vector<std::string> replay;
     std::string findings = "build/fuzz";
     Limits limits;
-    unsigned jobs = std::max(1u, std::thread::hardware_concurrency());
+    unsigned jobs = votess::system::processors();
 };
 
 Arguments parse(int count, char** values) {

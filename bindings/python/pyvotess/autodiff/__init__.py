@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 
 import numpy as np
 
+from .._arguments import shown
 from .._input import as_float64_or_float32
 from .._motion import blocks, dot, motion_of
+from ..tessellation import Tessellation
 from ..tessellator import tessellate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-    from ..tessellation import Tessellation
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -51,10 +51,13 @@ def forward(points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None, **op
     """
     if options.get("cell") is None and (options.get("box") is None or isinstance(options["box"], str)):
         raise ValueError(f"box is {options.get('box')!r}, which has no fixed ends: give box or cell as numbers")
-    for name in ("radii", "want"):
-        if name in options:
-            instead = "weights, the squares of the radii" if name == "radii" else "want to tessellate(), then call vjp()"
-            raise ValueError(f"{name} is not an option of derivatives: give {instead}")
+    instead = {
+        "radii": "give weights, the squares of the radii",
+        "want": "give want to tessellate(), then call vjp()",
+        "only": "the cells of some points do not form a diagram",
+    }
+    for name in instead.keys() & options.keys():
+        raise ValueError(f"{name} is not an option of derivatives: {instead[name]}")
     options.setdefault("precision", "double")
     return tessellate(points, weights=weights, want=_WANT, **options)
 
@@ -92,6 +95,8 @@ def vjp(
     ValueError : other shapes; results with ``only`` or ``min_face``, or with cells that reach infinity.
     AttributeError : ``t`` lacks an array, as in a mesh.
     """
+    if not isinstance(t, Tessellation):
+        raise TypeError(f"t is {shown(t)}: give the result of forward() or tessellate()")
     t._check_whole()
     t._require_end("vjp()")
     t._require_whole_faces("vjp()")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import functools
 import pickle
-from typing import Any, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
+from .._arguments import as_count, shown
 from ..tessellation import Tessellation
 from . import Measures, forward, vjp
 
@@ -22,8 +23,10 @@ _KEPT = 8  # sets of options whose last cells are kept
 class _Cells:
     """The cells with fixed options, as a function that JAX differentiates. JAX compiles it once for each shape."""
 
-    def __init__(self, options: bytes, max_rows: Optional[int]) -> None:
+    def __init__(self, options: bytes, max_rows: Optional[int], columns: int) -> None:
         self.options = pickle.loads(options)
+        # Checks the options: JAX would report an error of a callback as one of its own.
+        self.none = forward(np.zeros((0, columns)), **self.options)
         self.max_rows = max_rows
         self.last: List[Any] = []  # points, weights and their cells: derivatives follow the cells
         self.call = jax.custom_vjp(self._call)
@@ -33,6 +36,9 @@ class _Cells:
         return jax.pure_callback(self._measure, self._shapes(points), points, weights, vmap_method="sequential")
 
     def _forward(self, points: Any, weights: Any) -> Any:
+        vjp(self.none)  # refuses domains without an end
+        if self.options.get("min_face") or self.options.get("min_area"):
+            raise ValueError("derivatives need whole cells: leave out min_face and min_area")
         return self.call(points, weights), (points, weights)
 
     def _backward(self, inputs: Any, given: Measures) -> Any:
@@ -83,6 +89,22 @@ class _Cells:
 _cells_of = functools.lru_cache(_KEPT)(_Cells)
 
 
+def _constant(options: Dict[str, Any]) -> bytes:
+    for name, value in options.items():
+        try:
+            pickle.dumps(value)
+        except Exception as error:
+            raise TypeError(f"{name} is {shown(value)}, which cannot be pickled: options are constants here") from error
+    return pickle.dumps(options)
+
+
+def _jax_array(values: Any, name: str) -> Any:
+    try:
+        return jnp.asarray(values)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise TypeError(f"{name} is {shown(values)}: give an array of float64 or float32") from error
+
+
 def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = None, **options: Any) -> Measures:
     """Returns the measures of the cells as JAX arrays, of the type of ``points``.
 
@@ -94,14 +116,20 @@ def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = No
         JAX needs their length before the run.
     options : as for :func:`pyvotess.autodiff.forward`. They are constants.
 
-    ``jax.pure_callback`` makes the cells on the host, for ``jax.vmap`` one set after another. Errors are those of JAX
-    with the message of votess. The last cells stay in memory. Wait for results before the program ends, as by
+    ``jax.pure_callback`` makes the cells on the host, for ``jax.vmap`` one set after another. Wrong arguments raise
+    ValueError or TypeError before. Errors that depend on numbers in arrays, such as a point outside of the box, are those
+    of JAX with the message of votess. The last cells stay in memory. Wait for results before the program ends, as by
     ``block_until_ready()``: JAX may crash in a callback then.
     """
-    points = jnp.asarray(points)
-    weights = None if weights is None else jnp.asarray(weights)
+    points = _jax_array(points, "points")
+    weights = None if weights is None else _jax_array(weights, "weights")
     for name, array in (("points", points), ("weights", weights)):
-        if array is not None and not jnp.issubdtype(array.dtype, jnp.floating):
+        if array is not None and array.dtype not in (np.float64, np.float32):
             raise ValueError(f"{name} has dtype {array.dtype}: give float64 or float32")
-    found: Measures = _cells_of(pickle.dumps(options), max_rows).call(points, weights)
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise ValueError(f"points has shape {points.shape}: it must be (N, 3) or (N, 2)")
+    if weights is not None and weights.shape != points.shape[:1]:
+        raise ValueError(f"weights has shape {weights.shape} for {len(points)} points: it must be ({len(points)},)")
+    rows = None if max_rows is None else as_count(max_rows, "max_rows", 31)
+    found: Measures = _cells_of(_constant(options), rows, points.shape[1]).call(points, weights)
     return found

@@ -47,7 +47,7 @@ def tessellate(points: Any, weights: Any = None, **options: Any) -> Measures:
     There are no second derivatives.
     """
     for name, tensor in (("points", points), ("weights", weights)):
-        if tensor is not None and not (torch.is_tensor(tensor) and tensor.is_floating_point()):
+        if tensor is not None and not (torch.is_tensor(tensor) and tensor.dtype in (torch.float64, torch.float32)):
             kind = tensor.dtype if torch.is_tensor(tensor) else type(tensor).__name__
             raise ValueError(f"{name} is {kind}: give a tensor of float64 or float32")
         if tensor is not None and tensor.device.type != "cpu":

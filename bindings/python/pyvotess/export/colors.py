@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Tuple
 import numpy as np
 
 from .._call import raise_on_failure
-from .._input import as_word
+from .._arguments import as_word
+from .._input import as_array
 from .._library import lib
 from .columns import color_values
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
     UInt8Array = npt.NDArray[np.uint8]
 
-_COLORMAPS = {"tide": 0, "ember": 1, "gray": 2}
+COLORMAPS = {"tide": 0, "ember": 1, "gray": 2}
 
 
 def limits(values: Float64Array) -> Tuple[float, float, bool]:
@@ -33,7 +34,7 @@ def limits(values: Float64Array) -> Tuple[float, float, bool]:
 
 def map_values(values: Float64Array, colormap: str) -> UInt8Array:
     """Returns (M, 3) uint8 sRGB colors of the values, gray for NaN, on a logarithmic scale for a wide range."""
-    number = as_word(colormap, "colormap", _COLORMAPS)
+    number = as_word(colormap, "colormap", COLORMAPS)
     values = np.ascontiguousarray(values, dtype=np.float64)
     colors = np.empty((len(values), 3), np.uint8)
     raise_on_failure(lib.votess_value_colors(values.ctypes.data, len(values), number, colors.ctypes.data))
@@ -42,8 +43,8 @@ def map_values(values: Float64Array, colormap: str) -> UInt8Array:
 
 def cell_colors(t: SeedCells, color: Any, colormap: str) -> UInt8Array:
     """Returns (N, 3) uint8 sRGB colors. ``color``: as for :func:`color_values`, or (N, 3) colors, uint8 or 0 to 1."""
-    if not isinstance(color, str) and np.ndim(color) == 2:
-        given = np.asarray(color)
+    given = np.zeros(0) if isinstance(color, str) else as_array(color, "color")
+    if given.ndim == 2:
         if given.shape != (len(t), 3) or given.dtype.kind not in "uif":
             raise ValueError(f"color has shape {given.shape}: give ({len(t)},) values, or ({len(t)}, 3) red, green and blue")
         if given.dtype == np.uint8:

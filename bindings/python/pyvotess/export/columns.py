@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Container, Dict, Mapping, Optional, Tuple
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Container, Dict, Optional, Tuple
 
 import numpy as np
 
-from .._input import as_array
+from .._arguments import shown
+from .._input import as_array, as_float64_or_float32
 from .._state import ARRAYS, names_of
 
 if TYPE_CHECKING:
@@ -64,15 +66,22 @@ def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
     return data
 
 
+def named_columns(columns: Columns) -> Mapping[str, npt.ArrayLike]:
+    """Returns the caller's columns by name, none for None."""
+    if columns is not None and not isinstance(columns, Mapping):
+        raise TypeError(f"columns is {shown(columns)}: give a dict of arrays")
+    return columns or {}
+
+
 def added_columns(t: SeedCells, columns: Columns, taken: Container[str]) -> Dict[str, npt.NDArray[Any]]:
     """Returns the caller's columns, (N,) or (N, k), as little-endian numbers of at most 8 bytes.
 
     ``taken``: reserved names. Raises ValueError for a bad name, shape or type.
     """
     result: Dict[str, npt.NDArray[Any]] = {}
-    for name, values in (columns or {}).items():
+    for name, values in named_columns(columns).items():
         if not isinstance(name, str) or not name or "/" in name or "\0" in name:
-            raise ValueError(f"columns has the name {name!r}: give a non-empty text without / and zero characters")
+            raise ValueError(f"columns has the name {shown(name)}: give a non-empty text without / and zero characters")
         if name in taken:
             raise ValueError(f"columns has {name!r}, but the file has an array of that name: rename it")
         array = as_array(values, f"column {name!r}")
@@ -99,7 +108,7 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
             f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "
             f"columns are {', '.join(columns)}"
         )
-    values = np.asarray(as_array(color, "color"), np.float64)
+    values = as_float64_or_float32(color, "color").astype(np.float64, copy=False)
     if values.shape != (len(t),):
         raise ValueError(f"color has shape {values.shape}: give one value for each of the {len(t)} cells")
     return values, ""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Tuple, Un
 
 import numpy as np
 
+from .._arguments import as_number, shown
 from ..pairs import edges_of
 from .colors import limits
 from .columns import color_values
@@ -111,9 +112,9 @@ def sections_in_box(t: SeedCells, axis: int, value: float) -> Tuple[Int64Array, 
 def _parse_slice(t: SeedCells, where: Any) -> Tuple[int, float]:
     try:
         name, value = where
-        axis, value = _AXES.index(name), float(value)
+        axis, value = _AXES.index(name), as_number(value, "slice")
     except (TypeError, ValueError):
-        raise ValueError(f"slice is {where!r}: give an axis and a value, such as ('z', 0.5)") from None
+        raise ValueError(f"slice is {shown(where)}: give an axis and a value, such as ('z', 0.5)") from None
     low, high = np.asarray(t.box)[:, axis]
     if not low < value < high:
         raise ValueError(f"slice at {name} = {value:g} is not inside the box, which spans {low:g} to {high:g}")
@@ -204,12 +205,17 @@ def plot(
     **style: Any,
 ) -> Any:
     """See :meth:`Tessellation.plot`."""
+    if ax is not None and not hasattr(ax, "add_collection"):
+        raise TypeError(f"ax is {shown(ax)}: give axes of matplotlib")
     if t.planar:
         if slice is not None:
             raise ValueError("plot(): a slice needs three dimensions: leave it out")
         imported("matplotlib", "plot()")
         return _plot_plane(t, color, ax, style)
     mesh_of(t, "plot()")
+    middle = float(np.asarray(t.box)[:, 2].mean())
+    axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))
+    color_values(t, color)
     if slice is None and ax is None:
         try:
             import pyvista
@@ -222,6 +228,4 @@ def plot(
     except ImportError:
         needed = "matplotlib" if slice is not None or ax is not None else "PyVista or matplotlib"
         raise ImportError(f"plot() needs {needed}: pip install {needed.split()[-1].lower()}") from None
-    middle = float(np.asarray(t.box)[:, 2].mean())
-    axis, value = _parse_slice(t, slice if slice is not None else ("z", middle))
     return _plot_slice(t, axis, value, color, ax, style)

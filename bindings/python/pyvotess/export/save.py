@@ -6,8 +6,9 @@ import os
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Union
 
 from . import arrays
-from .colors import cell_colors
-from .columns import VTU_NAMES, added_columns, vtu_columns
+from .._arguments import as_path, as_word
+from .colors import COLORMAPS, cell_colors
+from .columns import VTU_NAMES, added_columns, named_columns, vtu_columns
 from .geometry import mesh_of
 from .mesh_file import write_mesh
 from .optional import imported
@@ -44,8 +45,8 @@ def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, col
     """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
     if kind is None:
-        raise ValueError(f"cannot write {name!r}: known are {' '.join(_KINDS)}")
-    if columns and not kind.columns:
+        raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}")
+    if named_columns(columns) and not kind.columns:
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
@@ -62,7 +63,8 @@ def save(
     t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
 ) -> None:
     """See :meth:`Tessellation.save`."""
-    name = os.fspath(path)
+    name = as_path(path, "path")
+    as_word(colormap, "colormap", COLORMAPS)
     extension = os.path.splitext(name)[1].lower()
     kind = _checked_kind(t, name, extension, columns, color)
     taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES

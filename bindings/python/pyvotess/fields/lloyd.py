@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 
 import numpy as np
 
+from .._arguments import as_count, as_flag, as_number
 from .._c_api import RepairWord
 from .._call import Progress, showing
-from .._input import as_array, as_count, as_points
+from .._input import as_array, as_points
 from ..fit import fit_volumes
 from ..pairs import edges_of
 from ..tessellator import Tessellator
@@ -140,6 +141,8 @@ def lloyd(
     array = as_points(points).astype(np.float64)
     steps = as_count(steps, "steps", 32)
     moving = ~_as_mask(fixed, len(array))
+    tolerance, over_relaxation = as_number(tolerance, "tolerance"), as_number(over_relaxation, "over_relaxation")
+    normalize = as_flag(normalize, "normalize")
     if not 0 <= tolerance < np.inf:
         raise ValueError(f"tolerance is {tolerance}: it must be finite and not negative")
     if not 0 < over_relaxation < 2:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple
 
 import numpy as np
 
-from .._input import as_array
+from .._arguments import shown
+from .._input import as_float64_or_float32
 from ..export.geometry import mesh_of, triangles
 from ..pairs import edges_of
 
@@ -121,6 +122,10 @@ def transport_cost(tessellation: Tessellation) -> float:
     so after :func:`fit_volumes` this is the squared Wasserstein distance. It has a closed form. Needs "faces" in want, but
     not in a mesh.
     """
+    from ..tessellation import Tessellation
+
+    if not isinstance(tessellation, Tessellation):
+        raise TypeError(f"tessellation is {shown(tessellation)}: give the result of tessellate()")
     return uniform_energy(tessellation, tessellation.wrapped_points, "transport_cost()")
 
 
@@ -131,7 +136,7 @@ def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64A
         corner = t.box[0] if t.origin is None else t.origin
         turns = np.floor((points - corner) @ np.linalg.inv(edges))
         points = points - np.where(t.periodic, turns, 0) @ edges
-    values = as_array(density(points), "the answer of density").astype(np.float64, copy=False)
+    values = as_float64_or_float32(density(points), "the answer of density").astype(np.float64, copy=False)
     if values.shape != (len(points),):
         raise ValueError(
             f"density returned an array of shape {values.shape} for {len(points)} points: it must be ({len(points)},)"

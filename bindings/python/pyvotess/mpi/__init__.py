@@ -9,18 +9,19 @@ from __future__ import annotations
 import contextlib
 import ctypes
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Literal, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Literal, Optional, Union
 
 import numpy as np
 
 from .. import _c_api
+from .._arguments import as_word
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from .._input import Domain, as_points, as_word
+from .._input import Domain, as_array, as_points
 from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
-from ..stats import VerifyReport, verify
+from ..stats import VerifyReport, as_sample, verify
 from ._library import ARRAYS, Counts, load
 
 if TYPE_CHECKING:
@@ -98,13 +99,34 @@ class MpiTessellation:
         Parameters
         ----------
         points : the points that this rank passed to :func:`tessellate`; None with ``cells="made"``.
+        sample, rng_seed : as for :meth:`Tessellation.verify`, equal on all ranks.
         """
         communicator = _handle(comm)
-        array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
-        points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
-        return verify(
-            _lib.votess_mpi_verify, (communicator, self._result.pointer, *points_of_rank), sample, rng_seed
-        )
+        with _all_or_none(comm):
+            array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
+            points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
+            drawn = as_sample(sample, rng_seed)
+        return verify(_lib.votess_mpi_verify, communicator, self._result.pointer, *points_of_rank, *drawn)
+
+
+@contextlib.contextmanager
+def _all_or_none(comm: Any) -> Iterator[None]:
+    """Raises the first rank's error of the block on all ranks. Collective.
+
+    Each collective function checks its arguments in such a block, because a rank that raised alone would leave the
+    others waiting for it. The library then compares the arguments that must be equal on all ranks.
+    """
+    failure: Optional[BaseException] = None
+    try:
+        yield
+    except BaseException as error:  # reported to the other ranks
+        failure = error
+    failures = comm.allgather(None if failure is None else str(failure))
+    if failure is not None and not isinstance(failure, (TypeError, ValueError, VotessError)):
+        raise failure  # from a signal handler
+    for rank, text in enumerate(failures):
+        if text is not None:
+            raise ValueError(f"rank {rank}: {text}") from failure
 
 
 def _box(result: Handle) -> Float64Array:
@@ -138,7 +160,7 @@ def _read(result: Handle, want: int, made: bool, in_box: bool) -> MpiTessellatio
 
 
 def _as_ids(ids: Any, count: int) -> Int64Array:
-    array = np.asarray(ids)
+    array = as_array(ids, "ids")
     if array.shape != (count,):
         raise ValueError(f"ids has shape {array.shape} for {count} points: it must be ({count},)")
     if count and (array.dtype.kind not in "iu" or (array.dtype.kind == "u" and int(array.max()) >= 2**63)):
@@ -178,7 +200,7 @@ def tessellate(
     weights, radii : (N,) numbers for the points of this rank.
     threads : CPU threads of this rank, 0 = all of the machine.
     cells : "handed_in": the cells of this rank's points, in their order. "made": the cells in the rank's region of space,
-        ascending by id; this saves an exchange.
+        ascending by id; this saves an exchange. Dropped seeds are on no rank then. The same on all ranks.
     progress : as for :func:`pyvotess.tessellate`, for the cells of this rank; it stops all ranks.
 
     The others are those of :func:`pyvotess.tessellate`, equal on all ranks. "vertices", "faces" and
@@ -191,11 +213,10 @@ def tessellate(
         code CANCELLED.
     """
     communicator = _handle(comm)
-    failure: Optional[BaseException] = None
     kept: List[Any] = []
     result = Handle(_lib.votess_mpi_free)
     with contextlib.ExitStack() as stack:
-        try:
+        with _all_or_none(comm):
             array = as_points(points).astype(np.float64, copy=False)
             numbers = None if ids is None else _as_ids(ids, len(array))
             options = new_options(
@@ -206,14 +227,6 @@ def tessellate(
                 raise ValueError("box is 'hull', which needs all points at once: give numbers")
             kept += Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, array)
             shown = stack.enter_context(showing(progress))
-        except BaseException as error:  # reported to the other ranks below
-            failure = error
-        failures = comm.allgather(None if failure is None else str(failure))
-        if failure is not None and not isinstance(failure, (TypeError, ValueError, VotessError)):
-            raise failure  # from a signal handler
-        for rank, text in enumerate(failures):
-            if text is not None:
-                raise ValueError(f"rank {rank}: {text}") from failure
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(shown)
             status = _lib.votess_mpi_tessellate(

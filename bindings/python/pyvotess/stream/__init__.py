@@ -13,14 +13,16 @@ from __future__ import annotations
 import ctypes
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, Optional, Tuple, Union
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Tuple, Union
 
 import numpy as np
 
 from .. import _c_api
+from .._arguments import as_count, as_flag, as_one_of, as_path, shown
 from .._c_api import OutsideWord, WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
-from .._input import Domain, as_count, as_one_each, as_points, as_text
+from .._input import Domain, as_one_each, as_points
 from .._run import new_options
 from .._state import no_attribute
 from ..stats import Stats, VerifyReport, stats_of
@@ -111,8 +113,12 @@ class _Source:
             piece = next(self._iterator)
         except StopIteration:
             return _stream.END
-        points, numbers = piece if self._beside else (piece, None)
-        array = np.ascontiguousarray(as_points(points, "a piece of points"), dtype=np.float64)
+        if not self._beside:
+            piece = (piece, None)
+        elif not isinstance(piece, (tuple, list)) or len(piece) != 2:
+            raise TypeError(f"one of pieces is {shown(piece)}: give a pair of points and {self._beside}")
+        points, numbers = piece
+        array = np.ascontiguousarray(as_points(points, "one of pieces"), dtype=np.float64)
         self._held = (array,)
         seeds[0].count, seeds[0].points = len(array), array.ctypes.data
         if self._beside:
@@ -186,10 +192,14 @@ def tessellate_stream(
     ValueError : bad input; the message names the first offending index among all points, and the value.
     MemoryError, VotessError : the run failed; ``VotessError.code`` is STORAGE when temporary files cannot be written.
     """
-    if beside not in (None, "weights", "radii"):
-        raise ValueError(f"beside is {beside!r}: give 'weights', 'radii' or None")
+    as_one_of(beside, "beside", ("weights", "radii"))
     if not callable(rows):
         raise TypeError(f"rows must be callable, not {type(rows).__name__}")
+    is_one = isinstance(pieces, (str, bytes, Mapping)) or getattr(pieces, "ndim", 1) == 0
+    if is_one or not isinstance(pieces, Iterable):
+        raise TypeError(f"pieces is {shown(pieces)}: give an iterable of (n, 3) arrays")
+    bytes_of_run, checks = as_count(memory, "memory", 64), as_flag(verify, "verify")
+    folder = None if temporary is None else os.fsencode(as_path(temporary, "temporary"))
     options = new_options(
         device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions
     )
@@ -197,14 +207,14 @@ def tessellate_stream(
     source = _Source(pieces, rows, beside)
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
-    with showing(progress) as shown:
+    with showing(progress) as show:
         with Callbacks() as callbacks:
-            options.progress = callbacks.progress(shown)
+            options.progress = callbacks.progress(show)
             stream = _stream.Stream(
                 struct_size=ctypes.sizeof(_stream.Stream),
-                verify=bool(verify),
-                memory=as_count(memory, "memory", 64),
-                temporary=as_text(os.fspath(temporary), "temporary") if temporary is not None else None,
+                verify=checks,
+                memory=bytes_of_run,
+                temporary=folder,
                 restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),
                 next=callbacks.guarded(_stream.Next, source.next, _stream.STOP),
                 begin=callbacks.guarded(_stream.Begin, source.begin, _stream.STOP),

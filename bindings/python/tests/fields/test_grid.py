@@ -73,12 +73,12 @@ class Input(unittest.TestCase):
         diagram = vt.Diagram(uniform(10), box=UNIT_BOX)
         ones = np.ones(10)
         for message, values, shape, options in (
-            ("values have the shape", np.ones(9), 4, {}),
-            ("values have the shape", np.ones((10, 1, 1)), 4, {}),
+            ("values has shape", np.ones(9), 4, {}),
+            ("values has shape", np.ones((10, 1, 1)), 4, {}),
             ("shape is 0", ones, 0, {}),
             ("shape is 2.5", ones, 2.5, {}),
             ("1048576", ones, (1, 1, 2**21), {}),
-            ("broadcast", ones, (2, 2), {}),
+            (r"shape is \(2, 2\)", ones, (2, 2), {}),
             ("method", ones, 2, {"method": "cic"}),
             ("project is 3", ones, 2, {"project": 3}),
             ("columns", np.ones((10, 0)), 2, {}),
