@@ -74,9 +74,7 @@ class Network(WithHandle):
         """
         radius, vertex = ctypes.c_double(), ctypes.c_int32()
         raise_on_failure(
-            watched(
-                lib.votess_network_largest_included, self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex)
-            )
+            watched(lib.votess_network_largest_included, self._pointer("network()"), ctypes.byref(radius), ctypes.byref(vertex))
         )
         if vertex.value < 0:
             raise ValueError("the network has no vertices, so no sphere")
@@ -93,9 +91,7 @@ class Network(WithHandle):
         """
         radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
         out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
-        raise_on_failure(
-            watched(lib.votess_network_largest_free, self._pointer("network()"), as_axis(axis, "axis"), *out)
-        )
+        raise_on_failure(watched(lib.votess_network_largest_free, self._pointer("network()"), as_axis(axis, "axis"), *out))
         if edge.value < 0:
             along = "" if axis is None else f" along axis {axis}"
             raise ValueError(f"no edges lead to an image of themselves{along}: give a domain that is periodic there")

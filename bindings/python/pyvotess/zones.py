@@ -51,9 +51,7 @@ class Zones(WithHandle):
         """
         handle = Handle(lib.votess_zones_free)
         level = as_number(threshold, "threshold")
-        raise_on_failure(
-            watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer))
-        )
+        raise_on_failure(watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer)))
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 
