@@ -552,8 +552,9 @@ TEST_SUITE("query") {
         CHECK(refused(x, {1e300, 1e-300, 0}, {1}).starts_with("ray 0: component 1e-300 of its direction is too small"));
         options.periodic = {true, false, false};
         const votess::Diagram tube(set.points, options);
-        CHECK_THROWS_AS(tube.trace(x, d, Numbers{far}), votess::Error);
+        CHECK_THROWS_AS((void)tube.trace(x, d, Numbers{far}), votess::Error);
         CHECK(tube.trace(x, Numbers{1, 1e-3, 0}, Numbers{far}).seeds.size() > 100);  // many times around
+<<<<<<< HEAD
         // A mistake in a length is refused before it takes memory, wherever its ray is among others.
         votess::Options tilted;
         tilted.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.25, 1}};
@@ -574,10 +575,13 @@ TEST_SUITE("query") {
             }
         CHECK(torus.trace(x, d, Numbers{1000}).seeds.size() > 1000);
         CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
+=======
+        CHECK_THROWS_AS((void)trace(x, d, {1}).integrate(Numbers{1}), votess::Error);
+>>>>>>> systems
         CHECK(trace(x, d, {1}).middles.empty());
-        CHECK_THROWS_AS(trace(x, d, {1}).integrate(Numbers(50), Numbers(150)), votess::Error);  // without middles
+        CHECK_THROWS_AS((void)trace(x, d, {1}).integrate(Numbers(50), Numbers(150)), votess::Error);  // without middles
         const votess::RayCells cells = diagram.trace(x, d, Numbers{1}, {.middles = true});
         CHECK(cells.integrate(Numbers(50), Numbers(150)) == Numbers{0});
-        CHECK_THROWS_AS(cells.integrate(Numbers(50), Numbers(50)), votess::Error);
+        CHECK_THROWS_AS((void)cells.integrate(Numbers(50), Numbers(50)), votess::Error);
     }
 }
