@@ -33,10 +33,10 @@ def _edges_of_lengths_and_angles(dimensions: Any) -> Float64Array:
 
 
 def _corner_of_ase(atoms: Any) -> Float64Array:
-    """Returns the corner of the cell. ASE's reader of extended XYZ keeps it in ``info`` alone."""
+    """Returns the corner of the cell. ASE's reader of extended XYZ and OVITO's converter keep it in ``info`` alone."""
     corner = np.ravel(atoms.get_celldisp()) if hasattr(atoms, "get_celldisp") else np.zeros(3)  # (3, 1) there
     for key, value in {} if np.any(corner) else getattr(atoms, "info", {}).items():
-        if str(key).lower() == "origin" and np.shape(value) == (3,) and np.asarray(value).dtype.kind in "fiu":
+        if str(key).lower() in ("origin", "cell_origin") and np.shape(value) == (3,) and np.asarray(value).dtype.kind in "fiu":
             return np.asarray(value, dtype=np.float64)
     return corner
 
@@ -111,7 +111,7 @@ def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellatio
         ``box`` replaces their cell.
 
     The corner of ASE's cell is ``celldisp``, or ``info["Origin"]`` where that is 0: its reader of extended XYZ puts the
-    corner there. Remove it from ``info`` if you move the atoms.
+    corner there, and OVITO's converter into ``info["cell_origin"]``. Remove it from ``info`` if you move the atoms.
 
     Atoms without a cell get the default box of :func:`tessellate`. An atom outside of the cell along an edge without
     period is an error, or dropped with ``outside="drop"``.

@@ -77,11 +77,11 @@ class Atoms(unittest.TestCase):
         np.testing.assert_allclose(vt.from_ase(atoms).volumes, t.volumes, rtol=1e-13)
 
     def test_corner_in_info(self):
-        """ASE 3.29 reads Origin of extended XYZ into info, while celldisp stays 0."""
+        """ASE 3.29 reads Origin of extended XYZ into info, OVITO 3.17 makes cell_origin of it, while celldisp stays 0."""
         positions, edges = np.array([(-1, -1, 1), (1, 1, 2.5), (1, -1, 4.5)], float), np.diag([4.0, 4, 8])
         expected = vt.tessellate(positions, cell=edges, origin=(-2, -2, -3), periodic="xy").volumes
         atoms = looks_like("ase", positions, edges, (True, True, False))
-        for key in ("Origin", "origin"):
+        for key in ("Origin", "origin", "cell_origin"):
             for corner in (np.array([-2, -2, -3]), np.array([-2.0, -2.0, -3.0]), (-2, -2, -3.0)):
                 atoms.info = {"energy": 1.0, key: corner}
                 np.testing.assert_array_equal(vt.from_ase(atoms).volumes, expected)
