@@ -575,7 +575,7 @@ static int rows(const votess_stream_rows* some, void* user) {
     const int32_t* indices = votess_result_indices(stream->whole, NULL);
     CHECK(some->first == stream->rows && some->count > 0 && some->volumes != NULL && some->centroids == NULL);
     for (size_t i = 0; i <= some->count; ++i) CHECK(some->indptr[i] == indptr[some->first + i]);
-    for (size_t e = 0; e < some->entries; ++e) CHECK(some->neighbors[e] == indices[(size_t)some->indptr[0] + e]);
+    for (size_t e = 0; e < some->entries; ++e) CHECK(some->indices[e] == indices[(size_t)some->indptr[0] + e]);
     stream->rows += some->count;
     return VOTESS_STREAM_GO_ON;
 }
