@@ -94,7 +94,7 @@ TEST_SUITE("interface") {
         const auto end_of = [&](const auto& field) {
             return reinterpret_cast<const char*>(&field + 1) - reinterpret_cast<const char*>(&options);
         };
-        auto end = end_of(options.mesh_triangles);
+        auto end = end_of(options.mesh_tolerance);
         votess::each_option([&](auto, auto, auto c_member, auto) { end = std::max(end, end_of(options.*c_member)); });
         CHECK(end == sizeof options);
     }
