@@ -198,7 +198,8 @@ TEST_SUITE("cases") {
             CAPTURE(message);
             CHECK(has(message, "point 2: " + std::string(1, "xyz"[axis]) + " = "));
             CHECK(distance_in(message) == doctest::Approx(beyond).epsilon(0.01));
-            CHECK(has(message, "Options::outside = drop"));
+            const bool rounded = beyond <= 1e-6 * 2 * scale;  // as a file may round
+            CHECK(has(message, rounded ? "may be rounded: keep" : "Options::outside = drop"));
             // The same box as a cell.
             options.box.reset();
             options.cell = {{-scale, -scale, -scale}, {2 * scale, 0, 0}, {0, 2 * scale, 0}, {0, 0, 2 * scale}, {}};

@@ -170,7 +170,7 @@ TEST_SUITE("query") {
         CHECK(refusal([&] { votess::Diagram(points, options); }).find("CPU") != std::string::npos);
         options.device = "auto";
         options.min_face = 0.1;
-        CHECK(refusal([&] { votess::Diagram(points, options); }).find("min_face") == 0);
+        CHECK(refusal([&] { votess::Diagram(points, options); }).find("Options::min_face") == 0);
         options.min_face = 0;
         options.periodic = {true, true, true};
         const votess::Diagram periodic(points, options);
