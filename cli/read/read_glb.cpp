@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::string_view magic = "glTF";
 
-// Rows of a linear map and what is added.
+// An affine map: the rows of its matrix, then the translation.
 struct Placement {
     std::array<std::array<double, 4>, 3> rows{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
@@ -158,7 +158,7 @@ private:
         std::vector<std::uint64_t> all;
         for (const Json& child : items(object, name)) {
             const auto index = child.whole();
-            if (!index) throw error(in_quotes(child.text()) + " is no index of a node");
+            if (!index) throw error(in_quotes(child.text()) + " is not the index of a node");
             (void)entry(nodes_, *index, "node");
             all.push_back(*index);
         }

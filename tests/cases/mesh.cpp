@@ -917,7 +917,7 @@ TEST_SUITE("cases") {
                     n[k] = at(1, (k + 1) % 3) * at(2, (k + 2) % 3) - at(1, (k + 2) % 3) * at(2, (k + 1) % 3);
                 return n;
             };
-            double most_against = 0;
+            double max_against = 0;
             for (std::size_t p = 0; p < pieces.size(); ++p)
                 for (auto f = pieces.triangle_offsets[p]; f < pieces.triangle_offsets[p + 1]; ++f) {
                     const auto t = static_cast<std::size_t>(f);
@@ -926,10 +926,10 @@ TEST_SUITE("cases") {
                                           &pieces.triangles[3 * t]);
                     const auto b = normal(solid.vertices.data(),
                                           &solid.triangles[3 * static_cast<std::size_t>(pieces.sources[t])]);
-                    most_against = std::max(most_against, -(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+                    max_against = std::max(most_against, -(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
                 }
             CAPTURE(run);
-            CHECK(most_against < 1e-12);
+            CHECK(max_against < 1e-12);
         }
     }
 

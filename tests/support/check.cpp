@@ -270,7 +270,7 @@ std::string check_same_result(const votess::Tessellation& a, const votess::Tesse
         s.threads != t.threads || s.precision != t.precision)
         return "stats differ";
     const std::string of_a = derived(a), of_b = derived(b);
-    return of_a == of_b ? "" : text("what is made of the results differs: ", of_a, "and ", of_b);
+    return of_a == of_b ? "" : text("the dual or the pieces differ: ", of_a, "and ", of_b);
 }
 
 std::string check_same_cells(const votess::Tessellation& a, const votess::Tessellation& b) {
