@@ -89,7 +89,7 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
     }
     if (!options.box && !options.cell) {
         if (periodic && any(*periodic)) {
-            throw bad_input("a periodic axis needs a box, and the file states none: give --box or --cell");
+            throw bad_input("--periodic needs a box, and the file states none: give --box or --cell");
         }
         if (!periodic && any(stated.periodic)) {
             throw bad_input(

@@ -101,9 +101,10 @@ for a sphere, 3 / FACES^2 otherwise. The ids follow those of --wall)",
          R"(a closed mesh as the domain: each cell is its part inside. .off, .obj,
 .ply, .stl (text and binary) or .glb (y is up there, and becomes z);
 vertices of .stl and .glb at equal places become one. Polygons must be flat
-and simple. Seen from outside, corners are counterclockwise. Seeds may lie outside of the mesh. It replaces the
-domain that INPUT states; --box must hold it. Into text without polygons,
-.csv, .xyz, .dump, .npz and .h5; surface_areas brings mesh_areas. Into
+and simple. Seen from outside, corners are counterclockwise. Seeds may lie
+outside of the mesh. It replaces the domain that INPUT states; --box must
+hold it. Into text without polygons, .csv, .xyz, .dump, .npz and .h5;
+surface_areas brings mesh_areas. Into
 .glb, .obj, .stl and .3mf the connected pieces of cells: closed objects,
 named by id, as "17", or "17.0", "17.1" if a cell has several; materials
 are inside and surface. --image draws pieces)",

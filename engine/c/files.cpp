@@ -68,13 +68,16 @@ files::Column column(const votess_column& given, std::uint64_t cells) {
             width * given.bytes};
 }
 
-files::Mesh checked(const votess_mesh& given) {
+files::Mesh checked(const votess_mesh& given, bool writes_faces_once) {
     if (given.cells > max_count || given.vertex_count > max_count)
         refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(max_count) + " at most");
     files::Mesh mesh;
     mesh.indptr = offsets(given.indptr, given.cells, "indptr");
     const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
-    mesh.indices = indices(given.indices, entries, "indices", given.cells, "cells", std::numeric_limits<int>::min());
+    // Formats that write a face once for both cells need the neighbors among the cells. Those of probes are not.
+    mesh.indices = writes_faces_once ? indices(given.indices, entries, "indices", given.cells, "cells",
+                                               std::numeric_limits<int>::min())
+                                     : array(given.indices, entries, "indices");
     if (given.shifts != nullptr) mesh.shifts = {given.shifts, 3 * entries};
     mesh.vertices = array(given.vertices, 3 * given.vertex_count, "vertices");
     mesh.face_offsets = offsets(given.face_offsets, entries, "face_offsets");
@@ -140,9 +143,9 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
         require(mesh, "mesh");
         require(format, "format");
         require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
-        const files::Mesh arrays = checked(*mesh);
-        files::ByteSink out = sink(write, user);
         const std::string_view name = format;
+        const files::Mesh arrays = checked(*mesh, name == ".ply" || name == ".obj");
+        files::ByteSink out = sink(write, user);
         if (name == ".vtu") {
             files::write_vtu(arrays, out);
         } else if (name == ".ply") {

@@ -13,7 +13,6 @@ namespace votess::solid {
 namespace {
 
 constexpr double beyond_rounding = 1e-12;  // of coordinates, for a height above a face
-constexpr double unit = 0x1p-53;
 constexpr double sum_rounding = 4 * unit;
 constexpr double place_rounding = 0x1p-42;   // of the extent of a part
 constexpr double volume_rounding = 0x1p-36;  // of a volume; half of it is for the centroid

@@ -21,7 +21,7 @@ ExactPlace positive(ExactPlace place) {
     return place;
 }
 
-std::array<BigInt, 3> minus(const std::array<BigInt, 3>& a, const std::array<BigInt, 3>& b) {
+std::array<BigInt, 3> difference(const std::array<BigInt, 3>& a, const std::array<BigInt, 3>& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
@@ -69,13 +69,13 @@ BigInt ExactPlaces::value(std::size_t k, const Integers& u) const {
 }
 
 ExactPlace ExactPlaces::vertex(const exact::Point& u) const {
-    return {minus(relative(u), to_origin_), 1};
+    return {difference(relative(u), to_origin_), 1};
 }
 
 ExactPlace ExactPlaces::on_edge(std::size_t a, const exact::Point& from, const exact::Point& to) const {
     const Integers u = relative(from), v = relative(to);
     const BigInt at_u = value(a, u), at_v = value(a, v);
-    const Integers from_u = minus(u, to_origin_), from_v = minus(v, to_origin_);
+    const Integers from_u = difference(u, to_origin_), from_v = difference(v, to_origin_);
     ExactPlace place{{}, at_v - at_u};
     for (std::size_t k = 0; k < 3; ++k) place.x[k] = at_v * from_u[k] - at_u * from_v[k];
     return positive(std::move(place));
@@ -88,7 +88,7 @@ ExactPlace ExactPlaces::on_triangle(std::size_t a, std::size_t b, const std::arr
         x[i] = relative(u[i]);
         at_a[i] = value(a, x[i]);
         at_b[i] = value(b, x[i]);
-        x[i] = minus(x[i], to_origin_);
+        x[i] = difference(x[i], to_origin_);
     }
     const Integers weights = cross(at_a, at_b);
     ExactPlace place{{}, weights[0] + weights[1] + weights[2]};

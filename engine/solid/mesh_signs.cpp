@@ -8,7 +8,6 @@
 namespace votess::solid {
 namespace {
 
-constexpr double unit = 0x1p-53;
 constexpr int narrow_bits = 55;  // a determinant of three values then fits six words
 
 using exact::WideInt;

@@ -34,7 +34,8 @@
 
 namespace votess::solid {
 
-inline constexpr double tiny = 1e-290;  // covers products that underflow
+inline constexpr double unit = 0x1p-53;  // rounding of one operation
+inline constexpr double tiny = 1e-290;   // covers products that underflow
 
 class MeshSigns {
 public:

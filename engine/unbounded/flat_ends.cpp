@@ -17,7 +17,7 @@ using exact::Point;
 
 constexpr double relative_height = 0x1p-3;  // over the mean distance of the seeds
 constexpr double least_height = 0x1p-36;    // over the largest coordinate: far above the rounding of a wall
-constexpr std::size_t points_per_check = 4096;
+constexpr std::size_t seeds_per_check = 4096;
 
 // The coordinates, brought to order one.
 class Scaled {
@@ -25,7 +25,7 @@ public:
     explicit Scaled(const Points& points) : points_(points) {
         double largest = 0;
         for (std::size_t i = 0; i < points.coordinates(); ++i) {
-            if (i % points_per_check == 0) check_stop();
+            if (i % seeds_per_check == 0) check_stop();
             if (!std::isfinite(points[i])) return;
             largest = std::max(largest, std::abs(points[i]));
         }
@@ -46,7 +46,7 @@ public:
     // Returns the first point from `begin` on that suits, or the size.
     [[nodiscard]] std::size_t first(std::size_t begin, const auto& suits) const {
         while (begin < size() && !suits((*this)[begin])) {
-            if (begin % points_per_check == 0) check_stop();
+            if (begin % seeds_per_check == 0) check_stop();
             ++begin;
         }
         return begin;
