@@ -273,12 +273,12 @@ _ARRAY_OF = (c_void_p, (_HANDLE, c_int32, POINTER(c_size_t)))  # one for each di
 
 # name: (type of the result, types of the arguments), in the order of votess.h.
 SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
+    "votess_set_progress": (None, (ProgressCallback, c_void_p)),
     "votess_version": (c_uint32, ()),
     "votess_version_string": (c_char_p, ()),
     "votess_sizeof_options": (c_size_t, ()),
     "votess_sizeof_stats": (c_size_t, ()),
     "votess_last_error": (c_char_p, ()),
-    "votess_set_progress": (None, (ProgressCallback, c_void_p)),
     "votess_options_init": (c_int, (POINTER(Options), c_size_t)),
     "votess_want_of": (c_int, (c_char_p, POINTER(c_uint32))),
     "votess_options_implied_want": (c_int, (POINTER(Options), POINTER(c_uint32))),

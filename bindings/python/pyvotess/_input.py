@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, List, Optional, Tuple
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_flag, require_one_of
+from ._arguments import as_flag, as_number, require_one_of
 from ._call import Handle, array_of, run
 from ._library import lib
 
@@ -300,7 +300,8 @@ class Domain:
         require_one_of(self.mesh_repair, "mesh_repair", ("merge",))
         if self.mesh_repair is not None and self.mesh is None:
             raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
-        if self.mesh_tolerance != 0 and self.mesh_repair is None:
+        tolerance = as_number(self.mesh_tolerance, "mesh_tolerance")
+        if tolerance != 0 and self.mesh_repair is None:
             raise ValueError("mesh_tolerance needs mesh_repair='merge': set it, or leave mesh_tolerance out")
         if self.mesh is not None:
             vertices, triangles = as_mesh(self.mesh)
@@ -308,7 +309,7 @@ class Domain:
             options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
             options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
             options.mesh_merge = int(self.mesh_repair is not None)
-            options.mesh_tolerance = float(self.mesh_tolerance)
+            options.mesh_tolerance = tolerance
             kept += [vertices, triangles]
         if is_hull and points is not None:
             walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)

@@ -124,7 +124,7 @@ class Loading(unittest.TestCase):
         for field, value, text in (
             ("precision", 77, "precision = 77"),
             ("k_init", 5000, "k_init = 5000"),
-            ("instructions", b"mmx", "instructions 'mmx'"),
+            ("instructions", b"mmx", "instructions is 'mmx'"),
         ):
             options = _run.new_options(device="cpu")
             setattr(options, field, value)

@@ -54,7 +54,7 @@ RIGHT = {
     **dict.fromkeys(("gap", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),
     **dict.fromkeys(("progress", "density", "rows"), _FUNCTION),
     **dict.fromkeys(("mesh", "mesh_repair", "box", "cell", "origin", "weights", "radii", "beside", "temporary", "ids"), {"None"}),
-    "want": {"[]", "()", "{}"}, "walls": {"[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
+    "mesh_tolerance": {"0"}, "want": {"[]", "()", "{}"}, "walls": {"[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
     "periodic": {"None", "True", "0", "1", "no text", "x"}, "project": {"None", "0", "1"}, "axis": {"None", "0", "1"},
     "instructions": {"no text", "text", "x"}, "device": {"no text", "text", "x"}, "atoms": {"[]", "()"}, "pieces": {"[]", "()"},
     "sample": {"None", "2**32 + 1", *_COUNT}, "rng_seed": {"2**32 + 1", *_COUNT}, "memory": {"2**32 + 1"}, "seeds": {"2**32 + 1"},
