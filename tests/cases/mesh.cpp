@@ -926,7 +926,7 @@ TEST_SUITE("cases") {
                                           &pieces.triangles[3 * t]);
                     const auto b = normal(solid.vertices.data(),
                                           &solid.triangles[3 * static_cast<std::size_t>(pieces.sources[t])]);
-                    max_against = std::max(most_against, -(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
+                    max_against = std::max(max_against, -(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]));
                 }
             CAPTURE(run);
             CHECK(max_against < 1e-12);
