@@ -335,7 +335,7 @@ void set_walls(Job& job, Domain& domain) {
         }
         if (job.options.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_wall(walls, wall, as_given[wall], x, largest_side(*job.options.box)));
+                   beyond_wall(walls, wall, as_given[wall], x, largest_side(job.box)));
         if (keep)
             keep_seed(job, i, at, largest);
         else
