@@ -273,7 +273,7 @@ TEST_SUITE("query") {
         }
         CHECK(buried >= wanted / 40);
         CHECK(at_walls > wanted / 4);
-        CHECK(periodic > wanted / 10);
+        CHECK(periodic > wanted / 20);
     }
 
     TEST_CASE("natural neighbors: the bisector of two seeds meets an edge of the domain") {
@@ -353,7 +353,7 @@ TEST_SUITE("query") {
             }
         }
         CHECK(checked > sets);
-        CHECK(buried > sets / 10);
+        CHECK(buried > sets / 20);
     }
 
     // The volumes of all cells, without and with the query, know nothing of parts.
