@@ -64,7 +64,7 @@ private:
     const Probe* probe_ = nullptr;
     bool moments_ = false;
     bool search_ = false;  // builds each part among all seeds, not among the members
-    // Of many members, in their order: each part is cut by few of them. It is not made in periodic domains, whose
+    // The triangulation of many members, in their order: few of them cut each part. Unset in periodic domains, whose
     // images have no exact coordinates.
     std::optional<Delaunay> triangulation_;
     std::vector<std::int32_t> around_;

@@ -19,7 +19,7 @@ namespace votess::cpu {
 class Delaunay {
 public:
     explicit Delaunay(const SortedSeeds& seeds) : Delaunay(seeds.size(), seeds.x, seeds.y, seeds.z) {}
-    // Of `count` points, no two of them equal. Fastest where successive ones are near each other.
+    // Triangulates `count` points, no two of them equal. Fastest where successive ones are near each other.
     Delaunay(std::size_t count, std::span<const double> x, std::span<const double> y, std::span<const double> z);
 
     // False when there are too many tetrahedra (up to N^2 / 2).

@@ -241,7 +241,7 @@ class TextOutput(CliTest):
         self.assertEqual(self.rows("d.txt", "--format", form)[2], "||||0||0|0|0|0.5|nan nan nan||||")
 
     def test_codes_of_open_faces(self):
-        # Without a box faces may reach infinity, which is no vertex.
+        # Without a box faces may reach infinity, which is not a vertex.
         self.put("a.txt", text_of(random_points(40)))
         form = "%n|%a|%e|%E|%o|%g|%w|%P|%t"
         open_cells = open_faces = 0

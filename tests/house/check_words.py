@@ -4,8 +4,8 @@
     check_words.py SOURCE
 
 A message says Options::min_face, so that the C interface, Python and the command line can use their own words. The names
-are those of the members of public structs of options. A name that is an English word too, such as mesh, is found where the
-message asks to set or to leave out what it names.
+are those of the members of public structs of options. A name that is an English word too, such as mesh, is found only
+in messages that say to set it or to leave it out.
 """
 import pathlib
 import re

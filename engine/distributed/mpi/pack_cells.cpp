@@ -14,18 +14,18 @@ namespace {
 
 using detail::Per;
 
+constexpr auto owners_of = [](auto& cells) -> auto& {
+    return cells.owners;
+};
+
 // Calls visit(array) for all arrays of cells, or of entries of rows.
 template <class Visit>
 void for_arrays(Per per, const Visit& visit) {
     detail::for_row_arrays([&](const auto& array, std::size_t) {
         if (array.per == per) visit(array);
     });
-    if (per == Per::entry) visit(detail::Array{"owners", [](auto& cells) -> auto& { return cells.owners;
+    if (per == Per::entry) visit(detail::Array{"owners", owners_of, per, 1});
 }
-, per, 1
-}  // namespace
-);
-}  // namespace votess::mpi
 
 template <class T>
 void append(std::vector<T>& to, const std::vector<T>& from, std::size_t begin, std::size_t end) {

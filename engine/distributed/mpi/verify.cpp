@@ -67,7 +67,7 @@ private:
 
 VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double> points, const VerifyOptions& options) {
     const Ranks ranks(comm);
-    Hash of_result;  // of what is equal on all ranks that hold a part of it
+    Hash of_result;  // of the parts of a result that are equal on all ranks
     of_result.mix(result.send_indptr.empty(), result.counts.seeds, result.counts.box_volume, result.counts.volume_sum,
                   result.counts.exact_cells);
     ranks.agree("verify", std::array{CommonArgument{"the result", of_result.value()},
