@@ -14,11 +14,13 @@ void Coloring::add_needs(votess::Want& want) const {
     want.surfaces |= column == "area";
 }
 
-std::string Coloring::label() const {
-    return column == "area" ? "surface area" : column;
+std::string Coloring::label(bool planar) const {
+    if (column == "volume") return planar ? "area" : column;
+    if (column == "area") return planar ? "perimeter" : "surface area";
+    return column;
 }
 
-void Coloring::check(const std::vector<InputColumn>& carried) const {
+void Coloring::check(const std::vector<InputColumn>& carried, bool planar) const {
     constexpr std::array<std::string_view, 7> own{"volume", "neighbors", "area", "x", "y", "z", "index"};
     const auto taken = std::ranges::find(carried, column, &InputColumn::name);
     if (taken != carried.end() && taken->of_words)
@@ -27,6 +29,8 @@ void Coloring::check(const std::vector<InputColumn>& carried) const {
         throw bad_input("--color " + in_quotes(column) + " has " + std::to_string(taken->width) +
                         " numbers for each point: name a column that has one");
     }
+    if (taken == carried.end() && planar && column == "z")
+        throw bad_input("--color z: points of the plane have no z, name another column");
     if (taken == carried.end() && std::ranges::find(own, column) == own.end()) {
         throw bad_input(
             "--color must be volume, neighbors, area, x, y, z, index or a column of --copy or --density, not " +
@@ -47,7 +51,7 @@ std::vector<double> Coloring::values(const Input& input, const votess::Tessellat
         } else if (column == "index") {
             values[i] = static_cast<double>(i);
         } else {
-            values[i] = input.points[3 * i + static_cast<std::size_t>(column[0] - 'x')];
+            values[i] = input.points[input.dimensions * i + static_cast<std::size_t>(column[0] - 'x')];
         }
     }
     return values;

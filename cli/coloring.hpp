@@ -16,9 +16,9 @@ struct Coloring {
     // Adds the array that holds the column.
     void add_needs(votess::Want& want) const;
     // Returns the label of the color bar.
-    [[nodiscard]] std::string label() const;
+    [[nodiscard]] std::string label(bool planar) const;
     // Throws Failure unless the column is known: of the cells, or of --copy or --density with one number for each.
-    void check(const std::vector<InputColumn>& carried) const;
+    void check(const std::vector<InputColumn>& carried, bool planar) const;
     // Returns N values. The column must be checked before.
     [[nodiscard]] std::vector<double> values(const Input& input, const votess::Tessellation& tessellation,
                                              const std::vector<InputColumn>& carried) const;

@@ -33,6 +33,10 @@ std::span<const double> components(const votess::Tessellation& cells, const std:
     return std::span<const double>(vector).first(size_of_vectors(cells));
 }
 
+bool reaches_infinity(double bound) {
+    return std::isinf(bound);
+}
+
 const char* kind_of(const votess::Tessellation& cells) {
     return cells.in_mesh() ? "mesh" : cells.cell() ? "cell" : cells.walls().empty() ? "box" : "polyhedron";
 }
@@ -81,12 +85,6 @@ DomainFrom choose_domain(const FileDomain& stated, const std::optional<std::arra
         options.cell = stated.cell;
         if (options.walls.empty()) options.walls = stated.walls;
     }
-    for (std::size_t k = 0; !given && options.cell && k < (options.planar ? 2 : 3); ++k) {
-        const votess::TriclinicBox& cell = *options.cell;
-        if ((k == 0 ? cell.a : k == 1 ? cell.b : cell.c) == std::array<double, 3>{})
-            throw bad_input(std::string("the cell of the file has no edge ") + "abc"[k] +
-                            ": add it, in ASE by atoms.center(vacuum=...), or give --box or --cell");
-    }
     if (!options.box && !options.cell) {
         if (periodic && any(*periodic)) {
             throw bad_input("--periodic needs a box, and the file states none: give --box or --cell");
@@ -115,7 +113,7 @@ void check_corner(const Input& input, const votess::Options& options, const Doma
     const votess::TriclinicBox& cell = *options.cell;
     const std::array edges{cell.a, cell.b, cell.c};
     for (std::size_t k = 0; k < 3; ++k) {
-        if (cell.periodic[k]) continue;
+        if (cell.periodic[k] || edges[k] == std::array<double, 3>{}) continue;
         const auto &u = edges[(k + 1) % 3], &v = edges[(k + 2) % 3];
         const std::array<double, 3> normal{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
                                            u[0] * v[1] - u[1] * v[0]};
@@ -158,7 +156,8 @@ std::string domain_text(const votess::Tessellation& cells, const DomainFrom& fro
     if (const auto& cell = cells.cell()) {
         text = "cell " + list(cell->a) + " " + list(cell->b) + (cells.planar() ? "" : " " + list(cell->c)) + " at " +
                list(cell->origin);
-    } else if (std::isinf(cells.box().upper[0])) {
+    } else if (std::ranges::all_of(components(cells, cells.box().lower), reaches_infinity) &&
+               std::ranges::all_of(components(cells, cells.box().upper), reaches_infinity)) {
         text = cells.planar() ? "all of the plane" : "all of space";
     } else {
         text = "box " + list(cells.box().lower) + " to " + list(cells.box().upper);

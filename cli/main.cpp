@@ -111,7 +111,6 @@ int run(Arguments& arguments) {
         write_points(arguments);
         return exit_code::done;
     }
-    load_mesh(arguments);
     if (arguments.memory > 0 || arguments.frames) {
         Summary summary = arguments.frames ? run_frames(arguments, run_began) : run_streamed(arguments, run_began);
         summary.set_mesh(arguments.mesh_file, arguments.mesh);
@@ -131,7 +130,8 @@ int run(Arguments& arguments) {
     complete_columns(arguments, input);
     take_weights(arguments, input, options);
     std::vector<InputColumn> carried = take_carried(arguments, input);
-    arguments.coloring.check(carried);
+    arguments.coloring.check(carried, input.planar());
+    if (arguments.picture) check_picture(*arguments.picture, input.planar());
     summary.input_note = input.note;
     choose_dimensions(input, options);
     summary.set_dimensions(options.planar, arguments.read.dimensions);
@@ -172,7 +172,13 @@ int run(Arguments& arguments) {
     const std::optional<votess::AlphaComplex> alpha = run_watched(arguments.quiet, run_began, [&] {
         fill_zones(arguments, input, tessellation, carried);
         const std::int32_t n = arguments.alpha;
-        return n > 0 ? std::optional(votess::alpha_complex(tessellation, input.points, {n, n, n})) : std::nullopt;
+        if (n == 0) return std::optional<votess::AlphaComplex>();
+        const auto& periodic = tessellation.periodic();
+        std::array<std::int32_t, 3> copies{n, n, options.planar ? 1 : n};
+        const bool any = periodic != std::array<bool, 3>{};
+        for (std::size_t k = 0; k < 3 && any; ++k)
+            if (!periodic[k]) copies[k] = 1;
+        return std::optional(votess::alpha_complex(tessellation, input.points, copies));
     });
     summary.stats = tessellation.stats();
     summary.domain = domain_text(tessellation, domain_from);
@@ -210,7 +216,7 @@ int run(Arguments& arguments) {
         write_outputs(arguments.outputs,
                       {input, tessellation, arguments.wanted, arguments.format, radii, domain_from, carried,
                        arguments.coloring, !arguments.quiet, options.threads, FramePlace::alone, arguments.has_radii,
-                       all_ids, arguments.gap, alpha ? &*alpha : nullptr});
+                       all_ids, arguments.gap, alpha ? &*alpha : nullptr, arguments.skip_open});
         if (image) image->publish();
         summary.seconds_write = seconds_since(write_began);
     }
@@ -239,6 +245,7 @@ int main_inside(int count, const char* const* values) {
     try {
         const bool as_voropp = count > 1 && std::strcmp(values[1], "--voro++") == 0;
         Arguments arguments = as_voropp ? read_voropp_arguments(count - 1, values + 1) : read_arguments(count, values);
+        load_mesh(arguments);
         if (!arguments.answer.empty()) {
             print(arguments.answer);
         } else if (arguments.list_devices) {

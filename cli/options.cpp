@@ -65,7 +65,8 @@ coordinates, as in rows of two columns, imply it, and the summary says so)"},
         {"--box x0,y0,z0,x1,y1,z1|none|hull",
          R"(the domain. Default: the bounds of the points, each side moved out by half
 of (longest side / cbrt(N)). A point outside a given box is an error. none:
-all of space; cells that reach infinity have the volume inf and wall -1.
+all of space; cells that reach infinity have the volume inf and wall -1. A
+bound may be inf or -inf alone, other axes periodic: a slab without end.
 hull: the convex hull of the points, whose facets become walls)",
          {.brief = "the domain; default: around the points, or as the file states"}},
         {"--periodic [xyz|none]",
@@ -75,7 +76,7 @@ it are wrapped into it. Needs a box, from --box, --cell or the file)",
         {"--cell ax,ay,az,bx,by,bz,cx,cy,cz",
          R"(a triclinic box instead of --box, periodic along its edges a, b and c, or
 along those that --periodic names as x, y and z. Across the others it ends
-at the planes of its faces, walls -1 to -6)",
+at the planes of its faces, walls -1 to -6, or nowhere if the edge is 0)",
          {.brief = "a triclinic box, periodic along its edges"}},
         {"--origin x,y,z",
          R"(corner of --cell; default 0,0,0
@@ -105,10 +106,12 @@ and simple. Seen from outside, corners are counterclockwise. Seeds may lie
 outside of the mesh. It replaces the domain that INPUT states; --box must
 hold it. Into text without polygons, .csv, .xyz, .dump, .npz and .h5;
 surface_areas brings mesh_areas. Into
-.glb, .obj, .stl and .3mf the connected pieces of cells: closed objects,
-named by id, as "17", or "17.0", "17.1" if a cell has several; materials
-are inside and surface. --image draws pieces)",
-         {.needs = Needs::all_cells, .solid = true}},
+.vtu, .glb, .obj, .stl and .3mf the connected pieces of cells: closed
+objects, in .vtu with the id of their cell, in others named by it, as "17",
+or "17.0", "17.1" if a cell has several; materials are inside and surface.
+--image draws pieces. Queries have answers inside: --to-grid is 0 outside,
+and rays have their parts inside)",
+         {.needs = Needs::all_points, .solid = true}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
 pieces. The planes of each cell move inward by half of it; the surface of
@@ -152,10 +155,10 @@ also `radius`. covalent: radii in angstrom of the elements that the file
 names (Cordero and others 2008, doi:10.1039/b801115j))",
          {.brief = "power diagram: a column of the input holds radii (--weights: their squares)"}},
         {"--volumes COL",
-         R"(power diagram in which each cell has the volume that COL holds. The weights
-are found by damped Newton steps and written as the array `weights`.
---weights or --radii are the start)",
-         {.needs = Needs::all_cells, .solid = true}},
+         R"(power diagram in which each cell has the volume that COL holds, in two
+dimensions the area. The weights are found by damped Newton steps and
+written as the array `weights`. --weights or --radii are the start)",
+         {.needs = Needs::all_cells}},
         {"--tolerance T",
          R"(largest relative error of a volume; default 1e-9)",
          {.needs = Needs::all_cells, .with = "--volumes"}},
@@ -186,12 +189,13 @@ order of the points. COL may be `density`, if --density is given)",
 that saddle; `zone` numbers the rest. 0 joins zones that only ties divide)",
          {.needs = Needs::all_cells, .with = "--watershed"}},
         {"--alpha N",
-         R"(write the alpha complex of N copies of a periodic box along each vector; N
+         R"(write the alpha complex of N copies of a box along each periodic vector; N
 is 1 for other domains, which count as all of space. For each dimension K
-from 0 to 3: alpha_seeds_K, K + 1 seeds of each simplex; alpha_values_K,
-its squared radius; alpha_gabriel_K, 1 if its smallest sphere is empty; in
-periodic domains alpha_shifts_K, three numbers a seed. Into .npz or .h5)",
-         {.needs = Needs::all_cells, .solid = true}},
+from 0 to 3, or to 2: alpha_seeds_K, K + 1 seeds of each simplex;
+alpha_values_K, its squared radius; alpha_gabriel_K, 1 if its smallest
+sphere is empty; in periodic domains alpha_shifts_K, a number for each axis
+of each seed. Into .npz or .h5)",
+         {.needs = Needs::all_cells}},
         {"--duplicates merge|error",
          R"(points of equal coordinates: the lowest index keeps the cell and the others
 get an empty one, or the input is refused)",
@@ -210,9 +214,10 @@ get an empty one, or the input is refused)",
        (domain_from, periodic_from: option, stated, assumed, default),
        units that the file states, version
 .h5    HDF5: the same (also .hdf5), the domain and units as attributes
-.vtu   the cells as polyhedra for ParaView, PyVista and meshio, with id,
-       volume, neighbors, centroid and status; without empty cells,
-       ascending by their number of vertices: id names the point
+.vtu   the cells as polyhedra for ParaView, PyVista and meshio, in two
+       dimensions as polygons, with id, volume, neighbors, centroid and
+       status; without empty cells, ascending by their number of vertices:
+       id names the point
 .ply   the faces, each once, with its two cells (rows from 0, walls < 0)
 .obj   the faces, each once
 .glb   glTF: the cells as solids in flat colors by --color, for Blender
@@ -264,38 +269,39 @@ of the box, or the faces of a cell across a, b and c; -7, -8, ... = walls)",
         {"", "picture"},
         {"--image FILE.png",
          R"(a picture of the cells, cut open, drawn on the CPU. Cells at the walls that
-dwarf the others are omitted, with their neighbors)",
-         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section",
-          .needs = Needs::all_cells,
-          .solid = true}},
+dwarf the others are omitted, with their neighbors. In two dimensions all
+cells, with axes)",
+         {.brief = "a picture of the cells, cut open; --slice z=0.5 for a section", .needs = Needs::all_cells}},
         {"--slice x=VALUE",
          R"(draw a plane section instead, with axes; also y=VALUE, z=VALUE)",
-         {.needs = Needs::all_cells, .with = "--image"}},
+         {.needs = Needs::all_cells, .with = "--image", .solid = true}},
         {"--color COLUMN",
          R"(volume (default), neighbors, area, x, y, z, index or a column of --copy or
 --density; on a logarithmic scale where values differ widely)",
-         {.needs = Needs::cells, .solid = true}},
-        {"--colormap tide|ember|gray",
-         R"(colors of the picture and of .glb; default tide)",
-         {.needs = Needs::cells, .solid = true}},
+         {.needs = Needs::cells}},
+        {"--colormap tide|ember|gray", R"(colors of the picture and of .glb; default tide)", {.needs = Needs::cells}},
         {"--cut corner|half|cells|none",
          R"(part to cut away: the octant in front (default), the half in front, the
 whole cells whose points lie in that octant, or nothing)",
-         {.needs = Needs::all_cells, .with = "--image"}},
+         {.needs = Needs::all_cells, .with = "--image", .solid = true}},
         {"--view AZIMUTH,ELEVATION",
          R"(direction of the camera in degrees; default 36,27)",
-         {.needs = Needs::all_cells, .with = "--image"}},
+         {.needs = Needs::all_cells, .with = "--image", .solid = true}},
         {"--seeds",
-         R"(with --slice: draw the points near the plane as dots)",
+         R"(with --slice or in two dimensions: draw the points near the plane as dots)",
          {.needs = Needs::all_cells, .with = "--image"}},
         {"--image-size WxH", R"(pixels; default 1600x1200)", {.needs = Needs::all_cells, .with = "--image"}},
+        {"--open skip",
+         R"(leave cells that reach infinity out of pictures and of .vtu, .ply, .obj and
+.glb, and say how many; else they are refused)",
+         {.needs = Needs::all_cells}},
         {"", "queries"},
         {"--locate QUERIES",
          R"(the cell that holds each point of the file QUERIES, as the index of its
 point in the input from 0. Exact; the lowest index where cells meet, -1
 outside the domain. Into -o FILE.npy (int32), FILE.txt or - (a line each).
 In a periodic domain queries are wrapped)",
-         {.needs = Needs::all_points, .solid = true}},
+         {.needs = Needs::all_points}},
         {"--probe QUERIES",
          R"(the cell that each point of the file QUERIES would have if it alone were
 added to the points: a row or polyhedron each, by --want, --list-walls and
@@ -305,22 +311,22 @@ outside the domain; 5: at the place of a point, whose cell this is and
 which duplicate_of names; 6: heavier points leave no cell. With --weights
 or --radii the column of that name or number is read from QUERIES too; 0 if
 it has none)",
-         {.needs = Needs::all_points, .solid = true}},
+         {.needs = Needs::all_points}},
         {"--interpolate QUERIES",
          R"(the field of --values at each point of the file QUERIES, from its natural
 neighbors among the points, into -o FILE.npy (float64), FILE.txt or - (a
 line each); nan without neighbors, as outside the domain. Linear fields are
 reproduced where the cell of a query has no wall; at walls cells end as if
 the points had mirror images behind. Weights and radii as for --probe)",
-         {.needs = Needs::all_points, .solid = true}},
+         {.needs = Needs::all_points}},
         {"--trace RAYS",
          R"(the cells that each ray of the file RAYS passes, in order, and its length
 in each. A row of its text or .npy holds the origin, the direction and the
-length, seven numbers. Rays end at walls, and go round where the domain
-repeats. Into -o FILE.txt or - (a line for each ray: a seed, its length,
-the next seed), or into FILE.npz: row r of `seeds` and `lengths` is
-seeds[offsets[r]:offsets[r+1]])",
-         {.needs = Needs::all_points, .solid = true}},
+length: seven numbers, in two dimensions five. Rays end at walls, and go
+round where the domain repeats. Into -o FILE.txt or - (a line for each ray:
+a seed, its length, the next seed), or into FILE.npz: row r of `seeds` and
+`lengths` is seeds[offsets[r]:offsets[r+1]])",
+         {.needs = Needs::all_points}},
         {"--values COLUMN[,COLUMN]",
          R"(columns of INPUT for --interpolate and --to-grid, by name or number as for
 --weights)",
@@ -333,21 +339,22 @@ its neighbors (Sibson 1980, the default), or areas over distances)",
          R"(the field of --values on a regular grid over the domain, into -o FILE.npy,
 FILE.h5 or FILE.vti (not for a triclinic box). A grid cell holds
 mean      the exact average of the field that is constant in each cell
-dtfe      the average density, linear in Delaunay tetrahedra; values are
-          masses (Schaap and van de Weygaert 2000), without --values 1
-          each; the mass of points in no tetrahedron is omitted
+dtfe      the average density, linear in Delaunay tetrahedra or triangles;
+          values are masses (Schaap and van de Weygaert 2000), without
+          --values 1 each; the mass of points in no tetrahedron is omitted
 nearest   the value of the cell that holds its center
 sibson    the value of --interpolate at its center
 The field is 0 beyond walls)",
-         {.needs = Needs::all_points, .solid = true}},
+         {.needs = Needs::all_points}},
         {"--shape NX,NY,NZ",
          R"(number of grid cells along x, y and z, or a, b and c of a triclinic box; N
-means N,N,N)",
+means N,N,N. NX,NY in two dimensions)",
          {.with = "--to-grid"}},
         {"--project x|y|z",
          R"(sum the grid along that axis, or edge a, b or c, times the length of a grid
 cell: a column density. --image FILE.png draws it, one pixel for each
-number, the first axis to the right, in the colors of --colormap)",
+number, the first axis to the right, in the colors of --colormap. In two
+dimensions --image draws the whole grid)",
          {.with = "--to-grid"}},
         {"", "run"},
         {"-x, --device auto|cpu|gpu|lavapipe|INDEX",
@@ -369,7 +376,7 @@ points larger than memory. The CPU clips one block after the other; the
 rest waits in temporary files. From .npy, .h5 (snapshots too) and rows of
 text into .h5, the same file as without --memory. Not with vertices and
 faces, --min-face, --min-area, --duplicates error, pictures and queries)",
-         {.needs = Needs::one_machine, .solid = true}},
+         {.needs = Needs::one_machine}},
         {"--temporary DIR",
          R"(folder for the files of --memory; default: that of the first output. The
 run first reports how much room they need. They have no names and vanish

@@ -1,5 +1,7 @@
 #include "picture.hpp"
 
+#include <cstdio>
+#include <string>
 #include <string_view>
 
 #include "failure.hpp"
@@ -74,7 +76,6 @@ std::optional<PictureArguments> read_picture(const Typed& typed, const std::stri
     const std::string* slice = typed.value("--slice");
     for (const std::string option : {"--cut", "--view"})
         if (slice && typed.has(option)) throw bad_input(option + " is for a picture in space, not for a --slice");
-    if (typed.has("--seeds") && !slice) throw bad_input("--seeds shows the points near a plane: add --slice");
     PictureArguments picture;
     picture.file = *typed.value("--image");
     check_file(picture.file, input, outputs);
@@ -84,7 +85,14 @@ std::optional<PictureArguments> read_picture(const Typed& typed, const std::stri
     typed.read_word("--cut", options.cut);
     if (const std::string* view = typed.value("--view")) read_view(*view, options);
     options.seeds = typed.has("--seeds");
+    options.skip_open = typed.has("--open");
+    picture.quiet = typed.has("--quiet");
     return picture;
+}
+
+void check_picture(const PictureArguments& picture, bool planar) {
+    if (picture.options.seeds && !picture.options.slice && !planar)
+        throw bad_input("--seeds shows the points near a plane: add --slice");
 }
 
 std::string draw_picture(const PictureArguments& picture, const Coloring& coloring, const Input& input,
@@ -94,8 +102,14 @@ std::string draw_picture(const PictureArguments& picture, const Coloring& colori
     votess::PictureOptions options = picture.options;
     options.values = values;
     options.colormap = coloring.colormap;
-    options.label = coloring.label();
-    if (!tessellation.in_mesh()) return to_png(votess::render(tessellation, input.points, options));
+    options.label = coloring.label(tessellation.planar());
+    if (!tessellation.in_mesh()) {
+        const votess::Picture drawn = votess::render(tessellation, input.points, options);
+        if (drawn.left_out > 0 && !picture.quiet)
+            std::fprintf(stderr, "'%s' leaves out %s cells that reach infinity\n", picture.file.c_str(),
+                         std::to_string(drawn.left_out).c_str());
+        return to_png(drawn);
+    }
     const votess::Pieces pieces = votess::pieces(tessellation, {.gap = gap, .threads = options.threads});
     std::vector<double> of_pieces;
     for (std::size_t i = 0; i < tessellation.size(); ++i)

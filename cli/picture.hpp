@@ -13,6 +13,7 @@ namespace clvotess {
 
 struct PictureArguments {
     std::string file;
+    bool quiet = false;
     votess::PictureOptions options;  // without values and colors
 };
 
@@ -22,6 +23,9 @@ struct PictureArguments {
 // Returns nothing without --image. It checks the file's name against the other files of the run.
 [[nodiscard]] std::optional<PictureArguments> read_picture(const Typed& typed, const std::string& input,
                                                            const std::vector<std::string>& outputs);
+
+// Throws Failure for options that a picture of these points does not have.
+void check_picture(const PictureArguments& picture, bool planar);
 
 // Returns the bytes of the PNG file. The tessellation must hold faces, unless it is in a mesh, and the arrays of the
 // coloring. gap: of pieces in a mesh.

@@ -67,7 +67,8 @@ cross() {  # target, platform of the wheel, options of the compiler
 build() {  # platform of the wheel, settings
     local platform=$1
     rm -rf "$work/built" "$source/build"
-    quietly python -m build --wheel --outdir "$work/built" "$source" -Ccmake.define.VOTESS_USE_HDF5=OFF "${@:2}"
+    quietly python -m build --wheel --outdir "$work/built" "$source" -Ccmake.define.VOTESS_USE_HDF5=OFF \
+        -Ccmake.define.VOTESS_SPIRV_VAL=OFF "${@:2}"
     quietly wheel tags --remove --platform-tag "$platform" "$work"/built/*.whl
 }
 

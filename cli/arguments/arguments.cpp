@@ -156,6 +156,8 @@ void read_domain(const Typed& typed, Arguments& arguments) {
         cell.a = {n[0], n[1], n[2]};
         cell.b = {n[3], n[4], n[5]};
         cell.c = {n[6], n[7], n[8]};
+        const std::array edges{cell.a, cell.b, cell.c};
+        for (std::size_t k = 0; k < 3; ++k) cell.periodic[k] = edges[k] != std::array<double, 3>{};
         if (const std::string* origin = typed.value("--origin"))
             cell.origin = read_vectors<3>("--origin", *origin, arguments);
     }
@@ -188,7 +190,9 @@ void read_dimensions(const Typed& typed, Arguments& arguments) {
     if (!arguments.flat.empty()) arguments.read.dimensions = Dimensions::two;
     if (columns && std::ranges::count(*columns, ',') == 2) need_space("--columns " + *columns, arguments);
     for (const Option* option : arguments.given)
-        if (option->traits.solid) need_space(long_name(*option), arguments);
+        if (const std::string name = long_name(*option);
+            option->traits.solid && !(typed.has("--to-grid") && (name == "--image" || name == "--colormap")))
+            need_space(name, arguments);
 }
 
 void read_source(const Typed& typed, Arguments& arguments) {
@@ -273,7 +277,7 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
             need_space(std::string("--format with %") + code, arguments);
     }
     for (const std::string& path : arguments.outputs)
-        if (is_mesh_output(path)) need_space("output " + in_quotes(path), arguments);
+        if (needs_space(path)) need_space("output " + in_quotes(path), arguments);
     const bool pieces = std::ranges::any_of(arguments.outputs, is_pieces_output);
     if (typed.has("--gap") && !pieces && !typed.has("--image"))
         throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl or .3mf");
@@ -367,15 +371,20 @@ void read_colors(const Typed& typed, Arguments& arguments) {
 
 // Files of meshes and of atoms, and pictures, need a box with ends.
 void check_endless(const Arguments& arguments) {
-    const auto& box = arguments.options.box;
-    if (!box || !std::isinf(box->upper[0])) return;
-    if (arguments.picture) throw bad_input("--image needs a box with ends: leave out --box none");
-    for (const std::string& path : arguments.outputs)
-        if (needs_box(path))
-            throw bad_input("output " + in_quotes(path) + " needs a box with ends: leave out --box none");
+    const auto& [lower, upper] = arguments.options.box.value_or(votess::Box{});
+    const auto infinite = [](double x) { return std::isinf(x); };
+    if (std::ranges::none_of(lower, infinite) && std::ranges::none_of(upper, infinite)) return;
+    const std::string remedy = " without end: leave out cells that reach infinity by --open skip, or give --box";
+    if (arguments.picture && !arguments.skip_open) throw bad_input("--image in a domain" + remedy);
+    for (const std::string& path : arguments.outputs) {
+        if (!needs_box(path) || (is_mesh_output(path) && arguments.skip_open)) continue;
+        throw bad_input(
+            "output " + in_quotes(path) +
+            (is_mesh_output(path) ? " in a domain" + remedy : " holds a box with ends: give other bounds by --box"));
+    }
 }
 
-// Parts of cells in a mesh have no polygons, and only a run makes them.
+// Parts of cells in a mesh have no polygons.
 void check_mesh(const Arguments& arguments) {
     if (arguments.mesh_file.empty()) return;
     if (arguments.picture && arguments.picture->options.slice)
@@ -383,7 +392,7 @@ void check_mesh(const Arguments& arguments) {
     for (const std::string& path : arguments.outputs)
         if (is_mesh_output(path) && !is_pieces_output(path))
             throw bad_input("output " + in_quotes(path) +
-                            " holds polygons of whole cells: write pieces as .glb, .obj, .stl or .3mf");
+                            " holds polygons of whole cells: write pieces as .vtu, .glb, .obj, .stl or .3mf");
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);
             (name == "--color" || name == "--colormap") && !arguments.picture)
@@ -442,6 +451,10 @@ Arguments read_arguments(int count, const char* const* values) {
     if (arguments.list_devices || !arguments.answer.empty()) return arguments;
 
     arguments.verify = typed.has("--verify");
+    if (const std::string* open = typed.value("--open")) {
+        if (*open != "skip") throw bad_input("--open is " + in_quotes(*open) + ": give skip");
+        arguments.skip_open = true;
+    }
     arguments.points_alone = arguments.read.species = typed.has("--points");
     arguments.quiet = typed.has("--quiet");
     arguments.outputs = typed.values("--output");

@@ -38,10 +38,9 @@ void check_only(const Arguments& arguments) {
     if (arguments.only.empty()) throw bad_input("--only is empty: give a range such as 0:100, or a file of indices");
     if (arguments.only == "-" && arguments.input == "-")
         throw bad_input("INPUT and --only are both stdin: give one as a file");
-    if (arguments.verify || arguments.has_volumes || arguments.has_density || arguments.has_zones)
+    if (arguments.has_volumes || arguments.has_density || arguments.has_zones)
         throw bad_input(
-            "--only makes some of the cells, but --verify, --volumes, --density and --watershed need all: "
-            "leave it out");
+            "--only makes some of the cells, but --volumes, --density and --watershed need all: leave it out");
     for (const std::string& path : arguments.outputs)
         if (!carries_columns(path) || path.ends_with(".vtu"))
             throw bad_input("--only writes text, .csv, .xyz, .dump, .npz and .h5, not " + in_quotes(path));

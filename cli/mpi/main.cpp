@@ -104,7 +104,6 @@ votess::Stats common_stats(const Ranks& ranks, const votess::mpi::Result& result
 int run(const Ranks& ranks, const Arguments& arguments) {
     const auto run_began = Clock::now();
     Summary summary;
-    if (arguments.hull) throw bad_input("--box hull needs all points at once, which no rank has: give numbers");
     InputShare share = read_share(ranks, arguments);
     Input& input = share.input;
     summary.seconds_read = seconds_since(run_began);
@@ -121,9 +120,12 @@ int run(const Ranks& ranks, const Arguments& arguments) {
         complete_columns(arguments, input);
         take_weights(arguments, input, options);
         carried = take_carried(arguments, input);
-        domain_from = choose_domain(input.domain, arguments.periodic, options);
+        choose_dimensions(input, options);
+        domain_from = choose_domain(input.domain, arguments.periodic, options, arguments.hull);
     });
+    if (arguments.hull) options.walls = votess::mpi::hull_walls(MPI_COMM_WORLD, input.points, options);
     summary.input_note = input.note;
+    summary.set_dimensions(options.planar, arguments.read.dimensions);
 
     const auto clip_began = Clock::now();
     votess::mpi::Result result = votess::mpi::tessellate(MPI_COMM_WORLD, input.points, {}, options);
@@ -175,7 +177,6 @@ int main_together(const Ranks& ranks, int count, const char* const* values) {
         arguments = read_arguments(count, values);
         if (arguments.answer.empty() && !arguments.list_devices) refuse_for_ranks(arguments);
         arguments.read.first_words = SIZE_MAX;  // ranks exchange numbers
-        arguments.read.dimensions = Dimensions::three;
     });
     if (!arguments.answer.empty() || arguments.list_devices) {
         ranks.first_alone([&] { print(answer_of_ranks(count, values)); });

@@ -65,8 +65,6 @@ void refuse_for_ranks(const Arguments& arguments) {
     const votess::Options& options = arguments.options;
     if (const Option* option = arguments.find_needing({Needs::all_cells, Needs::all_points, Needs::one_machine}))
         refuse(long_name(*option) + " needs all points and cells on one machine: leave it out");
-    if (!arguments.flat.empty())
-        refuse(arguments.flat + " means two dimensions, which ranks do not have: leave it out");
     if (arguments.covalent) refuse("--radii covalent: ranks read columns of numbers: name a column of radii");
     for (const std::string& path : arguments.outputs)
         if (!is_hdf5_output(path))

@@ -2,9 +2,13 @@
 // distributes the rows.
 #include "mpi/read_share.hpp"
 
+#include <bit>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <type_traits>
+
+#include "files/numbers.hpp"
 
 namespace clvotess {
 namespace {
@@ -87,6 +91,7 @@ std::vector<char> pack_whole(const Input& input) {
         pack.put_one(std::uint64_t{column.width});
     }
     pack.put_one(std::uint64_t{input.size()});
+    pack.put_one(std::uint64_t{input.dimensions});
     return pack.take();
 }
 
@@ -113,7 +118,9 @@ std::uint64_t unpack_whole(const std::vector<char>& bytes, Input& input) {
         column.name = unpack.take_text();
         column.width = unpack.take_one<std::uint64_t>();
     }
-    return unpack.take_one<std::uint64_t>();
+    const auto rows = unpack.take_one<std::uint64_t>();
+    input.dimensions = unpack.take_one<std::uint64_t>();
+    return rows;
 }
 
 template <class T>
@@ -124,7 +131,7 @@ std::span<const T> part(const std::vector<T>& all, std::size_t begin, std::size_
 std::vector<char> pack_rows(const Input& input, const Share& share) {
     const std::size_t begin = share.begin(input.size()), end = share.end(input.size());
     Packer pack;
-    pack.put(part(input.points, begin, end, 3));
+    pack.put(part(input.points, begin, end, input.dimensions));
     pack.put(part(input.ids, begin, end, 1));
     for (const InputColumn& column : input.columns) pack.put(part(column.values, begin, end, column.width));
     return pack.take();
@@ -160,6 +167,23 @@ InputShare deal(const Ranks& ranks, const Arguments& arguments) {
     return share;
 }
 
+// Each rank has dropped the z of its own points.
+void check_one_z(const Ranks& ranks, const std::string& path, const Input& input) {
+    const std::vector<std::uint64_t> sizes = ranks.gather(input.size());
+    const std::vector<std::uint64_t> all = ranks.gather(std::bit_cast<std::uint64_t>(input.dropped_z));
+    std::optional<double> first;
+    for (std::size_t r = 0; r < all.size(); ++r) {
+        if (sizes[r] == 0) continue;
+        const double z = std::bit_cast<double>(all[r]);
+        if (!first) first = z;
+        ranks.together([&] {
+            if (z != *first)
+                throw bad_input(path + ": a point has z = " + to_text(z) + ", another has " + to_text(*first) +
+                                ": in two dimensions all have one z; leave --2d out, or name two --columns");
+        });
+    }
+}
+
 }  // namespace
 
 InputShare read_share(const Ranks& ranks, const Arguments& arguments) {
@@ -175,6 +199,7 @@ InputShare read_share(const Ranks& ranks, const Arguments& arguments) {
                                                  : read_input(arguments.input, request);
         });
         share.rows = ranks.sum(std::uint64_t{share.input.size()});
+        check_one_z(ranks, arguments.input, share.input);
     }
     share.first = ranks.sum_before(std::uint64_t{share.input.size()});
     share.has_ids = ranks.any(!share.input.ids.empty());

@@ -25,6 +25,7 @@ public:
         duplicate_of_.resize(cells.status.size(), -1);
 
         ResultPiece piece;
+        piece.size = size_of_vectors(data.tessellation);
         piece.ids = share.input.ids;
         piece.has_ids = share.has_ids;
         piece.wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());

@@ -23,7 +23,7 @@ void write_npy(OutputFile& file, const GridOutput& grid) {
         if (shape.size() > 1) shape += ", ";
         shape += std::to_string(length);
     }
-    shape += ')';
+    shape += grid.shape().size() == 1 ? ",)" : ")";
     file.write(npy_header("<f8", shape));
     file.write({reinterpret_cast<const char*>(grid.numbers.data()), grid.numbers.size() * sizeof(double)});
 }
@@ -43,11 +43,12 @@ void write_vti(OutputFile& file, const GridOutput& grid) {
     const votess::Box& box = grid.domain.box();
     std::string extent, origin, spacing;
     for (std::size_t k = 0; k < 3; ++k) {
+        const bool flat = k == 2 && grid.domain.planar();
         if (k > 0) extent += ' ', origin += ' ', spacing += ' ';
         extent += "0 ";
-        extent += std::to_string(cells[k]);
+        extent += flat ? "0" : std::to_string(cells[k]);
         origin += to_text(box.lower[k]);
-        spacing += to_text((box.upper[k] - box.lower[k]) / static_cast<double>(cells[k]));
+        spacing += flat ? "1" : to_text((box.upper[k] - box.lower[k]) / static_cast<double>(cells[k]));
     }
     const std::uint64_t bytes = cells[0] * cells[1] * cells[2] * sizeof(double);
     std::string head =
@@ -81,7 +82,7 @@ void write_vti(OutputFile& file, const GridOutput& grid) {
 
 std::vector<std::uint64_t> GridOutput::shape() const {
     std::vector<std::uint64_t> shape;
-    for (int k = 0; k < 3; ++k)
+    for (int k = 0; k < static_cast<int>(size_of_vectors(domain)); ++k)
         if (k != options.project) shape.push_back(options.shape[static_cast<std::size_t>(k)]);
     if (options.columns > 1) shape.push_back(options.columns);
     return shape;

@@ -79,7 +79,8 @@ void check_located_outputs(const Arguments& arguments) {
 
 std::string run_locate(const Arguments& arguments) {
     StageTimes times;
-    const QueryInput input = read_and_sort(arguments, arguments.locate, {}, times);
+    const auto request = [](std::size_t) { return ReadRequest(); };
+    const QueryInput input = read_and_sort(arguments, arguments.locate, request, times);
     const std::vector<std::int32_t> seeds = run_query(
         arguments, times, "locate",
         [&](const votess::ProgressCallback& callback) { return input.diagram.locate(input.queries.points, callback); });
@@ -101,7 +102,8 @@ void check_probed_outputs(const Arguments& arguments) {
 
 std::string run_probe(const Arguments& arguments) {
     StageTimes times;
-    QueryInput input = read_and_sort(arguments, arguments.probe, request_of_queries(arguments), times);
+    const auto request = [&](std::size_t) { return request_of_queries(arguments); };
+    QueryInput input = read_and_sort(arguments, arguments.probe, request, times);
     for (const std::string& path : arguments.outputs)
         if (!input.has_ends && needs_box(path))
             throw bad_input(
@@ -141,7 +143,8 @@ void check_interpolated_outputs(const Arguments& arguments) {
 
 std::string run_interpolate(const Arguments& arguments) {
     StageTimes times;
-    const QueryInput input = read_and_sort(arguments, arguments.interpolate, request_of_queries(arguments), times);
+    const auto request = [&](std::size_t) { return request_of_queries(arguments); };
+    const QueryInput input = read_and_sort(arguments, arguments.interpolate, request, times);
     const Values values = values_of(input.seeds, arguments.has_weights ? 1 : 0);
     std::vector<double> weights = sizes_of_queries(arguments, input);
     for (double& weight : weights)
@@ -176,16 +179,20 @@ void check_traced_outputs(const Arguments& arguments) {
 
 std::string run_trace(const Arguments& arguments) {
     StageTimes times;
-    ReadRequest rays;
-    rays.threads = arguments.read.threads;
-    rays.coordinates = {"1", "2", "3"};
-    rays.columns = {"4", "5", "6", "7"};
-    rays.npy_holds_columns = true;
-    const QueryInput input = read_and_sort(arguments, arguments.trace, rays, times);
+    const auto request = [&](std::size_t dimensions) {
+        ReadRequest rays;
+        rays.threads = arguments.read.threads;
+        for (std::size_t k = 1; k <= 2 * dimensions + 1; ++k)
+            (k <= dimensions ? rays.coordinates : rays.columns).push_back(std::to_string(k));
+        rays.npy_holds_columns = true;
+        return rays;
+    };
+    const QueryInput input = read_and_sort(arguments, arguments.trace, request, times);
+    const std::size_t dimensions = input.seeds.dimensions;
     std::vector<double> directions, lengths;
     for (std::size_t r = 0; r < input.queries.size(); ++r) {
-        for (std::size_t k = 0; k < 3; ++k) directions.push_back(input.queries.columns[k].values[r]);
-        lengths.push_back(input.queries.columns[3].values[r]);
+        for (std::size_t k = 0; k < dimensions; ++k) directions.push_back(input.queries.columns[k].values[r]);
+        lengths.push_back(input.queries.columns[dimensions].values[r]);
     }
     const votess::RayCells cells = run_query(arguments, times, "trace", [&](const votess::ProgressCallback& callback) {
         return input.diagram.trace(input.queries.points, directions, lengths, {.progress = callback});

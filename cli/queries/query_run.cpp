@@ -17,6 +17,18 @@ double seconds_between(std::chrono::steady_clock::time_point begin, std::chrono:
     return std::chrono::duration<double>(end - begin).count();
 }
 
+Input read_queries(const Arguments& arguments, const std::string& queries, ReadRequest request,
+                   std::size_t dimensions) {
+    // Points of the plane may be known by their two coordinates, and queries too.
+    if (dimensions == 2) request.dimensions = arguments.read.dimensions;
+    Input input = read_input(queries, request);
+    if (input.size() == 0) input.dimensions = dimensions;
+    if (input.dimensions != dimensions)
+        throw bad_input(queries + ": these have three coordinates, but the points of " + arguments.input +
+                        " two: add --2d if their z does not matter");
+    return input;
+}
+
 }  // namespace
 
 void StageTimes::end(const char* stage) {
@@ -31,13 +43,15 @@ std::string StageTimes::json() const {
     return text + "}";
 }
 
-QueryInput read_and_sort(const Arguments& arguments, const std::string& queries, const ReadRequest& of_queries,
-                         StageTimes& times) {
+QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
+                         const std::function<ReadRequest(std::size_t dimensions)>& request_for, StageTimes& times) {
     QueryInput input;
     input.seeds = arguments.random_count ? random_points(*arguments.random_count, arguments.rng_seed, arguments.read)
                                          : read_input(arguments.input, arguments.read);
-    if (!queries.empty()) input.queries = read_input(queries, of_queries);
+    const std::size_t dimensions = input.seeds.dimensions;
+    if (!queries.empty()) input.queries = read_queries(arguments, queries, request_for(dimensions), dimensions);
     votess::Options options = arguments.options;
+    choose_dimensions(input.seeds, options);
     if (arguments.has_weights) {
         const InputColumn none{arguments.read.columns.at(0), 1, {}};  // for a file of no points
         const InputColumn& column = input.seeds.columns.empty() ? none : input.seeds.columns.front();
@@ -46,8 +60,8 @@ QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
     input.domain_from = choose_domain(input.seeds.domain, arguments.periodic, options, arguments.hull);
     check_corner(input.seeds, options, input.domain_from);
     // As votess::Diagram takes it. Its box has all of its ends or none.
-    input.has_ends =
-        arguments.hull || !options.walls.empty() || options.cell || (options.box && !std::isinf(options.box->upper[0]));
+    input.has_ends = arguments.hull || options.mesh || !options.walls.empty() || options.cell ||
+                     (options.box && !std::isinf(options.box->upper[0]));
     times.end("read");
     input.diagram = run_query(arguments, times, "sort", [&](const votess::ProgressCallback& callback) {
         options.progress = callback;

@@ -39,9 +39,10 @@ struct QueryInput {
 };
 
 // Reads seeds and queries, and builds the diagram. Ends the stages read and sort. queries: a file, or empty;
-// of_queries: what to read from it.
+// request_for(dimensions): what to read from it. Throws Failure for queries of other dimensions than the seeds.
 [[nodiscard]] QueryInput read_and_sort(const Arguments& arguments, const std::string& queries,
-                                       const ReadRequest& of_queries, StageTimes& times);
+                                       const std::function<ReadRequest(std::size_t dimensions)>& request_for,
+                                       StageTimes& times);
 
 // Returns query(callback) and ends the stage. The callback shows a bar and stops the query after Ctrl-C.
 template <class Query>

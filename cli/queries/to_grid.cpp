@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <span>
 
 #include "failure.hpp"
 #include "files/numbers.hpp"
@@ -24,10 +25,37 @@ std::array<std::size_t, 3> read_shape(const std::string& text) {
         shape[numbers] = *number;
         begin = end + 1;
     }
-    if (begin <= text.size() || (numbers != 1 && numbers != 3))
+    if (begin <= text.size() || numbers == 0)
         throw bad_input("--shape must be NX,NY,NZ or N, whole numbers from 1 to 1048576, not " + in_quotes(text));
-    if (numbers == 1) shape[1] = shape[2] = shape[0];
     return shape;
+}
+
+// Completes the shape and checks the picture.
+void complete(const Arguments& arguments, std::size_t dimensions, votess::GridOptions& grid) {
+    const auto named = static_cast<std::size_t>(3 - std::ranges::count(grid.shape, std::size_t{0}));
+    if (named != 1 && named != dimensions)
+        throw bad_input("--shape has " + std::to_string(named) + " numbers, but the points " +
+                        std::to_string(dimensions) + " coordinates: give " +
+                        (dimensions == 2 ? "NX,NY or N" : "NX,NY,NZ or N"));
+    if (named == 1) grid.shape[1] = grid.shape[2] = grid.shape[0];
+    if (dimensions == 2) grid.shape[2] = 1;
+    if (dimensions == 2 && grid.project == 2) throw bad_input("--project z needs three dimensions: give x or y");
+    if (!arguments.picture) return;
+    if (dimensions == 3 && !grid.project) throw bad_input("--image shows a projected grid: add --project x, y or z");
+    if (dimensions == 2 && grid.project) throw bad_input("--image shows a grid of two dimensions: leave --project out");
+    for (int k = 0; k < 3; ++k)
+        if (k != grid.project && grid.shape[static_cast<std::size_t>(k)] > 16384)
+            throw bad_input(
+                "--image has a pixel for each grid cell, 16384 at most along an axis: give a smaller --shape");
+}
+
+// Returns the domain of a grid over points without a box: the default box, which holds a mesh too.
+votess::Tessellation default_domain(const Input& seeds, const std::optional<votess::TriangleMesh>& mesh) {
+    votess::Options options;
+    options.planar = seeds.planar();
+    options.mesh = mesh;
+    options.only.emplace();
+    return votess::tessellate(std::span<const double>(seeds.points), options);
 }
 
 std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) {
@@ -42,9 +70,9 @@ std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) 
 std::string summary(const Arguments& arguments, const GridOutput& grid, std::size_t points, std::size_t without,
                     const StageTimes& times) {
     std::string shape;
-    for (const std::size_t length : grid.options.shape) {
+    for (std::size_t k = 0; k < size_of_vectors(grid.domain); ++k) {
         if (!shape.empty()) shape += ", ";
-        shape += std::to_string(length);
+        shape += std::to_string(grid.options.shape[k]);
     }
     if (arguments.json)
         return "{\"version\": \"" VOTESS_VERSION_STRING "\", \"points\": " + std::to_string(points) + ", \"shape\": [" +
@@ -70,18 +98,13 @@ votess::GridOptions read_grid(const Typed& typed) {
 
 void check_grid(const Arguments& arguments) {
     check_grid_outputs(arguments.outputs, arguments.picture.has_value(), arguments.input);
-    if (!arguments.picture) return;
-    const votess::GridOptions& grid = *arguments.to_grid;
-    if (!grid.project) throw bad_input("--image shows a projected grid: add --project x, y or z");
-    for (int k = 0; k < 3; ++k)
-        if (k != grid.project && grid.shape[static_cast<std::size_t>(k)] > 16384)
-            throw bad_input(
-                "--image has a pixel for each grid cell, 16384 at most along an axis: give a smaller --shape");
 }
 
 std::string run_to_grid(const Arguments& arguments) {
     StageTimes times;
     const QueryInput input = read_and_sort(arguments, "", {}, times);
+    votess::GridOptions options = *arguments.to_grid;
+    complete(arguments, input.seeds.dimensions, options);
     const std::size_t first_column = arguments.has_weights ? 1 : 0;
     Values values = values_of(input.seeds, first_column);
     std::vector<std::string> names = names_of(input.seeds, first_column);
@@ -91,9 +114,10 @@ std::string run_to_grid(const Arguments& arguments) {
     }
     names.resize(values.components);  // for a file of no points
     if (arguments.picture && values.components > 1) throw bad_input("--image shows one column: name one with --values");
-    const votess::Tessellation domain = input.diagram.probe({});
+    const votess::Options& given = arguments.options;
+    const bool has_box = input.has_ends && (!given.mesh || given.box || given.cell);
+    const votess::Tessellation domain = has_box ? input.diagram.probe({}) : default_domain(input.seeds, given.mesh);
     check_grid_domain(arguments.outputs, domain);
-    votess::GridOptions options = *arguments.to_grid;
     options.columns = values.components;
     std::size_t size = options.columns;
     for (int k = 0; k < 3; ++k) {

@@ -7,7 +7,7 @@
 
 namespace clvotess {
 
-// The grid of --to-grid, --shape and --project.
+// The grid of --to-grid, --shape and --project. Lengths that --shape does not name are 0.
 [[nodiscard]] votess::GridOptions read_grid(const Typed& typed);
 // Some outputs, or a picture, of kinds that hold a grid.
 void check_grid(const Arguments& arguments);

@@ -208,17 +208,21 @@ votess::TriclinicBox cell_of(const Vector3& lengths, const Vector3& angles) {
             .c = {lengths[2] * ac, lengths[2] * y, lengths[2] * std::sqrt(1 - ac * ac - y * y)}};
 }
 
+void check_one_plane(const std::string& path, const Input& input, double z, std::optional<std::uint64_t> first) {
+    for (std::size_t i = 0; i < input.size(); ++i)
+        if (const double of_point = input.points[3 * i + 2]; of_point != z)
+            throw bad_input(path + ": " + (first ? "point " + std::to_string(*first + i) : "a point") +
+                            " has z = " + to_text(of_point) + ", " + (first ? "point 0" : "another") + " has " +
+                            to_text(z) + ": in two dimensions all have one z; leave --2d out, or name two --columns");
+}
+
 void fit_dimensions(const std::string& path, const ReadRequest& request, Input& input) {
     if (request.dimensions != Dimensions::two && !input.planar()) return;
     if (!input.planar()) {
         const std::size_t count = input.size();
-        for (std::size_t i = 0; i < count; ++i) {
-            const double z = input.points[3 * i + 2];
-            if (z != input.points[2])
-                throw bad_input(path + ": point " + std::to_string(i) + " has z = " + to_text(z) + ", point 0 has " +
-                                to_text(input.points[2]) +
-                                ": in two dimensions all have one z; leave --2d out, or name two --columns");
-        }
+        const bool whole = request.share.parts == 1;
+        if (count > 0)
+            check_one_plane(path, input, input.dropped_z = input.points[2], whole ? std::optional(0) : std::nullopt);
         for (std::size_t i = 0; i < count; ++i)
             for (std::size_t k = 0; k < 2; ++k) input.points[2 * i + k] = input.points[3 * i + k];
         input.points.resize(2 * count);
@@ -262,14 +266,16 @@ std::unique_ptr<InputFrames> open_frames(const std::string& path, const ReadRequ
     return one_frame(path, request);
 }
 
-std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
+namespace {
+
+std::unique_ptr<InputPieces> open_whole_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
     const std::string extension = kind_of(path);
     const bool hdf5 = is_hdf5(path, request);
     refuse_options_of_others(path, hdf5 ? ".h5" : extension, request);
     if (hdf5) return load_hdf5("cannot read " + in_quotes(path)).open(path, request, rows);
     if (extension == ".npy") {
         refuse_columns(path, request);
-        return open_npy(path, rows);
+        return open_npy(path, request, rows);
     }
     if (extension == ".csv") return open_text(path, TextKind::csv, request, rows);
     if (extension == ".txt" || extension == ".dat" || extension.empty())
@@ -281,6 +287,68 @@ std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequ
         "--memory reads .npy, .h5 and rows of text (.txt .dat .csv, .xyz without frames, no extension, stdin as "
         "-), not " +
         in_quotes(path) + ": leave --memory out, or convert the file");
+}
+
+// Pieces of a file that may have two dimensions. The first one is read at once, since it has their number.
+class FittedPieces : public InputPieces {
+public:
+    FittedPieces(const std::string& path, const ReadRequest& request, std::unique_ptr<InputPieces> pieces)
+        : path_(path), request_(request), pieces_(std::move(pieces)) {
+        (void)pieces_->restart();
+        first_.emplace();
+        if (!pieces_->next(*first_)) first_.reset();
+        Input all;
+        all.dimensions = first_ ? first_->dimensions : request.dimensions == Dimensions::two ? 2 : 3;
+        all.domain = pieces_->domain;
+        if (first_) fit(*first_);
+        fit_dimensions(path_, request_, all);
+        dimensions = all.dimensions;
+        domain = all.domain;
+        units = pieces_->units;
+        note = pieces_->note;
+    }
+
+    bool restart() override {
+        const bool restarts = pieces_->restart();
+        if (restarts) first_.reset(), rows_ = 0;
+        return restarts;
+    }
+    bool next(Input& piece) override {
+        if (first_) {
+            piece = std::move(*first_);
+            first_.reset();
+            return true;
+        }
+        if (!pieces_->next(piece)) return false;
+        fit(piece);
+        note = pieces_->note;
+        return true;
+    }
+
+private:
+    // Drops z, which is that of the first row.
+    void fit(Input& piece) {
+        const std::size_t count = piece.size();
+        if (rows_ == 0 && count > 0 && !piece.planar()) z_ = piece.points[2];
+        if (request_.dimensions == Dimensions::two && !piece.planar()) check_one_plane(path_, piece, z_, rows_);
+        fit_dimensions(path_, request_, piece);
+        rows_ += count;
+    }
+
+    std::string path_;
+    ReadRequest request_;
+    std::unique_ptr<InputPieces> pieces_;
+    std::optional<Input> first_;  // unless it was given
+    std::uint64_t rows_ = 0;
+    double z_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<InputPieces> open_pieces(const std::string& path, const ReadRequest& request, std::size_t rows) {
+    auto pieces = open_whole_pieces(path, request, rows);
+    if (request.dimensions == Dimensions::three) return pieces;
+    return std::make_unique<FittedPieces>(path, request, std::move(pieces));
 }
 
 void Input::append(const Input& rows) {

@@ -54,6 +54,7 @@ struct InputColumn {
 struct Input {
     std::vector<double> points;        // 3N: x0 y0 z0 x1 ..., or 2N in the plane
     std::size_t dimensions = 3;        // 2 in the plane: z is 0 in the domain
+    double dropped_z = 0;              // of all points, from a file that has one
     std::vector<std::int64_t> ids;     // N, or empty without a column of ids
     std::vector<InputColumn> columns;  // those of ReadRequest::columns, then all others with all_columns
     std::vector<std::string> species;  // N with ReadRequest::species, if the file names them; else empty
@@ -110,7 +111,7 @@ struct ReadRequest {
     std::string dataset;  // path of the points in .h5, or member of .npz; empty: the only one that fits
     std::vector<std::string> coordinates;  // columns of x, y and perhaps z; empty: by the rules of the format
     std::vector<std::string> columns;      // names, or numbers from 1 in files of rows
-    bool npy_holds_columns = false;  // side by side after x, y and z; else a .npy has none. Rows of text have no others
+    bool npy_holds_columns = false;  // side by side after `coordinates`; else a .npy has none. Text then has no others
     bool columns_may_lack = false;   // skip those of `columns` that the file lacks
     bool all_columns = false;        // read the others too
     std::size_t first_words = SIZE_MAX;  // from this one on, columns may hold words
@@ -122,6 +123,9 @@ struct ReadRequest {
 
 // Returns whether a share of the file can be read without the rest.
 [[nodiscard]] bool reads_shares(const std::string& path, const ReadRequest& request);
+
+// Throws Failure unless all points have this z. first: number of the first point, if it is known.
+void check_one_plane(const std::string& path, const Input& input, double z, std::optional<std::uint64_t> first);
 
 // Returns the points of a file with a known extension, or of text on stdin for "-". Throws Failure.
 [[nodiscard]] Input read_input(const std::string& path, const ReadRequest& request = {});
@@ -164,7 +168,8 @@ public:
 
     FileDomain domain;
     std::vector<Attribute> units;
-    std::string note;  // complete after the last piece
+    std::string note;            // complete after the last piece
+    std::size_t dimensions = 3;  // of all points
 };
 
 // Opens a file in pieces of about `rows` rows. Throws Failure, also for formats that cannot be read in pieces.
@@ -176,8 +181,10 @@ public:
 // Returns nothing when the file holds frames.
 [[nodiscard]] std::unique_ptr<InputPieces> open_xyz(const std::string& path, const ReadRequest& request,
                                                     std::size_t rows);
-[[nodiscard]] std::unique_ptr<InputPieces> open_npy(const std::string& path, std::size_t rows);
-[[nodiscard]] std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows);
+[[nodiscard]] std::unique_ptr<InputPieces> open_npy(const std::string& path, const ReadRequest& request,
+                                                    std::size_t rows);
+[[nodiscard]] std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed,
+                                                       const ReadRequest& request, std::size_t rows);
 
 // Returns how to convert a known format that cannot be read; empty for other extensions.
 [[nodiscard]] std::string conversion(std::string_view extension);

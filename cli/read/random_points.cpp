@@ -26,10 +26,16 @@ private:
     std::uint64_t state_;
 };
 
+std::size_t dimensions_of(const ReadRequest& request) {
+    return request.dimensions == Dimensions::two ? 2 : 3;
+}
+
 class RandomPieces : public InputPieces {
 public:
-    RandomPieces(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows)
-        : count_(count), rng_seed_(rng_seed), rows_(rows), generator_(rng_seed) {}
+    RandomPieces(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request, std::size_t rows)
+        : count_(count), rng_seed_(rng_seed), rows_(rows), generator_(rng_seed) {
+        dimensions = dimensions_of(request);
+    }
 
     bool restart() override {
         generator_ = SplitMix64(rng_seed_);
@@ -37,7 +43,8 @@ public:
         return true;
     }
     bool next(Input& piece) override {
-        piece.points.resize(3 * std::min<std::uint64_t>(left_, rows_));
+        piece.dimensions = dimensions;
+        piece.points.resize(dimensions * std::min<std::uint64_t>(left_, rows_));
         for (double& coordinate : piece.points) coordinate = generator_.uniform();
         left_ -= piece.size();
         return piece.size() > 0;
@@ -53,7 +60,7 @@ private:
 
 Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request) {
     Input input;
-    input.dimensions = request.dimensions == Dimensions::two ? 2 : 3;
+    input.dimensions = dimensions_of(request);
     const std::uint64_t begin = request.share.begin(count);
     input.points.resize(input.dimensions * (request.share.end(count) - begin));
     SplitMix64 generator(rng_seed, input.dimensions * begin);
@@ -61,8 +68,9 @@ Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadReque
     return input;
 }
 
-std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, std::size_t rows) {
-    return std::make_unique<RandomPieces>(count, rng_seed, rows);
+std::unique_ptr<InputPieces> open_random(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request,
+                                         std::size_t rows) {
+    return std::make_unique<RandomPieces>(count, rng_seed, request, rows);
 }
 
 }  // namespace clvotess

@@ -40,39 +40,42 @@ private:
 
 class NpyPieces : public InputPieces {
 public:
-    NpyPieces(const std::string& path, std::size_t rows)
-        : path_(path), rows_(rows), file_(std::in_place, path, columns_of(Dimensions::three)) {}
+    NpyPieces(const std::string& path, const ReadRequest& request, std::size_t rows)
+        : path_(path), widths_(columns_of(request.dimensions)), rows_(rows), file_(std::in_place, path, widths_) {}
 
     bool restart() override {
-        file_.emplace(path_, columns_of(Dimensions::three));
+        file_.emplace(path_, widths_);
         return true;
     }
     bool next(Input& piece) override {
+        piece.dimensions = file_->array().shape()[1];
         file_->array().read_next(rows_, piece.points);
         return piece.size() > 0;
     }
 
 private:
     std::string path_;
+    std::span<const std::size_t> widths_;
     std::size_t rows_;
     std::optional<NpyFile> file_;
 };
 
-Input read_npy_with_columns(const std::string& path, const std::vector<std::string>& names) {
-    const std::size_t width = 3 + names.size();
+Input read_npy_with_columns(const std::string& path, std::size_t dimensions, const std::vector<std::string>& names) {
+    const std::size_t width = dimensions + names.size();
     std::vector<double> rows;
     NpyFile(path, {&width, 1}).array().read_floats(rows);
     Input input;
+    input.dimensions = dimensions;
     for (const std::string& name : names) input.columns.push_back({.name = name});
     for (std::size_t k = 0; k < rows.size(); ++k)
-        (k % width < 3 ? input.points : input.columns[k % width - 3].values).push_back(rows[k]);
+        (k % width < dimensions ? input.points : input.columns[k % width - dimensions].values).push_back(rows[k]);
     return input;
 }
 
 }  // namespace
 
 Input read_npy(const std::string& path, const ReadRequest& request) {
-    if (request.npy_holds_columns) return read_npy_with_columns(path, request.columns);
+    if (request.npy_holds_columns) return read_npy_with_columns(path, request.coordinates.size(), request.columns);
     const Share& share = request.share;
     Input input;
     NpyFile file(path, columns_of(request.dimensions));
@@ -101,8 +104,8 @@ std::vector<std::int64_t> read_npy_indices(const std::string& path, std::size_t 
     return indices;
 }
 
-std::unique_ptr<InputPieces> open_npy(const std::string& path, std::size_t rows) {
-    return std::make_unique<NpyPieces>(path, rows);
+std::unique_ptr<InputPieces> open_npy(const std::string& path, const ReadRequest& request, std::size_t rows) {
+    return std::make_unique<NpyPieces>(path, request, rows);
 }
 
 }  // namespace clvotess

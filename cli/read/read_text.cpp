@@ -356,7 +356,7 @@ private:
             throw lines_.error("this row has " + columns_text(columns) + ", the line of names " +
                                std::to_string(names_.size()));
         }
-        const std::size_t side_by_side = 3 + request_.columns.size();
+        const std::size_t side_by_side = request_.coordinates.size() + request_.columns.size();
         if (request_.npy_holds_columns && columns != side_by_side)
             throw lines_.error("this row has " + columns_text(columns) + ", expected " + std::to_string(side_by_side));
         Layout layout;

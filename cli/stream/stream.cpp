@@ -240,12 +240,13 @@ private:
         const auto cells = [&](const auto& all, std::size_t each = 1) {
             return all.empty() ? all : all.subspan(each * begin, each * count);
         };
+        const std::size_t size = piece.size = size_of_vectors(domain_);
         piece.wide = head_.seeds > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
         piece.has_shifts = head_.periodic && head_.entries > 0;
         piece.has_duplicates = head_.duplicates;
         piece.status = cells(rows.status);
         piece.volumes = cells(rows.volumes);
-        piece.centroids = cells(rows.centroids, 3);
+        piece.centroids = cells(rows.centroids, size);
         piece.surface_areas = cells(rows.surface_areas);
         piece.security_radii = cells(rows.security_radii);
         piece.face_counts = cells(rows.face_counts);
@@ -257,16 +258,16 @@ private:
         if (rows.indptr.empty()) return piece;
         piece.indptr = rows.indptr.subspan(begin, count + 1);
         const auto first = static_cast<std::size_t>(piece.indptr.front() - rows.indptr.front());
-        const auto size = static_cast<std::size_t>(piece.indptr.back() - piece.indptr.front());
+        const auto length = static_cast<std::size_t>(piece.indptr.back() - piece.indptr.front());
         const auto entries = [&](const auto& all, std::size_t each = 1) {
-            return all.empty() ? all : all.subspan(each * first, each * size);
+            return all.empty() ? all : all.subspan(each * first, each * length);
         };
         piece.wide_indices = entries(rows.indices);
         if (!piece.wide) narrow_indices_.assign(piece.wide_indices.begin(), piece.wide_indices.end());
         piece.indices = narrow_indices_;
-        piece.shifts = entries(rows.shifts, 3);
+        piece.shifts = entries(rows.shifts, size);
         piece.face_areas = entries(rows.face_areas);
-        piece.face_normals = entries(rows.face_normals, 3);
+        piece.face_normals = entries(rows.face_normals, size);
         return piece;
     }
 
@@ -342,7 +343,6 @@ void check_streamed(const Arguments& arguments) {
     const auto refuse = [](const std::string& what, const std::string& why) {
         throw bad_input("--memory does not work with " + what + ": " + why);
     };
-    if (arguments.hull) refuse("--box hull", "the hull needs all points at once; give numbers");
     const votess::Options& options = arguments.options;
     const bool cpu = options.device == "auto" || options.device == "cpu";
     if (!cpu) refuse("--device " + options.device, "it runs on the CPU; leave the device out");
@@ -359,10 +359,14 @@ void check_streamed(const Arguments& arguments) {
 Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
     const InterruptGuard guard;
     Progress progress(!arguments.quiet, run_began);
-    const auto pieces = arguments.random_count ? open_random(*arguments.random_count, arguments.rng_seed, piece_rows)
-                                               : open_pieces(arguments.input, arguments.read, piece_rows);
+    const auto pieces = arguments.random_count
+                            ? open_random(*arguments.random_count, arguments.rng_seed, arguments.read, piece_rows)
+                            : open_pieces(arguments.input, arguments.read, piece_rows);
     votess::Options options = arguments.options;
-    const DomainFrom domain_from = choose_domain(pieces->domain, arguments.periodic, options);
+    Input none;
+    none.dimensions = pieces->dimensions;
+    choose_dimensions(none, options);
+    const DomainFrom domain_from = choose_domain(pieces->domain, arguments.periodic, options, arguments.hull);
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;
@@ -378,10 +382,13 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     Source source(arguments, *pieces, extras);
     Sink sink(arguments, *pieces, extras, folder, domain_from);
     Summary summary;
+    summary.set_dimensions(options.planar, arguments.read.dimensions);
     try {
-        const votess::StreamResult result = votess::tessellate_stream(
-            source, sink, options,
-            {.memory = memory_for_library(arguments.memory), .temporary = folder, .verify = arguments.verify});
+        const votess::StreamResult result = votess::tessellate_stream(source, sink, options,
+                                                                      {.memory = memory_for_library(arguments.memory),
+                                                                       .temporary = folder,
+                                                                       .verify = arguments.verify,
+                                                                       .hull = arguments.hull});
         summary.verified = result.verified;
         if (summary.failure().empty()) sink.finish();
         summary.stats = result.stats;

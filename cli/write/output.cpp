@@ -35,7 +35,7 @@ constexpr std::array<Kind, 16> kinds{{{".txt", write_text, false, true, true},
                                       {".extxyz", write_xyz, false, true, true},
                                       {".dump", write_dump, false, true, true},
                                       {".lammpstrj", write_dump, false, true, true},
-                                      {".vtu", write_vtu, true, true, false},
+                                      {".vtu", write_vtu, true, true, false, true},
                                       {".ply", write_ply, true, false, false},
                                       {".obj", write_obj, true, false, false, true},
                                       {".glb", write_glb, true, false, false, true},
@@ -92,6 +92,11 @@ bool holds_arrays(const std::string& path) {
 bool is_mesh_output(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->mesh;
+}
+
+bool needs_space(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->mesh || kind->pieces) && kind->write != write_vtu;
 }
 
 bool is_pieces_output(const std::string& path) {
@@ -159,6 +164,7 @@ void add_output_needs(const std::string& path, bool want_given, votess::Want& wa
         want.neighbors = want.volumes = true;
         want.faces = !in_mesh;
     }
+    if (kind && in_mesh && kind->write == write_vtu) want.neighbors = true;
     if (!kind || !kind->mesh || in_mesh) return;
     want.faces = true;
     if (kind->write == write_vtu) want.volumes = want.centroids = true;

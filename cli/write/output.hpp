@@ -33,6 +33,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 [[nodiscard]] bool carries_columns(const std::string& path);
 [[nodiscard]] bool holds_arrays(const std::string& path);    // of any length
 [[nodiscard]] bool is_mesh_output(const std::string& path);  // whether it holds polyhedra
+[[nodiscard]] bool needs_space(const std::string& path);     // whether it cannot hold cells of the plane
 // Whether it holds the pieces of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing.
 [[nodiscard]] bool is_pieces_output(const std::string& path);
 [[nodiscard]] bool is_colored(const std::string& path);
@@ -62,6 +63,7 @@ struct OutputData {
     std::span<const std::int64_t> all_ids = {};   // of all points, where the input has those of a subset; may be empty
     double gap = 0;                               // between pieces
     const votess::AlphaComplex* alpha = nullptr;  // for .npz and .h5; may be null
+    bool skip_open = false;                       // leave cells that reach infinity out of meshes
 };
 
 // An output of several frames.

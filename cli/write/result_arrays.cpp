@@ -16,14 +16,16 @@ constexpr std::array<AlphaNames, 4> alpha_names{
      {"alpha_seeds_2", "alpha_shifts_2", "alpha_values_2", "alpha_gabriel_2"},
      {"alpha_seeds_3", "alpha_shifts_3", "alpha_values_3", "alpha_gabriel_3"}}};
 
-void add_alpha(const votess::AlphaComplex& alpha, bool periodic, std::vector<ResultArray>& arrays) {
+// dimensions: of the points.
+void add_alpha(const votess::AlphaComplex& alpha, std::size_t dimensions, bool periodic,
+               std::vector<ResultArray>& arrays) {
     const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
         arrays.push_back(as_array(name, std::span(values), columns));
     };
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k <= dimensions; ++k) {
         const votess::AlphaSimplices& simplices = alpha.simplices[k];
         add(alpha_names[k].seeds, simplices.seeds, k + 1);
-        if (periodic) add(alpha_names[k].shifts, simplices.shifts, 3 * (k + 1));
+        if (periodic) add(alpha_names[k].shifts, simplices.shifts, dimensions * (k + 1));
         add(alpha_names[k].values, simplices.values);
         add(alpha_names[k].gabriel, simplices.gabriel);
     }
@@ -155,7 +157,7 @@ std::vector<ResultArray> result_arrays(const OutputData& data) {
         add("face_vertices", cells.face_vertices());
     }
     arrays.insert(std::ranges::find(arrays, "status", &ResultArray::name), mesh.begin(), mesh.end());
-    if (data.alpha != nullptr) add_alpha(*data.alpha, cells.periodic()[0], arrays);
+    if (data.alpha != nullptr) add_alpha(*data.alpha, whole.size, cells.periodic() != std::array<bool, 3>{}, arrays);
     return arrays;
 }
 

@@ -2,7 +2,9 @@
 // votess_write_pieces().
 #include <votess/votess.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <numeric>
@@ -42,11 +44,13 @@ int take(const votess_bytes* bytes, void* user) {
 }
 
 // Returns a view of the tessellation, without colors and columns.
-votess_mesh mesh_of(const votess::Tessellation& cells) {
+votess_mesh mesh_of(const OutputData& data) {
+    const votess::Tessellation& cells = data.tessellation;
     votess_mesh mesh{};
     mesh.struct_size = sizeof mesh;
     mesh.cells = cells.size();
-    mesh.vertex_count = cells.vertices().size() / 3;
+    mesh.planar = cells.planar();
+    mesh.vertex_count = cells.vertices().size() / (cells.planar() ? 2 : 3);
     mesh.indptr = cells.indptr().data();
     mesh.indices = cells.indices().data();
     mesh.shifts = cells.shifts().empty() ? nullptr : cells.shifts().data();
@@ -57,6 +61,12 @@ votess_mesh mesh_of(const votess::Tessellation& cells) {
     mesh.cell_vertex_indices = cells.cell_vertex_indices().data();
     std::ranges::copy(cells.box().lower, mesh.box_lower);
     std::ranges::copy(cells.box().upper, mesh.box_upper);
+    const auto infinite = [](double x) { return std::isinf(x); };
+    const bool endless =
+        std::ranges::any_of(cells.box().lower, infinite) || std::ranges::any_of(cells.box().upper, infinite);
+    if (endless && !data.skip_open)
+        throw bad_input("meshes hold no cells that reach infinity: leave them out by --open skip, or give --box");
+    mesh.skip_open = data.skip_open ? 1 : 0;
     return mesh;
 }
 
@@ -72,8 +82,13 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
                         "cannot write " + file.description() + ": " + votess_last_error());
 }
 
-void write(OutputFile& file, const votess_mesh& mesh, const char* format, bool reports_size = false) {
-    write_by(votess_write_mesh, mesh, file, format, reports_size);
+void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
+    std::uint64_t left_out = 0;
+    mesh.left_out = &left_out;
+    write_by(votess_write_mesh, mesh, file, format, data.reports_size && std::string_view(format) == ".glb");
+    if (left_out > 0 && data.reports_size)
+        std::fprintf(stderr, "%s leaves out %s cells that reach infinity\n", file.description().c_str(),
+                     std::to_string(left_out).c_str());
 }
 
 // Returns the ids of the rows, or their numbers.
@@ -111,6 +126,63 @@ votess_column column(const char* name, char kind, std::span<const Number> values
     return {name, values.data(), width, kind, sizeof(Number)};
 }
 
+// Each piece of a cell in a mesh is a polyhedron, with the numbers of its row except volume and centroid.
+void write_vtu_of_pieces(OutputFile& file, const OutputData& data) {
+    votess::PieceOptions options;
+    options.gap = data.gap;
+    options.threads = data.threads;
+    const votess::Tessellation& cells = data.tessellation;
+    const votess::Pieces pieces = votess::pieces(cells, options);
+    const std::vector<std::int64_t> ids_of_rows = ids_of(data);
+    std::vector<std::int64_t> ids;
+    std::vector<std::int32_t> neighbors;
+    std::vector<votess::CellStatus> status;
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < cells.size(); ++i)
+        for (std::int64_t p = pieces.indptr[i]; p < pieces.indptr[i + 1]; ++p) {
+            rows.push_back(i);
+            ids.push_back(ids_of_rows[i]);
+            neighbors.push_back(static_cast<std::int32_t>(cells.neighbors(i).size()));
+            status.push_back(cells.status()[i]);
+        }
+    std::vector<votess_column> columns{
+        column<std::int64_t>("id", 'i', ids), column<double>("volume", 'f', pieces.volumes),
+        column<std::int32_t>("neighbors", 'i', neighbors), column<double>("centroid", 'f', pieces.centroids, 3),
+        column<votess::CellStatus>("status", 'u', status)};
+    std::vector<std::vector<double>> carried;
+    for (const InputColumn& from : data.carried) {
+        std::vector<double>& values = carried.emplace_back();
+        for (const std::size_t i : rows)
+            for (std::size_t k = 0; k < from.width; ++k) values.push_back(from.values[from.width * i + k]);
+    }
+    for (std::size_t k = 0; k < carried.size(); ++k)
+        columns.push_back(column<double>(data.carried[k].name.c_str(), 'f', carried[k], data.carried[k].width));
+    const std::size_t triangles = pieces.sources.size();
+    const std::vector<std::int32_t> beyond(triangles, -1);
+    std::vector<std::int64_t> offsets(triangles + 1);
+    for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = static_cast<std::int64_t>(3 * t);
+    std::vector<std::int32_t> corners = pieces.triangles, vertices(pieces.vertices.size() / 3);
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (auto k = static_cast<std::size_t>(3 * pieces.triangle_offsets[p]);
+             k < static_cast<std::size_t>(3 * pieces.triangle_offsets[p + 1]); ++k)
+            corners[k] += static_cast<std::int32_t>(pieces.vertex_offsets[p]);
+    std::iota(vertices.begin(), vertices.end(), 0);
+    votess_mesh mesh{};
+    mesh.struct_size = sizeof mesh;
+    mesh.cells = pieces.size();
+    mesh.vertex_count = vertices.size();
+    mesh.indptr = pieces.triangle_offsets.data();
+    mesh.indices = beyond.data();
+    mesh.face_offsets = offsets.data();
+    mesh.face_vertices = corners.data();
+    mesh.vertices = pieces.vertices.data();
+    mesh.cell_vertex_indptr = pieces.vertex_offsets.data();
+    mesh.cell_vertex_indices = vertices.data();
+    mesh.columns = columns.data();
+    mesh.column_count = static_cast<std::uint32_t>(columns.size());
+    write(file, data, mesh, ".vtu");
+}
+
 }  // namespace
 
 bool is_vtu_array(std::string_view name) {
@@ -120,30 +192,37 @@ bool is_vtu_array(std::string_view name) {
 
 void write_vtu(OutputFile& file, const OutputData& data) {
     const votess::Tessellation& cells = data.tessellation;
+    if (cells.in_mesh()) return write_vtu_of_pieces(file, data);
     const std::vector<std::int64_t> ids = ids_of(data);
     std::vector<std::int32_t> neighbors;
     for (std::size_t i = 0; i < cells.size(); ++i)
         neighbors.push_back(static_cast<std::int32_t>(
             std::ranges::count_if(cells.neighbors(i), [](std::int32_t j) { return j >= 0; })));
+    std::span<const double> centroids = cells.centroids();
+    std::vector<double> in_space;  // VTK's vectors have three components
+    if (cells.planar()) {
+        in_space.resize(3 * cells.size());
+        for (std::size_t k = 0; k < centroids.size(); ++k) in_space[k / 2 * 3 + k % 2] = centroids[k];
+        centroids = in_space;
+    }
     std::vector<votess_column> columns{column<std::int64_t>("id", 'i', ids), column("volume", 'f', cells.volumes()),
                                        column<std::int32_t>("neighbors", 'i', neighbors),
-                                       column("centroid", 'f', cells.centroids(), 3),
-                                       column("status", 'u', cells.status())};
+                                       column("centroid", 'f', centroids, 3), column("status", 'u', cells.status())};
     for (const InputColumn& carried : data.carried)
         columns.push_back(column<double>(carried.name.c_str(), 'f', carried.values, carried.width));
-    votess_mesh mesh = mesh_of(cells);
+    votess_mesh mesh = mesh_of(data);
     mesh.columns = columns.data();
     mesh.column_count = static_cast<std::uint32_t>(columns.size());
-    write(file, mesh, ".vtu");
+    write(file, data, mesh, ".vtu");
 }
 
 void write_ply(OutputFile& file, const OutputData& data) {
-    write(file, mesh_of(data.tessellation), ".ply");
+    write(file, data, mesh_of(data), ".ply");
 }
 
 void write_obj(OutputFile& file, const OutputData& data) {
     if (data.tessellation.in_mesh()) return write_pieces(file, data, ".obj");
-    write(file, mesh_of(data.tessellation), ".obj");
+    write(file, data, mesh_of(data), ".obj");
 }
 
 void write_stl(OutputFile& file, const OutputData& data) {
@@ -161,9 +240,9 @@ void write_glb(OutputFile& file, const OutputData& data) {
     const std::vector<double> values = data.coloring.values(data.input, data.tessellation, data.carried);
     options.values = values;
     const std::vector<std::uint8_t> colors = votess::value_colors(options);
-    votess_mesh mesh = mesh_of(data.tessellation);
+    votess_mesh mesh = mesh_of(data);
     mesh.colors = colors.data();
-    write(file, mesh, ".glb", data.reports_size);
+    write(file, data, mesh, ".glb");
 }
 
 }  // namespace clvotess

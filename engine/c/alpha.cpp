@@ -28,7 +28,8 @@ votess_status votess_alpha_new(const votess_result* result, const double* points
         require(result, "result");
         std::array<std::int32_t, 3> copies{1, 1, 1};
         if (replicate != nullptr) copies = {replicate[0], replicate[1], replicate[2]};
-        *out = new votess_alpha{votess::alpha_complex(result->tessellation, coordinates(points, count), copies)};
+        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        *out = new votess_alpha{votess::alpha_complex(result->tessellation, input, copies)};
     });
 }
 

@@ -31,8 +31,9 @@ votess_status votess_diagram_new(const double* points, size_t count, const votes
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
-        const auto input = coordinates(points, count);
-        *out = new votess_diagram{votess::Diagram(input, convert_options(options, count)), {}};
+        const votess::Options converted = convert_options(options, count);
+        const auto input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+        *out = new votess_diagram{votess::Diagram(input, converted), {}};
     });
 }
 
@@ -54,11 +55,17 @@ size_t votess_diagram_size(const votess_diagram* diagram) {
     return diagram == nullptr ? 0 : diagram->diagram.size();
 }
 
+int votess_diagram_planar(const votess_diagram* diagram) {
+    if (diagram != nullptr) return diagram->diagram.planar() ? 1 : 0;
+    set_last_error("diagram is NULL");
+    return 0;
+}
+
 votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                     int32_t* seeds) {
     return guarded([&] {
         require(diagram, "diagram");
-        const auto input = coordinates(queries, count, "queries");
+        const auto input = queries_of(*diagram, queries, count);
         require_array(seeds, count, "seeds", "count");
         std::ranges::copy(diagram->diagram.locate(input, diagram->progress), seeds);
     });
@@ -70,7 +77,7 @@ votess_status votess_diagram_probe(const votess_diagram* diagram, const double* 
         require(out, "out");
         *out = nullptr;
         require(diagram, "diagram");
-        const auto input = coordinates(queries, count, "queries");
+        const auto input = queries_of(*diagram, queries, count);
         votess::ProbeOptions options;
         options.want = convert_want(want, "want");
         options.list_walls = list_walls != 0;

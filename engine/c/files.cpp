@@ -3,10 +3,12 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 #include "c/handles.hpp"
 #include "files/mesh.hpp"
 #include "files/pieces.hpp"
+#include "result/closed_rows.hpp"
 
 using namespace votess::c;
 
@@ -15,7 +17,7 @@ namespace {
 namespace files = votess::files;
 
 constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeof(votess_mesh::box_upper);
-static_assert(sizeof(votess_mesh) == first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
+static_assert(sizeof(votess_mesh) >= first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
 constexpr std::size_t first_pieces_size =
     offsetof(votess_piece_arrays, centroids) + sizeof(votess_piece_arrays::centroids);
 static_assert(sizeof(votess_piece_arrays) == first_pieces_size && first_pieces_size <= VOTESS_LARGEST_STRUCT);
@@ -68,30 +70,58 @@ files::Column column(const votess_column& given, std::uint64_t cells) {
             width * given.bytes};
 }
 
-files::Mesh checked(const votess_mesh& given, bool writes_faces_once) {
+struct CheckedMesh {
+    files::Mesh mesh;
+    std::optional<votess::detail::ClosedRows> closed;  // what the mesh holds of a domain without end
+};
+
+CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     if (given.cells > max_count || given.vertex_count > max_count)
         refuse("mesh.cells and mesh.vertex_count may be " + std::to_string(max_count) + " at most");
-    files::Mesh mesh;
+    CheckedMesh out;
+    files::Mesh& mesh = out.mesh;
+    mesh.planar = given.planar != 0;
+    const std::size_t dimensions = mesh.planar ? 2 : 3;
     mesh.indptr = offsets(given.indptr, given.cells, "indptr");
     const auto entries = static_cast<std::uint64_t>(mesh.indptr.back());
     // Formats that write a face once for both cells need the neighbors among the cells. Those of probes are not.
     mesh.indices = writes_faces_once ? indices(given.indices, entries, "indices", given.cells, "cells",
                                                std::numeric_limits<int>::min())
                                      : array(given.indices, entries, "indices");
-    if (given.shifts != nullptr) mesh.shifts = {given.shifts, 3 * entries};
-    mesh.vertices = array(given.vertices, 3 * given.vertex_count, "vertices");
+    if (given.shifts != nullptr) mesh.shifts = {given.shifts, dimensions * entries};
+    mesh.vertices = array(given.vertices, dimensions * given.vertex_count, "vertices");
     mesh.face_offsets = offsets(given.face_offsets, entries, "face_offsets");
     mesh.face_vertices = indices(given.face_vertices, static_cast<std::uint64_t>(mesh.face_offsets.back()),
-                                 "face_vertices", given.vertex_count);
+                                 "face_vertices", given.vertex_count, "vertices", -1);
     mesh.cell_vertex_indptr = offsets(given.cell_vertex_indptr, given.cells, "cell_vertex_indptr");
     mesh.cell_vertex_indices =
         indices(given.cell_vertex_indices, static_cast<std::uint64_t>(mesh.cell_vertex_indptr.back()),
                 "cell_vertex_indices", given.vertex_count);
-    for (std::size_t k = 0; k < 3; ++k) mesh.middle[k] = std::midpoint(given.box_lower[k], given.box_upper[k]);
+    votess::Box box;
+    std::ranges::copy(given.box_lower, box.lower.begin());
+    std::ranges::copy(given.box_upper, box.upper.begin());
+    out.closed = votess::detail::closed_rows({mesh.indptr, mesh.face_offsets, mesh.cell_vertex_indptr, mesh.indices,
+                                              mesh.face_vertices, mesh.cell_vertex_indices, mesh.shifts, mesh.vertices,
+                                              box, dimensions});
+    if (given.left_out != nullptr) *given.left_out = out.closed ? out.closed->left_out : 0;
+    if (out.closed) {
+        const auto& rows = *out.closed;
+        if (given.skip_open == 0)
+            refuse(std::to_string(rows.left_out) + " cells reach infinity: leave them out by mesh.skip_open");
+        mesh.indptr = rows.indptr;
+        mesh.indices = rows.indices;
+        if (!mesh.shifts.empty()) mesh.shifts = rows.shifts;
+        mesh.face_offsets = rows.face_offsets;
+        mesh.face_vertices = rows.face_vertices;
+        mesh.cell_vertex_indptr = rows.cell_vertex_indptr;
+        mesh.cell_vertex_indices = rows.cell_vertex_indices;
+        box = rows.bounds;
+    }
+    for (std::size_t k = 0; k < 3; ++k) mesh.middle[k] = std::midpoint(box.lower[k], box.upper[k]);
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
         mesh.columns.push_back(column(one, given.cells));
-    return mesh;
+    return out;
 }
 
 files::Pieces checked(const votess_piece_arrays& given) {
@@ -143,8 +173,13 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
         require(mesh, "mesh");
         require(format, "format");
         require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
+        votess_mesh given{};
+        std::memcpy(&given, mesh, std::min<std::size_t>(mesh->struct_size, sizeof given));
         const std::string_view name = format;
-        const files::Mesh arrays = checked(*mesh, name == ".ply" || name == ".obj");
+        if (given.planar != 0 && name != ".vtu")
+            refuse("mesh.planar is set, but '" + std::string(name) + "' holds faces of space: give .vtu");
+        const CheckedMesh checked_mesh = checked(given, name == ".ply" || name == ".obj");
+        const files::Mesh& arrays = checked_mesh.mesh;
         files::ByteSink out = sink(write, user);
         if (name == ".vtu") {
             files::write_vtu(arrays, out);

@@ -46,13 +46,12 @@ votess_status votess_fit_volumes(const double* points, size_t count, const doubl
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
-        const auto input = coordinates(points, count);
+        const votess::Options domain = convert_options(options, count);
+        const auto input = coordinates(points, count, "points", "count", domain.planar ? 2 : 3);
         require_array(targets, count, "targets", "count");
         const votess::FitOptions converted = convert(fit_options);
         try {
-            *out = new votess_fit{
-                votess::fit_volumes(input, std::span(targets, count), convert_options(options, count), converted),
-                true};
+            *out = new votess_fit{votess::fit_volumes(input, std::span(targets, count), domain, converted), true};
         } catch (const votess::FitError& error) {
             *out = new votess_fit{};
             (*out)->fit.weights = error.weights();

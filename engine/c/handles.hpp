@@ -127,6 +127,12 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
     return {points, dimensions * count};
 }
 
+// Those of queries, which have the dimensions of the seeds.
+inline std::span<const double> queries_of(const votess_diagram& diagram, const double* queries, std::size_t count,
+                                          const char* name = "queries") {
+    return coordinates(queries, count, name, "count", diagram.diagram.planar() ? 2 : 3);
+}
+
 // Calls a callback. An exception of the callback becomes an error that names it.
 template <typename Function>
 auto call_back(const char* name, const Function& function) {

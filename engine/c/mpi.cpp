@@ -49,6 +49,26 @@ size_t votess_mpi_sizeof_comm(void) {
     return sizeof(MPI_Comm);
 }
 
+votess_status votess_mpi_hull_new(MPI_Comm comm, const double* points, size_t count, const votess_options* options,
+                                  votess_hull** out) {
+    return guarded([&] {
+        if (out != nullptr) *out = nullptr;
+        std::span<const double> input;
+        votess::Options converted;
+        votess::mpi::Ranks(comm).together([&] {
+            require(out, "out");
+            converted = convert_options(options, count);
+            input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+        });
+        std::vector<double> rows;
+        for (const votess::Wall& wall : votess::mpi::hull_walls(comm, input, converted)) {
+            rows.insert(rows.end(), wall.normal.begin(), wall.normal.end());
+            rows.push_back(wall.offset);
+        }
+        *out = new votess_hull{std::move(rows)};
+    });
+}
+
 votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
                                     const votess_options* options, int32_t cells, votess_mpi_result** out) {
     return guarded([&] {
@@ -58,8 +78,8 @@ votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t 
         votess::Options converted;
         votess::mpi::Ranks(comm).together([&] {
             require(out, "out");
-            input = coordinates(points, count);
             converted = convert_options(options, count);
+            input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
             if (cells != VOTESS_MPI_HANDED_IN && cells != VOTESS_MPI_MADE)
                 refuse("cells is " + std::to_string(cells) + ": use one of VOTESS_MPI_*");
         });
@@ -192,7 +212,7 @@ votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, 
         votess::mpi::Ranks(comm).together([&] {
             begin_report(out);
             require(result, "result");
-            input = coordinates(points, count);
+            input = coordinates(points, count, "points", "count", result->result.options.planar ? 2 : 3);
         });
         write_report(votess::mpi::verify(comm, result->result, input, verify_options(sample, rng_seed)), out);
     });

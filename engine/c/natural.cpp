@@ -37,7 +37,7 @@ votess_status votess_natural_new(const votess_diagram* diagram, const double* qu
         require(out, "out");
         *out = nullptr;
         require(diagram, "diagram");
-        const auto input = coordinates(queries, count, "queries");
+        const auto input = queries_of(*diagram, queries, count);
         *out = new votess_natural{diagram->diagram.natural_neighbors(
             input, natural_options(*diagram, method, at_walls, gradients != 0, weights, count))};
     });
@@ -70,7 +70,7 @@ votess_status votess_diagram_interpolate(const votess_diagram* diagram, const do
         require(diagram, "diagram");
         const std::size_t seeds = diagram->diagram.size();
         if (seeds > 0) require(values, "values");
-        const auto input = coordinates(queries, count, "queries");
+        const auto input = queries_of(*diagram, queries, count);
         require_array(interpolated, count, "interpolated", "count");
         const std::size_t rows = std::max<std::size_t>({seeds, 3 * count, 1});
         if (components == 0 || components > std::numeric_limits<std::size_t>::max() / sizeof(double) / rows)

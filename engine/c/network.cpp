@@ -21,7 +21,8 @@ votess_status votess_network_new(const votess_result* result, const double* poin
         require(out, "out");
         *out = nullptr;
         require(result, "result");
-        *out = new votess_network{votess::network(result->tessellation, coordinates(points, count))};
+        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        *out = new votess_network{votess::network(result->tessellation, input)};
     });
 }
 

@@ -19,7 +19,8 @@ votess_status votess_rays_new(const votess_diagram* diagram, const double* origi
         require(out, "out");
         *out = nullptr;
         require(diagram, "diagram");
-        const auto from = coordinates(origins, count, "origins"), along = coordinates(directions, count, "directions");
+        const auto from = queries_of(*diagram, origins, count, "origins"),
+                   along = queries_of(*diagram, directions, count, "directions");
         require_array(lengths, count, "lengths", "count");
         *out =
             new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress})};

@@ -28,14 +28,14 @@ bool continues(const char* callback, const Function& function) {
 
 class Source : public votess::StreamSource {
 public:
-    explicit Source(const votess_stream& stream) : stream_(stream) {}
+    Source(const votess_stream& stream, std::size_t dimensions) : stream_(stream), dimensions_(dimensions) {}
     bool restart() override {
         return stream_.restart != nullptr && continues("restart", [this] { return stream_.restart(stream_.user); });
     }
     bool next(votess::StreamSeeds& seeds) override {
         votess_stream_seeds piece{};
         if (!continues("next", [&] { return stream_.next(&piece, stream_.user); })) return false;
-        seeds.points = coordinates(piece.points, piece.count);
+        seeds.points = coordinates(piece.points, piece.count, "points", "count", dimensions_);
         if (piece.weights != nullptr) seeds.weights = {piece.weights, piece.count};
         if (piece.radii != nullptr) seeds.radii = {piece.radii, piece.count};
         return true;
@@ -43,6 +43,7 @@ public:
 
 private:
     const votess_stream& stream_;
+    std::size_t dimensions_;
 };
 
 class Sink : public votess::StreamSink {
@@ -95,13 +96,18 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
         if (stream->verify == 1 && (counts == nullptr || counts->struct_size < sizeof(votess_stream_counts)))
             refuse(
                 "stream.verify needs counts for its report: give counts of struct_size sizeof(votess_stream_counts)");
-        Source source(*stream);
+        const votess::Options converted = convert_options(options, 0);
+        const bool has_hull = stream->struct_size >= offsetof(votess_stream, hull) + sizeof stream->hull;
+        if (has_hull && stream->hull != 0 && stream->hull != 1)
+            refuse("stream.hull is " + std::to_string(stream->hull) + ": give 0 or 1");
+        Source source(*stream, converted.planar ? 2 : 3);
         Sink sink(*stream);
         const votess::StreamResult result =
-            votess::tessellate_stream(source, sink, convert_options(options, 0),
+            votess::tessellate_stream(source, sink, converted,
                                       {.memory = stream->memory,
                                        .temporary = stream->temporary == nullptr ? "" : stream->temporary,
-                                       .verify = stream->verify == 1});
+                                       .verify = stream->verify == 1,
+                                       .hull = has_hull && stream->hull == 1});
         if (counts != nullptr) {
             votess_stream_counts c_counts{};
             c_counts.struct_size = counts->struct_size;

@@ -10,6 +10,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "domain/lattice_reach.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -590,7 +591,9 @@ void CellBuilder::clip_far_images() {
     const double tried = std::max(0.0, known * (1 - 1e-9) - 64 * rounding_);
     const int top = hierarchy_.top_level();
     far_images_.clear();
-    push_far({top, 0, shifts_around(*domain_, hierarchy_.box(top, 0), at_, std::sqrt(reach_squared()))});
+    push_far({top, 0,
+              shifts_around(*domain_, hierarchy_.box(top, 0), at_,
+                            std::min(std::sqrt(reach_squared()), neighbor_reach(*domain_)))});
     while (!far_images_.empty()) {
         std::pop_heap(far_images_.begin(), far_images_.end(), farther_images);
         const FarEntry entry = far_images_.back();

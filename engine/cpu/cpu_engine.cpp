@@ -1,11 +1,30 @@
 #include "cpu/cpu_engine.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "input/snapshot.hpp"
 
 namespace votess::cpu {
+namespace {
+
+// What verify() needs to know about the seeds that have no row.
+std::shared_ptr<const detail::AllSeeds> seeds_around(const Job& job, std::span<const std::int32_t> duplicate_of) {
+    auto seeds = std::make_shared<detail::AllSeeds>();
+    seeds->count = job.points.count();
+    seeds->status = job.outside;
+    if (!duplicate_of.empty()) seeds->status.resize(seeds->count, CellStatus::certified);
+    for (std::size_t i = 0; i < duplicate_of.size(); ++i)
+        if (duplicate_of[i] >= 0) seeds->status[i] = CellStatus::duplicate;
+    seeds->weights = job.domain->weights;
+    for (double& weight : seeds->weights) weight = weight / job.scale / job.scale;
+    return seeds;
+}
+
+}  // namespace
 
 // The stage fallback is empty, because exact arithmetic decides every sign at once.
 void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
@@ -37,8 +56,10 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
         duplicate_of = of_rows;
     }
     result_.set_duplicates(duplicate_of, clipper_.pool());
+    auto all_seeds = job.only ? seeds_around(job, clipper_.duplicate_of()) : nullptr;
     clipper_.release_pages();
     result_.finish(result, clipper_.pool());
+    result.all_seeds = std::move(all_seeds);
     result.stats.device = "cpu";
     progress.report(1);
     clipper_.end();

@@ -1,19 +1,15 @@
 #include "votess/diagram.hpp"
 
-#include <limits>
-
-#include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
-#include "unbounded/endless_box.hpp"
+#include "input/implied_wants.hpp"
+#include "plane/sheet.hpp"
 
 namespace votess {
 
 namespace {
 
-using detail::DiagramState;
-
-constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+using detail::DiagramState, detail::in_space;
 
 // Runs a call that the user may stop. Reports its beginning and its end, and a failure to get memory as an Error.
 template <class Work>
@@ -30,8 +26,7 @@ auto run(const ProgressCallback& callback, const Work& work) {
     }
 }
 
-// Without a domain the seeds are in all of space.
-std::shared_ptr<DiagramState> new_state(std::span<const double> points, const Options& options) {
+void check_diagram(const Options& options) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
                     "Options::device = " + options.device + ": a Diagram is asked on the CPU, give cpu or auto");
@@ -42,58 +37,81 @@ std::shared_ptr<DiagramState> new_state(std::span<const double> points, const Op
     if (options.only)
         throw Error(ErrorCode::invalid_argument,
                     "a Diagram needs all seeds: leave out Options::only, and probe some places");
-    if (points.size() / 3 > std::numeric_limits<std::int32_t>::max())
-        throw Error(ErrorCode::unsupported,
-                    std::to_string(points.size() / 3) + " seeds are too many: at most 2147483647");
-    const bool periodic = options.periodic != std::array<bool, 3>{};
-    std::optional<Box> endless;
-    if (EndlessSides(options.box).any()) {
-        check_endless(options);
-        endless = options.box;
-    } else if (!options.box && !options.cell && !periodic && options.walls.empty()) {
-        endless = no_ends;
-    }
-    if (!endless) return detail::make_state(points, options);
-    if (endless->lower != no_ends.lower || endless->upper != no_ends.upper)
-        throw Error(ErrorCode::unsupported,
-                    "a Diagram needs a box with all of its ends, or with none: give the same for all sides");
-    Options near = options;
-    near.box = near_box({points, {}}, weights_of(options), *endless);
-    std::shared_ptr<DiagramState> state = detail::make_state(points, near);
-    state->endless = endless;
-    return state;
+}
+
+// Drops the last component of vectors with three.
+void make_flat(std::vector<double>& vectors) {
+    const std::size_t count = vectors.size() / 3;
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t k = 0; k < 2; ++k) vectors[2 * i + k] = vectors[3 * i + k];
+    vectors.resize(2 * count);
 }
 
 }  // namespace
 
 Diagram::Diagram() : Diagram(std::span<const double>{}) {}
 Diagram::Diagram(std::span<const double> points, const Options& options)
-    : state_(run(options.progress, [&] { return new_state(points, options); })) {}
+    : state_(run(options.progress, [&] {
+          check_diagram(options);
+          return detail::settle(points, options);
+      })) {}
 
 std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;
 }
+bool Diagram::planar() const noexcept {
+    return state_->thickness > 0;
+}
 
 std::vector<std::int32_t> Diagram::locate(std::span<const double> queries, const ProgressCallback& progress) const {
-    return run(progress, [&] { return detail::locate(*state_, detail::check_queries(*state_, queries)); });
+    return run(progress, [&] {
+        return detail::locate(*state_, detail::check_queries(*state_, in_space(*state_, queries, "queries")));
+    });
 }
 
 RayCells Diagram::trace(std::span<const double> origins, std::span<const double> directions,
                         std::span<const double> lengths, const TraceOptions& options) const {
-    return run(options.progress, [&] { return detail::trace(*state_, origins, directions, lengths, options.middles); });
+    return run(options.progress, [&] {
+        RayCells cells = detail::trace(*state_, in_space(*state_, origins, "origins"),
+                                       in_space(*state_, directions, "directions"), lengths, options.middles);
+        cells.planar = planar();
+        if (planar()) make_flat(cells.middles);
+        return cells;
+    });
 }
 
 Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {
-    return run(options.progress, [&] { return detail::probe(*state_, queries, options); });
+    return run(options.progress, [&] {
+        std::vector<double> places = in_space(*state_, queries, "queries");
+        if (!planar())
+            return Tessellation(
+                std::make_shared<const detail::Result>(detail::probe(*state_, std::move(places), options)));
+        ProbeOptions of_sheet = options;
+        add_sheet_wants(of_sheet.want, of_sheet.list_walls);
+        detail::Result cells = detail::probe(*state_, std::move(places), of_sheet);
+        Options wanted;
+        wanted.want = options.want;
+        flatten(cells, state_->thickness, with_implied(wanted), options.list_walls || options.want.faces);
+        return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
+    });
 }
 
 NaturalCoordinates Diagram::natural_neighbors(std::span<const double> queries, const NaturalOptions& options) const {
-    return run(options.progress, [&] { return detail::natural_neighbors(*state_, queries, options); });
+    return run(options.progress, [&] {
+        NaturalCoordinates found = detail::natural_neighbors(*state_, in_space(*state_, queries, "queries"), options);
+        if (planar()) make_flat(found.gradients);
+        return found;
+    });
 }
 
 Interpolated Diagram::interpolate(std::span<const double> values, std::size_t components,
                                   std::span<const double> queries, const NaturalOptions& options) const {
-    return run(options.progress, [&] { return detail::interpolate(*state_, values, components, queries, options); });
+    return run(options.progress, [&] {
+        Interpolated found =
+            detail::interpolate(*state_, values, components, in_space(*state_, queries, "queries"), options);
+        if (planar()) make_flat(found.gradients);
+        return found;
+    });
 }
 
 std::size_t Diagram::to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const {

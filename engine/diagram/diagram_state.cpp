@@ -9,8 +9,10 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
+#include "input/default_box.hpp"
 #include "input/options.hpp"
-#include "unbounded/endless_box.hpp"
+#include "plane/sheet.hpp"
+#include "solid/run_in_mesh.hpp"
 
 namespace votess::detail {
 namespace {
@@ -34,18 +36,77 @@ std::uint32_t key_of(const Box& box, const exact::Point& x) {
 
 }  // namespace
 
-std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options) {
-    auto state = std::make_unique<DiagramState>();
-    state->points.reserve(points.size());
-    in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
-        state->points.insert(state->points.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
-                             points.begin() + static_cast<std::ptrdiff_t>(end));
-    });
+namespace {
+
+constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
+    no_ends_of_plane{{-infinity, -infinity, 0}, {infinity, infinity, 0}};
+
+Box hull_of(Box a, const Box& b) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        a.lower[k] = std::min(a.lower[k], b.lower[k]);
+        a.upper[k] = std::max(a.upper[k], b.upper[k]);
+    }
+    return a;
+}
+
+// Makes the state of points in space, in a box that has ends.
+std::shared_ptr<DiagramState> make_state(std::vector<double> points, const Options& options) {
+    auto state = std::make_shared<DiagramState>();
+    state->points = std::move(points);
     state->job = validate({state->points, {}}, options);
     state->job.options.progress = {};
     state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
     state->clipper.begin(state->job);
     state->clipper.prepare();
+    return state;
+}
+
+}  // namespace
+
+std::shared_ptr<DiagramState> settle(std::span<const double> points, const Options& given) {
+    const std::size_t count = points.size() / (given.planar ? 2 : 3);
+    if (count > std::numeric_limits<std::int32_t>::max())
+        throw Error(ErrorCode::unsupported, std::to_string(count) + " seeds are too many: at most 2147483647");
+    Options options = given;
+    std::optional<solid::ClosedMesh> mesh;
+    if (options.mesh) mesh = solid::mesh_of(options);
+    options.mesh.reset();
+    const bool periodic = options.periodic != std::array<bool, 3>{};
+    if (!options.box && !options.cell && !periodic && options.walls.empty())
+        options.box = options.planar ? no_ends_of_plane : no_ends;
+    std::vector<double> places;
+    double thickness = 0;
+    if (options.planar) {
+        Sheet sheet({points, {}}, options);
+        options = sheet.options();
+        places = sheet.take_points();
+        thickness = sheet.thickness();
+    } else {
+        places.reserve(points.size());
+        in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
+            places.insert(places.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
+                          points.begin() + static_cast<std::ptrdiff_t>(end));
+        });
+    }
+    const EndlessSides sides(options);
+    std::optional<Box> endless;
+    if (sides.any()) {
+        check_endless(options);
+        if (options.cell)
+            throw Error(ErrorCode::unsupported,
+                        "Options::cell has an edge that is 0: a Diagram without end needs Options::box");
+        endless = options.box;
+        end_near(options, {places, {}});
+        if (mesh) options.box = hull_of(*options.box, solid::default_box_around(*mesh, {places, {}}));
+    }
+    std::shared_ptr<DiagramState> state = make_state(std::move(places), options);
+    state->thickness = thickness;
+    state->endless_sides = sides;
+    state->endless = endless;
+    if (mesh) {
+        solid::place_mesh(*mesh, state->job);
+        state->inside.emplace(std::make_shared<const solid::ClosedMesh>(std::move(*mesh)), state->job.domain);
+    }
     return state;
 }
 
@@ -63,47 +124,108 @@ Options options_in(const DiagramState& state, const std::optional<Box>& box, std
     return options;
 }
 
-namespace {
-
-Box far_box_of(const DiagramState& state, std::span<const double> weights) {
-    return far_box({state.points, {}}, weights, *state.endless);
+Box box_with(const DiagramState& state, std::span<const double> places) {
+    Box box = state.job.box;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const std::size_t k = i % 3;
+        if (state.endless->lower[k] == -infinity) box.lower[k] = std::min(box.lower[k], places[i]);
+        if (state.endless->upper[k] == infinity) box.upper[k] = std::max(box.upper[k], places[i]);
+    }
+    return box;
 }
 
-// Makes the state if it is missing.
-template <class Make>
-DiagramState& other_state(DiagramState& state, std::unique_ptr<DiagramState>& other, Make make) {
-    const std::scoped_lock lock(state.making);
-    if (!other) other = make(weights_of(state));
-    return *other;
+namespace {
+
+bool holds(const Box& outer, const Box& inner) {
+    for (std::size_t k = 0; k < 3; ++k)
+        if (inner.lower[k] < outer.lower[k] || inner.upper[k] > outer.upper[k]) return false;
+    return true;
 }
 
 }  // namespace
 
-DiagramState& far_state(DiagramState& state) {
-    return other_state(state, state.far, [&](const std::vector<double>& weights) {
-        return make_state(state.points, options_in(state, far_box_of(state, weights), weights));
-    });
+// Queries far out and those with many digits each widen the box. Those with both would widen it more than any one does,
+// so the two kinds have boxes of their own.
+Box box_beyond(const DiagramState& state, std::span<const double> places, std::span<const double> weights) {
+    Box box = state.job.box;
+    for (const bool is_near : {true, false}) {
+        std::vector<double> all = state.points, of_all = weights_of(state);
+        for (std::size_t q = 0; 3 * q < places.size(); ++q) {
+            const std::array<double, 3> x{places[3 * q], places[3 * q + 1], places[3 * q + 2]};
+            if (holds(state.job.box, {x, x}) != is_near) continue;
+            all.insert(all.end(), x.begin(), x.end());
+            if (!of_all.empty()) of_all.push_back(weights.empty() ? 0 : weights[q]);
+        }
+        if (all.size() == state.points.size()) continue;
+        Options far = options_in(state, state.endless, of_all);
+        end_far(far, {all, {}});
+        box = hull_of(box, *far.box);
+    }
+    return box;
 }
 
-DiagramState& hull_state(DiagramState& state) {
-    return other_state(state, state.hull, [&](const std::vector<double>& weights) {
-        Options options = options_in(state, state.endless, weights);
-        options.want = {.neighbors = true, .volumes = false};
-        options.list_walls = true;
-        const Tessellation t = tessellate(state.points, options);
-        std::vector<std::int32_t> open;
-        for (std::size_t i = 0; i < t.size(); ++i)
-            if (const auto row = t.neighbors(i); !row.empty() && row[0] < 0)
-                open.push_back(static_cast<std::int32_t>(i));
-        const std::vector<double> of_open = some_of(weights, open, 1);
-        return make_state(some_of(state.points, open, 3), options_in(state, far_box_of(state, weights), of_open));
-    });
+namespace {
+
+// Makes the state of some seeds, none for all, in a box.
+std::shared_ptr<DiagramState> in_box(const DiagramState& state, const std::vector<std::int32_t>* seeds, const Box& box,
+                                     const EndlessSides& sides) {
+    std::vector<double> weights = weights_of(state);
+    if (seeds != nullptr) weights = some_of(weights, *seeds, 1);
+    std::vector<double> points = seeds == nullptr ? state.points : some_of(state.points, *seeds, 3);
+    auto made = make_state(std::move(points), options_in(state, box, weights));
+    made->thickness = state.thickness;
+    made->endless_sides = sides;
+    return made;
 }
 
-DiagramState& state_around(DiagramState& state) {
-    return other_state(state, state.around, [&](const std::vector<double>& weights) {
-        return make_state(state.points, options_in(state, std::nullopt, weights));
-    });
+std::vector<std::int32_t> open_seeds(const DiagramState& state) {
+    const std::vector<double> weights = weights_of(state);
+    Options options = options_in(state, state.endless, weights);
+    options.want = {.neighbors = true, .volumes = false};
+    options.list_walls = true;
+    const Tessellation t = tessellate(state.points, options);
+    std::vector<std::int32_t> open;
+    for (std::size_t i = 0; i < t.size(); ++i)
+        if (state.endless_sides.any_of(t.neighbors(i))) open.push_back(static_cast<std::int32_t>(i));
+    return open;
+}
+
+}  // namespace
+
+std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box) {
+    const std::scoped_lock lock(state.making);
+    if (!state.far || !holds(state.far->job.box, box)) state.far = in_box(state, nullptr, box, state.endless_sides);
+    return state.far;
+}
+
+std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box) {
+    const std::scoped_lock lock(state.making);
+    if (!state.open) state.open = open_seeds(state);
+    if (!state.hull || !holds(state.hull->job.box, box))
+        state.hull = in_box(state, &*state.open, box, state.endless_sides);
+    return state.hull;
+}
+
+std::shared_ptr<DiagramState> state_around(DiagramState& state) {
+    const std::scoped_lock lock(state.making);
+    if (state.around) return state.around;
+    const Box& ends = *state.endless;
+    const std::size_t count = state.points.size() / 3;
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < 3 * count; ++i) {
+        const std::size_t k = i % 3;
+        const double x = std::clamp(state.points[i], ends.lower[k], ends.upper[k]);
+        bounds.lower[k] = std::min(bounds.lower[k], x);
+        bounds.upper[k] = std::max(bounds.upper[k], x);
+    }
+    if (state.inside) bounds = hull_of(bounds, state.inside->mesh()->bounds());
+    Box box = default_box(bounds, count, state.thickness > 0 ? 2 : 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (ends.lower[k] != -infinity) box.lower[k] = ends.lower[k];
+        if (ends.upper[k] != infinity) box.upper[k] = ends.upper[k];
+    }
+    state.around = in_box(state, nullptr, box, EndlessSides());
+    return state.around;
 }
 
 CallGuard::CallGuard(DiagramState& state) : state_(state) {
@@ -126,20 +248,28 @@ CallGuard::~CallGuard() {
     state_.ended.notify_one();
 }
 
-Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights,
+std::vector<double> in_space(const DiagramState& state, std::span<const double> vectors, const char* name) {
+    const std::size_t components = state.thickness > 0 ? 2 : 3;
+    if (vectors.size() % components != 0) {
+        const std::string n = std::to_string(components);
+        throw Error(ErrorCode::invalid_argument, std::string(name) + " hold " + std::to_string(vectors.size()) +
+                                                     " coordinates, not a multiple of " + n +
+                                                     ": the shape must be (Q," + n + ")");
+    }
+    return components == 2 ? in_sheet(vectors) : std::vector<double>(vectors.begin(), vectors.end());
+}
+
+Queries check_queries(const DiagramState& state, std::vector<double> x, std::span<const double> weights,
                       std::span<const double> radii) {
-    if (x.size() % 3 != 0)
-        throw Error(ErrorCode::invalid_argument,
-                    "queries hold " + std::to_string(x.size()) +
-                        " coordinates, which is not a multiple of 3: the shape must be (Q,3)");
-    if (x.size() / 3 > std::numeric_limits<std::int32_t>::max())
+    const std::size_t count = x.size() / 3;
+    if (count > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported,
-                    std::to_string(x.size() / 3) + " queries are too many at once: at most 2147483647");
+                    std::to_string(count) + " queries are too many at once: at most 2147483647");
     Options given;
     given.weights = weights;
     given.radii = radii;
     check_options(given);
-    Queries queries{{x.begin(), x.end()}, scaled_weights(given, x.size() / 3, "queries", state.job.scale)};
+    Queries queries{std::move(x), scaled_weights(given, count, "queries", state.job.scale)};
     if (!queries.weights.empty() && !state.job.domain->has_weights())
         throw Error(ErrorCode::invalid_argument,
                     "queries have weights, but the seeds have none: give these weights too, which may be 0");
@@ -221,7 +351,33 @@ std::vector<double> some_of(std::span<const double> all, std::span<const std::in
     return some;
 }
 
+std::vector<std::int32_t> in_mesh(DiagramState& state, const Queries& queries) {
+    std::vector<std::uint8_t> inside;
+    lengthen(inside, queries.count());
+    const CallGuard turn(state);
+    for_queries(state, queries, [&](DiagramState::Searcher&, std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (i % queries_per_look == 0) check_stop();
+            inside[i] = state.inside->holds(scaled(state.job, queries, i)) ? 1 : 0;
+        }
+    });
+    std::vector<std::int32_t> numbers;
+    for (std::size_t i = 0; i < inside.size(); ++i)
+        if (inside[i] != 0) numbers.push_back(static_cast<std::int32_t>(i));
+    return numbers;
+}
+
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
+    if (!state.inside) return locate_in_domain(state, queries);
+    const std::vector<std::int32_t> numbers = in_mesh(state, queries);
+    const std::vector<std::int32_t> found = locate_in_domain(state, {some_of(queries.x, numbers, 3), {}});
+    std::vector<std::int32_t> seeds;
+    lengthen(seeds, queries.count(), -1);
+    for (std::size_t k = 0; k < numbers.size(); ++k) seeds[static_cast<std::size_t>(numbers[k])] = found[k];
+    return seeds;
+}
+
+std::vector<std::int32_t> locate_in_domain(DiagramState& state, const Queries& queries) {
     std::vector<std::int32_t> seeds;
     lengthen(seeds, queries.count());
     const CallGuard turn(state);
@@ -238,7 +394,8 @@ std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries) {
     for (std::size_t q = 0; q < seeds.size(); ++q)
         if (seeds[q] < 0) beyond.push_back(static_cast<std::int32_t>(q));
     if (beyond.empty() || state.points.empty()) return seeds;
-    const std::vector<std::int32_t> far = locate(far_state(state), {some_of(queries.x, beyond, 3), {}});
+    const std::vector<double> places = some_of(queries.x, beyond, 3);
+    const std::vector<std::int32_t> far = locate_in_domain(*far_state(state, box_with(state, places)), {places, {}});
     for (std::size_t k = 0; k < beyond.size(); ++k) seeds[static_cast<std::size_t>(beyond[k])] = far[k];
     return seeds;
 }

@@ -20,6 +20,8 @@
 #include "query/probe_rows.hpp"
 #include "query/prober.hpp"
 #include "query/ray_tracer.hpp"
+#include "solid/inside.hpp"
+#include "unbounded/endless_box.hpp"
 #include "votess/diagram.hpp"
 
 namespace votess::detail {
@@ -57,24 +59,37 @@ struct DiagramState {
     std::optional<cpu::VertexGraph> graph;  // made when it is worth it
     std::optional<cpu::CellGraph> cells;    // made for rays
 
-    // In a domain without end this state has near_box(), and three others are made when needed. `far` has far_box().
-    // `hull` has that box too, but only the seeds whose cells reach infinity. `around` has the default box, for grids.
-    // Each has its own call at work.
+    double thickness = 0;  // of the sheet that stands for a plane; 0 in space
+    // The sides at infinity. The walls of the state's own box on them are not those of the domain.
+    EndlessSides endless_sides;
+
+    // In a domain without end this state has near ends, and three others are made when needed. `far` has a box beyond
+    // what the queries reach. `hull` has that box too, but only the seeds whose cells reach infinity. `around` has
+    // sides around the seeds, for grids. Each has its own call at work.
     std::optional<Box> endless;
     std::mutex making;
-    std::unique_ptr<DiagramState> far, hull, around;
+    std::shared_ptr<DiagramState> far, hull, around;
+    std::optional<std::vector<std::int32_t>> open;  // the seeds of `hull`
+
+    // A mesh, which cuts the domain. The three others have none.
+    std::optional<solid::Inside> inside;
 };
 
-// Makes the state of points in a box that has ends.
-std::unique_ptr<DiagramState> make_state(std::span<const double> points, const Options& options);
+// Makes the state of a Diagram, with its points in space: those of a plane lie in a sheet.
+std::shared_ptr<DiagramState> settle(std::span<const double> points, const Options& options);
 // Returns the weights as given; none without a power diagram.
 std::vector<double> weights_of(const DiagramState& state);
 // Returns the options of the Diagram, for its cells in another box and on the CPU. A triclinic box stays.
 Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights);
-// Returns those of a state without end.
-DiagramState& far_state(DiagramState& state);
-DiagramState& hull_state(DiagramState& state);
-DiagramState& state_around(DiagramState& state);
+
+// Return boxes for the seeds of a state without end: one that holds these places too, and one with all vertices of the
+// diagram of the seeds and any one query. weights: of the queries, as given; empty: 0.
+Box box_with(const DiagramState& state, std::span<const double> places);
+Box box_beyond(const DiagramState& state, std::span<const double> places, std::span<const double> weights);
+// Return those of a state without end. box: what theirs has to hold.
+std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box);
+std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box);
+std::shared_ptr<DiagramState> state_around(DiagramState& state);
 
 // Gives one call the state. Waits for the call at work, and meanwhile checks whether the user stops.
 class CallGuard {
@@ -88,14 +103,18 @@ private:
     DiagramState& state_;
 };
 
+// Returns vectors as given, (N, 3), or those of a plane in its sheet. Throws invalid_argument for another number of
+// components. name: for messages.
+std::vector<double> in_space(const DiagramState& state, std::span<const double> vectors, const char* name);
+
 // The queries of a call; weights: times scale squared, or none.
 struct Queries {
-    std::vector<double> x;  // copied, see input/snapshot.hpp
+    std::vector<double> x;
     std::vector<double> weights;
     [[nodiscard]] std::size_t count() const { return x.size() / 3; }
 };
-// Throws invalid_argument unless x is (Q, 3), and for weights or radii of another length.
-Queries check_queries(const DiagramState& state, std::span<const double> x, std::span<const double> weights = {},
+// x: (Q, 3). Throws invalid_argument for weights or radii of another length.
+Queries check_queries(const DiagramState& state, std::vector<double> x, std::span<const double> weights = {},
                       std::span<const double> radii = {});
 
 // Returns the rows of `each` coordinates or weights that have these numbers; none of none.
@@ -117,13 +136,21 @@ void for_runs(const Job& job, DiagramState::Searcher& searcher, const Queries& q
               std::span<std::int32_t> numbers,
               const std::function<void(std::span<const std::int32_t> numbers, std::size_t near)>& run);
 
+// Returns the numbers of the queries that lie in the mesh, ascending.
+std::vector<std::int32_t> in_mesh(DiagramState& state, const Queries& queries);
+
+// Those that end with _in_domain leave the mesh out.
 std::vector<std::int32_t> locate(DiagramState& state, const Queries& queries);
-RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+std::vector<std::int32_t> locate_in_domain(DiagramState& state, const Queries& queries);
+// All vectors of these are in space.
+RayCells trace(DiagramState& state, std::vector<double> origins, std::vector<double> directions,
                std::span<const double> lengths, bool middles);
-Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options);
-NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& options);
+Result probe(DiagramState& state, std::vector<double> x, const ProbeOptions& options);
+NaturalCoordinates natural_neighbors(DiagramState& state, std::vector<double> x, const NaturalOptions& options);
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,
-                         std::span<const double> x, const NaturalOptions& options);
+                         std::vector<double> x, const NaturalOptions& options);
+Interpolated interpolate_in_domain(DiagramState& state, std::span<const double> values, std::size_t components,
+                                   std::vector<double> x, const NaturalOptions& options);
 std::size_t to_grid(DiagramState& state, std::span<const double> values, const GridOptions& options,
                     std::span<double> grid);
 

@@ -5,6 +5,7 @@
 
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
+#include "plane/sheet.hpp"
 
 namespace votess::detail {
 namespace {
@@ -18,6 +19,7 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     const cpu::SortedSeeds& seeds = state.clipper.seeds();
     constexpr std::size_t min_seeds = 64;
     if (options.method != NaturalMethod::sibson || job.domain->is_periodic() || job.domain->triclinic) return false;
+    if (state.thickness > 0) return false;  // all vertices of a sheet lie on its walls
     if (state.graph) return true;
     if (seeds.size() < min_seeds || queries.count() < seeds.size() / 2) return false;
     const Share stage = Stoppable::stage();
@@ -39,6 +41,17 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
     return true;
 }
 
+// Where cells have no coordinates: at infinity, and at walls unless the options allow those.
+cpu::FieldEnds ends_of(const DiagramState& state, const NaturalOptions& options) {
+    cpu::FieldEnds ends{0, !options.at_walls};
+    for (std::int32_t side = 0; side < 6; ++side) {
+        const std::int32_t wall = -1 - side;
+        const bool of_sheet = state.thickness > 0 && Sheet::bounds(wall);
+        if (state.endless_sides.has(wall) || (!options.at_walls && !of_sheet)) ends.sides |= 1u << side;
+    }
+    return ends;
+}
+
 // make_sink: makes the receiver of the rows of a share of the queries. Its `numbers` are those of a run.
 template <class MakeSink>
 void run(DiagramState& state, const Queries& queries, const NaturalOptions& options, MakeSink make_sink) {
@@ -52,7 +65,7 @@ void run(DiagramState& state, const Queries& queries, const NaturalOptions& opti
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
         searcher.prober.begin_job(*state.job.domain, cpu::Star::Keep::places);
-        searcher.natural.begin_job(state.job, without_progress);
+        searcher.natural.begin_job(state.job, without_progress, ends_of(state, options));
     }
     for_queries(state, queries, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
         sort_queries(state.job, searcher, queries, begin, end, [](std::size_t) {});
@@ -137,44 +150,87 @@ struct SumSink final : cpu::NaturalSink {
     std::span<const std::int32_t> numbers;
 };
 
-}  // namespace
-
-namespace {
-
-// Without walls, rows do not end at any. Queries with these numbers have none in the near box.
-struct FarQueries {
+// In a domain without end, the queries that have no coordinates in the near box, and may have some beyond it.
+class FarQueries {
+public:
+    // numbers: of those without coordinates.
     FarQueries(DiagramState& near, std::span<const double> x, const NaturalOptions& options,
-               std::span<const std::int32_t> numbers)
-        : state(far_state(near)),
-          places(some_of(x, numbers, 3)),
-          weights(some_of(options.weights, numbers, 1)),
-          asked(options) {
-        asked.weights = weights;
+               std::vector<std::int32_t> numbers)
+        : options_(options), numbers_(std::move(numbers)) {
+        if (!near.endless || numbers_.empty()) return;
+        take(x, options.weights);
+        const Box box = box_beyond(near, places_, weights_);
+        remove_open(*hull_state(near, box));
+        if (numbers_.empty()) return;
+        take(x, options.weights);
+        state_ = far_state(near, box);
     }
-    DiagramState& state;
-    std::vector<double> places, weights;
-    NaturalOptions asked;
+    [[nodiscard]] bool any() const { return state_ != nullptr; }
+    [[nodiscard]] DiagramState& state() const { return *state_; }
+    [[nodiscard]] std::span<const std::int32_t> numbers() const { return numbers_; }
+    [[nodiscard]] NaturalOptions options() const {
+        NaturalOptions options = options_;
+        options.weights = weights_;
+        return options;
+    }
+    [[nodiscard]] const std::vector<double>& places() const { return places_; }
+
+private:
+    void take(std::span<const double> x, std::span<const double> weights) {
+        places_ = some_of(x, numbers_, 3);
+        weights_ = some_of(weights, numbers_, 1);
+    }
+    // Leaves those whose cells do not reach infinity. The seeds around infinity decide that.
+    void remove_open(DiagramState& hull) {
+        if (hull.points.empty()) return numbers_.clear();
+        ProbeOptions asked;
+        asked.want = {.neighbors = true, .volumes = false};
+        asked.list_walls = true;
+        asked.weights = weights_;
+        const Result cells = probe(hull, places_, asked);
+        const std::span<const std::int32_t> ids = cells.indices;
+        std::size_t kept = 0;
+        for (std::size_t k = 0; k < numbers_.size(); ++k) {
+            const auto begin = static_cast<std::size_t>(cells.indptr[k]),
+                       end = static_cast<std::size_t>(cells.indptr[k + 1]);
+            if (begin < end && !hull.endless_sides.any_of(ids.subspan(begin, end - begin)))
+                numbers_[kept++] = numbers_[k];
+        }
+        numbers_.resize(kept);
+    }
+
+    const NaturalOptions& options_;
+    std::vector<std::int32_t> numbers_;
+    std::vector<double> places_, weights_;
+    std::shared_ptr<DiagramState> state_;
 };
 
-// Leaves those of the queries whose cells do not reach infinity. The seeds around infinity decide that.
-void remove_open(DiagramState& state, std::span<const double> x, const NaturalOptions& options,
-                 std::vector<std::int32_t>& numbers) {
-    const std::vector<double> places = some_of(x, numbers, 3), weights = some_of(options.weights, numbers, 1);
-    ProbeOptions asked;
-    asked.want = {.neighbors = true, .volumes = false};
-    asked.list_walls = true;
-    asked.weights = weights;
-    const Tessellation cells = probe(hull_state(state), places, asked);
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < numbers.size(); ++k)
-        if (const auto row = cells.neighbors(k); !row.empty() && row[0] >= 0) numbers[kept++] = numbers[k];
-    numbers.resize(kept);
+// Returns rows of NaN. Throws for values of another shape.
+Interpolated unknown_rows(const DiagramState& state, std::span<const double> values, std::size_t components,
+                          std::size_t queries, bool gradients) {
+    const std::size_t seeds = state.points.size() / 3;
+    if (components == 0 || values.size() != seeds * components)
+        throw Error(ErrorCode::invalid_argument,
+                    "values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
+                        " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
+    if (components > std::numeric_limits<std::size_t>::max() / sizeof(double) / 3 / std::max<std::size_t>(queries, 1))
+        throw Error(ErrorCode::out_of_memory, std::to_string(components) + " components of " + std::to_string(queries) +
+                                                  " queries do not fit into memory");
+    Interpolated rows;
+    lengthen(rows.values, queries * components, unknown);
+    lengthen(rows.gradients, gradients ? 3 * rows.values.size() : 0, unknown);
+    return rows;
 }
 
-NaturalOptions without_walls(const DiagramState& state, const NaturalOptions& options) {
-    NaturalOptions asked = options;
-    if (state.endless) asked.at_walls = false;
-    return asked;
+// Puts the rows of `some` in place of those with these numbers.
+void put_rows(const Interpolated& some, std::span<const std::int32_t> numbers, std::size_t components,
+              Interpolated& all) {
+    const auto put = [&](const std::vector<double>& from, std::size_t width, std::vector<double>& to) {
+        for (std::size_t k = 0; k < numbers.size() && !from.empty(); ++k)
+            std::copy_n(&from[k * width], width, &to[static_cast<std::size_t>(numbers[k]) * width]);
+    };
+    put(some.values, components, all.values);
+    put(some.gradients, 3 * components, all.gradients);
 }
 
 // Replaces empty rows, which have these numbers, by those of `some`.
@@ -201,9 +257,10 @@ NaturalCoordinates joined(const NaturalCoordinates& all, std::span<const std::in
 
 }  // namespace
 
-NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double> x, const NaturalOptions& given) {
-    const NaturalOptions options = without_walls(state, given);
-    const Queries queries = check_queries(state, x, options.weights);
+namespace {
+
+NaturalCoordinates natural_in_domain(DiagramState& state, std::vector<double> x, const NaturalOptions& options) {
+    const Queries queries = check_queries(state, std::move(x), options.weights);
     NaturalCoordinates out;
     lengthen(out.indptr, queries.count() + 1);
     std::mutex mutex;
@@ -231,49 +288,62 @@ NaturalCoordinates natural_neighbors(DiagramState& state, std::span<const double
             }
         });
     }
-    if (!state.endless) return out;
     std::vector<std::int32_t> missing;
-    for (std::size_t q = 0; q < queries.count(); ++q)
+    for (std::size_t q = 0; q < queries.count() && state.endless; ++q)
         if (out.indptr[q] == out.indptr[q + 1]) missing.push_back(static_cast<std::int32_t>(q));
-    if (!missing.empty()) remove_open(state, queries.x, options, missing);
-    if (missing.empty()) return out;
-    const FarQueries far(state, queries.x, options, missing);
-    return joined(out, missing, natural_neighbors(far.state, far.places, far.asked));
+    const FarQueries far(state, queries.x, options, std::move(missing));
+    return far.any() ? joined(out, far.numbers(), natural_in_domain(far.state(), far.places(), far.options())) : out;
+}
+
+// The queries in the mesh; others have no answer.
+struct QueriesInMesh {
+    QueriesInMesh(DiagramState& state, std::vector<double> given, const NaturalOptions& options)
+        : all(check_queries(state, std::move(given), options.weights)),
+          numbers(in_mesh(state, all)),
+          places(some_of(all.x, numbers, 3)),
+          weights(some_of(options.weights, numbers, 1)),
+          asked(options) {
+        asked.weights = weights;
+    }
+    Queries all;
+    std::vector<std::int32_t> numbers;
+    std::vector<double> places, weights;
+    NaturalOptions asked;
+};
+
+}  // namespace
+
+NaturalCoordinates natural_neighbors(DiagramState& state, std::vector<double> x, const NaturalOptions& options) {
+    if (!state.inside) return natural_in_domain(state, std::move(x), options);
+    const QueriesInMesh some(state, std::move(x), options);
+    NaturalCoordinates none;
+    lengthen(none.indptr, some.all.count() + 1);
+    return joined(none, some.numbers, natural_in_domain(state, some.places, some.asked));
 }
 
 Interpolated interpolate(DiagramState& state, std::span<const double> values, std::size_t components,
-                         std::span<const double> x, const NaturalOptions& given) {
-    const NaturalOptions options = without_walls(state, given);
-    const Queries queries = check_queries(state, x, options.weights);
-    const std::size_t seeds = state.points.size() / 3;
-    if (components == 0 || values.size() != seeds * components)
-        throw Error(ErrorCode::invalid_argument,
-                    "values hold " + std::to_string(values.size()) + " numbers for " + std::to_string(seeds) +
-                        " seeds with " + std::to_string(components) + " components: the shape must be (N,m)");
-    if (components >
-        std::numeric_limits<std::size_t>::max() / sizeof(double) / 3 / std::max<std::size_t>(queries.count(), 1))
-        throw Error(ErrorCode::out_of_memory, std::to_string(components) + " components of " +
-                                                  std::to_string(queries.count()) + " queries do not fit into memory");
-    Interpolated out;
-    lengthen(out.values, queries.count() * components, unknown);
-    lengthen(out.gradients, options.gradients ? 3 * out.values.size() : 0, unknown);
+                         std::vector<double> x, const NaturalOptions& options) {
+    if (!state.inside) return interpolate_in_domain(state, values, components, std::move(x), options);
+    const QueriesInMesh some(state, std::move(x), options);
+    Interpolated out = unknown_rows(state, values, components, some.all.count(), options.gradients);
+    put_rows(interpolate_in_domain(state, values, components, some.places, some.asked), some.numbers, components, out);
+    return out;
+}
+
+Interpolated interpolate_in_domain(DiagramState& state, std::span<const double> values, std::size_t components,
+                                   std::vector<double> x, const NaturalOptions& options) {
+    const Queries queries = check_queries(state, std::move(x), options.weights);
+    Interpolated out = unknown_rows(state, values, components, queries.count(), options.gradients);
     std::vector<std::uint8_t> known;
     lengthen(known, queries.count());
     run(state, queries, options, [&] { return SumSink(out, known, values, components, options.gradients); });
-    if (!state.endless) return out;
     std::vector<std::int32_t> missing;
-    for (std::size_t q = 0; q < queries.count(); ++q)
+    for (std::size_t q = 0; q < queries.count() && state.endless; ++q)
         if (known[q] == 0) missing.push_back(static_cast<std::int32_t>(q));
-    if (!missing.empty()) remove_open(state, queries.x, options, missing);
-    if (missing.empty()) return out;
-    const FarQueries far(state, queries.x, options, missing);
-    const Interpolated found = interpolate(far.state, values, components, far.places, far.asked);
-    for (std::size_t k = 0; k < missing.size(); ++k) {
-        const auto q = static_cast<std::size_t>(missing[k]);
-        std::copy_n(&found.values[k * components], components, &out.values[q * components]);
-        if (options.gradients)
-            std::copy_n(&found.gradients[3 * k * components], 3 * components, &out.gradients[3 * q * components]);
-    }
+    const FarQueries far(state, queries.x, options, std::move(missing));
+    if (far.any())
+        put_rows(interpolate_in_domain(far.state(), values, components, far.places(), far.options()), far.numbers(),
+                 components, out);
     return out;
 }
 

@@ -6,14 +6,15 @@
 #include "diagram/diagram_state.hpp"
 #include "input/implied_wants.hpp"
 #include "result/arrays.hpp"
+#include "solid/run_in_mesh.hpp"
 #include "unbounded/open_cells.hpp"
 
 namespace votess::detail {
 
 namespace {
 
-Result cells_of_probes(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
-    const Queries queries = check_queries(state, x, options.weights, options.radii);
+Result cells_of_probes(DiagramState& state, std::vector<double> x, const ProbeOptions& options) {
+    const Queries queries = check_queries(state, std::move(x), options.weights, options.radii);
     const CallGuard turn(state);
     StageClock clock;
     Options wanted;
@@ -62,8 +63,7 @@ Result cells_of_probes(DiagramState& state, std::span<const double> x, const Pro
 }
 
 // In a domain without end, cells that reach the walls of the near box are made again in the far one.
-Result endless_cells(DiagramState& state, std::span<const double> given, const ProbeOptions& options) {
-    const std::vector<double> x(given.begin(), given.end());  // read once, see input/snapshot.hpp
+Result endless_cells(DiagramState& state, const std::vector<double>& x, const ProbeOptions& options) {
     Options wanted;
     wanted.want = options.want;
     const Want want = with_implied(wanted);
@@ -75,28 +75,51 @@ Result endless_cells(DiagramState& state, std::span<const double> given, const P
     Result near = cells_of_probes(state, x, asked);
     std::vector<bool> taken(near.status.size());
     std::vector<std::int32_t> rows;
+    const std::span<const std::int32_t> ids = near.indices;
     for (std::size_t q = 0; q < taken.size(); ++q) {
         taken[q] = near.status[q] == CellStatus::outside || near.status[q] == CellStatus::empty;
-        for (std::int64_t e = near.indptr[q]; e < near.indptr[q + 1]; ++e)
-            taken[q] = taken[q] || near.indices[static_cast<std::size_t>(e)] < 0;
+        const auto begin = static_cast<std::size_t>(near.indptr[q]), end = static_cast<std::size_t>(near.indptr[q + 1]);
+        taken[q] = taken[q] || state.endless_sides.any_of(ids.subspan(begin, end - begin));
         if (taken[q]) rows.push_back(static_cast<std::int32_t>(q));
     }
     const std::vector<double> places = some_of(x, rows, 3), weights = some_of(options.weights, rows, 1),
                               radii = some_of(options.radii, rows, 1);
-    asked.weights = weights;
-    asked.radii = radii;
-    Result far = cells_of_probes(far_state(state), places, asked);
-    open_cells(far, *state.endless);
-    Result joined = join_cells(std::move(near), far, rows, taken, {}, *state.endless);
+    wanted.weights = asked.weights = weights;
+    wanted.radii = asked.radii = radii;
+    const Options domain = options_in(state, state.endless, {});
+    Result far;
+    if (!rows.empty()) {
+        const Box box = box_beyond(state, places, votess::weights_of(wanted));
+        far = cells_of_probes(*far_state(state, box), places, asked);
+        open_cells(far, domain);
+    }
+    Result joined = join_cells(std::move(near), far, rows, taken, {}, domain);
     keep_wanted(joined, want, options.list_walls || want.faces);
     return joined;
 }
 
+// The parts of the cells in the mesh.
+Result cells_in_mesh(DiagramState& state, const std::vector<double>& x, const ProbeOptions& options) {
+    // Read once, see input/snapshot.hpp.
+    const std::vector<double> weights(options.weights.begin(), options.weights.end()),
+        radii(options.radii.begin(), options.radii.end());
+    ProbeOptions asked = options;
+    asked.want = solid::want_of_probes(options.want);
+    asked.list_walls = false;
+    asked.weights = weights;
+    asked.radii = radii;
+    Result whole = state.endless ? endless_cells(state, x, asked) : cells_of_probes(state, x, asked);
+    Job job = state.job;
+    job.probes_of = static_cast<std::int32_t>(state.points.size() / 3);
+    const Queries queries = check_queries(state, x, weights, radii);
+    return solid::cut_probes(std::move(whole), x, queries.weights, state.inside->mesh(), job, options.want);
+}
+
 }  // namespace
 
-Tessellation probe(DiagramState& state, std::span<const double> x, const ProbeOptions& options) {
-    return Tessellation(std::make_shared<const Result>(state.endless ? endless_cells(state, x, options)
-                                                                     : cells_of_probes(state, x, options)));
+Result probe(DiagramState& state, std::vector<double> x, const ProbeOptions& options) {
+    if (state.inside) return cells_in_mesh(state, x, options);
+    return state.endless ? endless_cells(state, x, options) : cells_of_probes(state, std::move(x), options);
 }
 
 }  // namespace votess::detail

@@ -11,11 +11,13 @@
 namespace votess {
 
 std::vector<double> RayCells::integrate(std::span<const double> values, std::span<const double> gradients) const {
-    if (!gradients.empty() && gradients.size() != 3 * values.size())
+    const std::size_t components = planar ? 2 : 3;
+    if (!gradients.empty() && gradients.size() != components * values.size())
         throw Error(ErrorCode::invalid_argument, "integrate: there are " + std::to_string(values.size()) +
                                                      " values, but " + std::to_string(gradients.size()) +
-                                                     " components of gradients: give three for each value, or none");
-    if (!gradients.empty() && middles.size() != 3 * seeds.size())
+                                                     " components of gradients: give " + std::to_string(components) +
+                                                     " for each value, or none");
+    if (!gradients.empty() && middles.size() != components * seeds.size())
         throw Error(ErrorCode::invalid_argument,
                     "integrate: gradients need the middles of pieces: trace with TraceOptions::middles");
     for (const std::int32_t seed : seeds)
@@ -28,8 +30,8 @@ std::vector<double> RayCells::integrate(std::span<const double> values, std::spa
         for (auto k = static_cast<std::size_t>(offsets[r]); k < static_cast<std::size_t>(offsets[r + 1]); ++k) {
             const auto seed = static_cast<std::size_t>(seeds[k]);
             double mean = values[seed];  // of the piece
-            for (std::size_t j = 0; j < 3 && !gradients.empty(); ++j)
-                mean += gradients[3 * seed + j] * middles[3 * k + j];
+            for (std::size_t j = 0; j < components && !gradients.empty(); ++j)
+                mean += gradients[components * seed + j] * middles[components * k + j];
             integrals[r] += mean * lengths[k];
         }
     return integrals;
@@ -54,15 +56,15 @@ struct Rays {
 };
 
 // Refuses bad directions and lengths.
-Rays check_rays(const DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+Rays check_rays(const DiagramState& state, std::vector<double> origins, std::vector<double> directions,
                 std::span<const double> lengths) {
-    Rays rays{check_queries(state, origins), {directions.begin(), directions.end()}, {lengths.begin(), lengths.end()}};
+    Rays rays{check_queries(state, std::move(origins)), std::move(directions), {lengths.begin(), lengths.end()}};
     const std::size_t count = rays.origins.count();
     if (rays.directions.size() != 3 * count || rays.lengths.size() != count)
-        throw Error(ErrorCode::invalid_argument,
-                    "there are " + std::to_string(count) + " origins, but " + std::to_string(directions.size()) +
-                        " coordinates of directions and " + std::to_string(lengths.size()) +
-                        " lengths: give (R,3), (R,3) and (R,)");
+        throw Error(ErrorCode::invalid_argument, "there are " + std::to_string(count) + " origins, but " +
+                                                     std::to_string(rays.directions.size() / 3) + " directions and " +
+                                                     std::to_string(lengths.size()) +
+                                                     " lengths: give one of each for each ray");
     for (std::size_t r = 0; r < count; ++r) {
         const double* d = &rays.directions[3 * r];
         for (std::size_t k = 0; k < 3; ++k)
@@ -125,6 +127,39 @@ Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x
     return image;
 }
 
+// Returns the images whose cells hold the origins outside of the near box of a domain without end, by input; none for
+// others.
+std::vector<Image> images_beyond(DiagramState& state, const Queries& origins) {
+    std::vector<Image> images(origins.count(), Image{cpu::CellGraph::none, {}});
+    const Box& near = state.job.box;
+    std::vector<std::size_t> outside;
+    std::vector<double> places;
+    for (std::size_t r = 0; r < origins.count(); ++r) {
+        bool inside = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = origins.x[3 * r + k];
+            inside = inside && (state.job.domain->periodic[k] || (x >= near.lower[k] && x <= near.upper[k]));
+        }
+        if (inside) continue;
+        outside.push_back(r);
+        places.insert(places.end(), &origins.x[3 * r], &origins.x[3 * r] + 3);
+    }
+    if (outside.empty()) return images;
+    const std::shared_ptr<DiagramState> far = far_state(state, box_with(state, places));
+    const CallGuard turn(*far);
+    make_searchers(*far);
+    cpu::Locator& locator = far->searchers.front().locator;
+    for (const std::size_t r : outside) {
+        const exact::Point x = scaled(far->job, origins, r);
+        const auto place = locator.place(x, r);
+        if (!place) continue;
+        images[r] = image_at(*far, locator, x, *place);
+        if (images[r].seed != cpu::CellGraph::none)
+            images[r].seed = static_cast<std::size_t>(far->clipper.seeds().input[images[r].seed]);
+    }
+    return images;
+}
+
 // The cells of consecutive rays.
 struct RayBatch {
     std::size_t begin = 0;
@@ -137,20 +172,38 @@ struct RayBatch {
 struct Flight {
     cpu::RayTracer tracer;
     std::size_t ray = 0;
-    double speed = 0;  // length of input over time
+    double speed = 0;                         // length of input over time
+    std::vector<solid::Inside::Part> inside;  // of a mesh
 };
+
+// Returns the parts of pieces inside.
+std::vector<cpu::RayTracer::Piece> cut(std::span<const cpu::RayTracer::Piece> pieces,
+                                       std::span<const solid::Inside::Part> inside) {
+    std::vector<cpu::RayTracer::Piece> cut;
+    std::size_t next = 0;
+    for (const cpu::RayTracer::Piece& piece : pieces) {
+        while (next < inside.size() && inside[next].end < piece.begin) ++next;
+        for (std::size_t k = next; k < inside.size() && inside[k].begin <= piece.end; ++k) {
+            const double begin = std::max(piece.begin, inside[k].begin), end = std::min(piece.end, inside[k].end);
+            const bool whole = begin == piece.begin && end == piece.end;
+            if (begin < end || whole) cut.push_back({piece.image, begin, end});
+            if (whole) break;
+        }
+    }
+    return cut;
+}
 
 }  // namespace
 
-RayCells trace(DiagramState& state, std::span<const double> origins, std::span<const double> directions,
+RayCells trace(DiagramState& state, std::vector<double> origins, std::vector<double> directions,
                std::span<const double> lengths, bool middles) {
-    const Rays rays = check_rays(state, origins, directions, lengths);
+    const Rays rays = check_rays(state, std::move(origins), std::move(directions), lengths);
     const std::size_t count = rays.origins.count();
     RayCells out;
     lengthen(out.offsets, count + 1);
     if (state.points.empty()) return out;
-    std::vector<std::int32_t> beyond;  // the seeds of origins, where the box of the state does not hold them all
-    if (state.endless) beyond = locate(state, rays.origins);
+    std::vector<Image> beyond;  // of origins that the box of the state does not hold
+    if (state.endless) beyond = images_beyond(state, rays.origins);
     const CallGuard turn(state);
     make_cells(state);
     const cpu::SortedSeeds& seeds = state.clipper.seeds();
@@ -158,6 +211,10 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
     for (std::size_t i = 0; i < seeds.size() && !sorted.empty(); ++i)
         sorted[static_cast<std::size_t>(seeds.input[i])] = i;
     const std::string_view instructions = cpu::find_kernels(state.job.options.instructions)->name;
+    std::vector<exact::Plane> walls = state.job.domain->walls;
+    for (int wall = 0; wall < 6; ++wall)
+        if (state.job.domain->has_box_wall(wall) && !state.endless_sides.has(-1 - wall))
+            walls.push_back(state.job.domain->box_wall(wall));
     std::mutex adding;
     std::vector<RayBatch> batches;
     for_queries(state, rays.origins, [&](DiagramState::Searcher& searcher, std::size_t begin, std::size_t end) {
@@ -166,7 +223,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
         for (const std::uint64_t key : searcher.order) {
             const auto i = static_cast<std::uint32_t>(key);
             const exact::Point x = scaled(state.job, rays.origins, begin + i);
-            if (beyond.empty()) starts[i] = image_at(state, searcher.locator, x, searcher.places[i]);
+            starts[i] = image_at(state, searcher.locator, x, searcher.places[i]);
         }
         RayBatch batch{begin, std::vector<std::size_t>(end - begin), {}, {}, {}};
         std::size_t next = begin;
@@ -176,29 +233,40 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
                 const std::size_t r = flight.ray = next++;
                 if (r % rays_per_look == 0) check_stop();
                 Image start = starts[r - begin];
-                if (!beyond.empty()) start.seed = sorted[static_cast<std::size_t>(beyond[r])];
+                if (!beyond.empty() && beyond[r].seed != cpu::CellGraph::none)
+                    start = {sorted[beyond[r].seed], beyond[r].shift};
                 if (start.seed == cpu::CellGraph::none) continue;
                 const exact::Ray ray{scaled(state.job, rays.origins, r), direction_of(rays, r)};
                 flight.speed = length3(ray.direction[0], ray.direction[1], ray.direction[2]) / state.job.scale;
-                if (!flight.tracer.start(ray, rays.lengths[r] / flight.speed, start))
+                const Domain& domain = *state.job.domain;
+                double end = rays.lengths[r] / flight.speed;
+                if (state.inside && !domain.is_periodic()) {
+                    flight.inside = state.inside->parts(ray, end);
+                    if (flight.inside.empty()) continue;
+                    end = flight.inside.back().end;
+                }
+                if (!flight.tracer.start(ray, end, start))
                     throw Error(ErrorCode::invalid_argument, name_of(r) +
                                                                  ": its length is infinite, and no wall ends it: "
                                                                  "give a finite length");
+                if (!domain.is_periodic()) continue;
                 // Images of a seed bound its cell: none is wider than the domain.
-                const Domain& domain = *state.job.domain;
-                if (domain.is_periodic())
-                    check_cells(rays, r,
-                                flight.tracer.end() * flight.speed * state.job.scale / (2 * domain.covering_radius));
+                check_cells(rays, r,
+                            flight.tracer.end() * flight.speed * state.job.scale / (2 * domain.covering_radius));
+                if (state.inside) flight.inside = state.inside->parts(ray, flight.tracer.end());
             }
             return flight.tracer.is_under_way();
         };
         const auto store = [&](const Flight& flight) {
-            const std::size_t first = batch.seeds.size(), count = flight.tracer.pieces().size();
+            std::span<const cpu::RayTracer::Piece> pieces = flight.tracer.pieces();
+            std::vector<cpu::RayTracer::Piece> parts;
+            if (state.inside) pieces = parts = cut(pieces, flight.inside);
+            const std::size_t first = batch.seeds.size(), count = pieces.size();
             batch.first[flight.ray - begin] = first;
             batch.seeds.resize(first + count);
             batch.lengths.resize(first + count);
             for (std::size_t i = 0; i < count; ++i) {
-                const cpu::RayTracer::Piece& piece = flight.tracer.pieces()[i];
+                const cpu::RayTracer::Piece& piece = pieces[i];
                 batch.seeds[first + i] = seeds.input[piece.image.seed];
                 batch.lengths[first + i] = (piece.end - piece.begin) * flight.speed;
                 if (!middles) continue;
@@ -207,7 +275,7 @@ RayCells trace(DiagramState& state, std::span<const double> origins, std::span<c
             out.offsets[flight.ray + 1] = static_cast<std::int64_t>(count);
         };
         std::vector<Flight> flights(std::min(max_flights, end - begin),
-                                    {{*state.job.domain, seeds, *state.cells, !state.endless, instructions}});
+                                    {{*state.job.domain, seeds, *state.cells, walls, instructions}, 0, 0, {}});
         std::size_t under_way = 0;
         for (Flight& flight : flights) under_way += static_cast<std::size_t>(start_next(flight));
         while (under_way > 0) {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/vector3.hpp"
+#include "domain/lattice_reach.hpp"
 #include "exact/integer/rows.hpp"
 #include "exact/quad.hpp"
 
@@ -223,8 +224,9 @@ exact::Point Domain::translation(const exact::Shift& shift) const {
 
 ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Point& x, double distance) {
     const Basis& basis = domain.reduced;
-    double size = distance;
-    for (int k = 0; k < 3; ++k) size = std::max({size, std::abs(box.lower[k]), std::abs(box.upper[k]), std::abs(x[k])});
+    Vector size;
+    for (int k = 0; k < 3; ++k)
+        size[k] = std::max({distance, std::abs(box.lower[k]), std::abs(box.upper[k]), std::abs(x[k])});
     ShiftRange range;
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
@@ -234,7 +236,8 @@ ShiftRange shifts_around(const Domain& domain, const Box& box, const exact::Poin
             lower += std::min(a, b);
             upper += std::max(a, b);
         }
-        const double around = distance / basis.width[j] * (1 + 1e-9) + basis.fraction_error(j, size);
+        const double around =
+            distance / basis.width[j] * (1 + 1e-9) + basis.fraction_error(j, size_for(basis, j, size));
         range.lower[j] = static_cast<std::int32_t>(std::ceil(std::max(-around - upper, -0.25 * exact::max_shift)));
         range.upper[j] = static_cast<std::int32_t>(std::floor(std::min(around - lower, 0.25 * exact::max_shift)));
         if (range.upper[j] < range.lower[j]) return {};
@@ -352,8 +355,9 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     if (domain.has_cell_walls()) {
         exact::BitRange range;
         for (const Vector& v : domain.vector) range.add(v);
-        // Above it no product of two numbers underflows, and its rounding error does not either.
-        constexpr int lowest_bit = -450;
+        // Above it no product of two numbers underflows, and its rounding error does not either: it is no lower than
+        // 2^-1000.
+        constexpr int lowest_bit = -500;
         if (range.low < lowest_bit)
             throw Error(ErrorCode::invalid_argument,
                         "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
@@ -376,16 +380,15 @@ exact::Plane Domain::box_wall(int wall) const {
 }
 
 bool inside_walls(const Domain& domain, const exact::Point& x) {
-    double size = 0;
-    Vector d;
+    Vector d, size;
     for (int k = 0; k < 3; ++k) {
         d[k] = x[k] - domain.origin[k];
-        size = std::max({size, std::abs(x[k]), std::abs(domain.origin[k])});
+        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
     }
     const auto f = domain.edges.fraction(d);
     for (int j = 0; j < 3; ++j) {
         if (domain.periodic[j]) continue;
-        const double error = domain.edges.fraction_error(j, size);
+        const double error = domain.edges.fraction_error(j, size_for(domain.edges, j, size));
         if (f[j] > error && f[j] < 1 - error) continue;
         if (f[j] < -error || f[j] > 1 + error) return false;
         if (fraction_sign(domain, x, {}, j, 0) < 0 || fraction_sign(domain, x, {}, j, 1) > 0) return false;
@@ -395,11 +398,10 @@ bool inside_walls(const Domain& domain, const exact::Point& x) {
 
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     exact::Shift shift{};
-    Vector d;
-    double size = 0;
+    Vector d, size;
     for (int k = 0; k < 3; ++k) {
         d[k] = x[k] - domain.origin[k];
-        size = std::max({size, std::abs(x[k]), std::abs(domain.origin[k])});
+        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
     }
     const auto f = domain.edges.fraction(d);
     for (int j = 0; j < 3; ++j) {
@@ -411,7 +413,8 @@ std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     // Rounding of f matters near faces only. One fraction does not depend on the shifts along the others.
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
-        const double rest = f[j] - std::floor(f[j]), error = domain.edges.fraction_error(j, size);
+        const double rest = f[j] - std::floor(f[j]),
+                     error = domain.edges.fraction_error(j, size_for(domain.edges, j, size));
         if (rest > error && rest < 1 - error) continue;
         while (fraction_sign(domain, x, shift, j, 0) < 0) ++shift[j];
         while (fraction_sign(domain, x, shift, j, 1) >= 0) --shift[j];

@@ -149,16 +149,16 @@ void Hull::add_vertex(std::int32_t triangle) {
         }
 }
 
-std::vector<Hull::Triangle> Hull::facets() const {
-    std::vector<Triangle> facets;
-    std::vector<bool> taken(triangles_.size());
+// Returns the facet of each triangle, numbered from 0 in the order of their first triangles; none: not in the hull.
+std::vector<std::int32_t> Hull::facet_numbers() const {
+    std::vector<std::int32_t> facet(triangles_.size(), none);
+    std::int32_t count = 0;
     std::vector<std::size_t> coplanar;
     const auto at = [this](std::int32_t i) -> const Point& { return points_[static_cast<std::size_t>(i)]; };
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        if (triangles_[t].visible || taken[t]) continue;
+        if (triangles_[t].visible || facet[t] != none) continue;
         const auto& [a, b, c] = triangles_[t].vertex;
-        facets.push_back(triangles_[t]);
-        taken[t] = true;
+        facet[t] = count;
         coplanar.assign(1, t);
         while (!coplanar.empty()) {
             const Triangle& member = triangles_[coplanar.back()];
@@ -166,13 +166,37 @@ std::vector<Hull::Triangle> Hull::facets() const {
             for (const std::int32_t n : member.neighbor) {
                 const auto other = static_cast<std::size_t>(n);
                 const auto in_plane = [&](std::int32_t v) { return exact::orient(at(a), at(b), at(c), at(v)) == 0; };
-                if (taken[other] || !std::ranges::all_of(triangles_[other].vertex, in_plane)) continue;
-                taken[other] = true;
+                if (facet[other] != none || !std::ranges::all_of(triangles_[other].vertex, in_plane)) continue;
+                facet[other] = count;
                 coplanar.push_back(other);
             }
         }
+        ++count;
     }
+    return facet;
+}
+
+std::vector<Hull::Triangle> Hull::facets() const {
+    const std::vector<std::int32_t> facet = facet_numbers();
+    std::vector<Triangle> facets;
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+        if (facet[t] == static_cast<std::int32_t>(facets.size())) facets.push_back(triangles_[t]);
     return facets;
+}
+
+std::vector<std::int32_t> Hull::corners() const {
+    const std::vector<std::int32_t> facet = facet_numbers();
+    std::vector<std::array<std::int32_t, 2>> meetings;  // of a point and a facet
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
+        for (const std::int32_t v : triangles_[t].vertex)
+            if (facet[t] != none) meetings.push_back({v, facet[t]});
+    std::ranges::sort(meetings);
+    meetings.erase(std::ranges::unique(meetings).begin(), meetings.end());
+    std::vector<std::int32_t> corners;
+    for (std::size_t k = 2; k < meetings.size(); ++k)
+        if (const std::int32_t v = meetings[k][0]; v == meetings[k - 2][0] && (corners.empty() || corners.back() != v))
+            corners.push_back(v);
+    return corners;
 }
 
 }  // namespace votess

@@ -29,8 +29,11 @@ public:
     [[nodiscard]] bool is_flat() const { return triangles_.empty(); }
     // Returns one triangle of each facet.
     [[nodiscard]] std::vector<Triangle> facets() const;
+    // Returns the points at which three facets or more meet, ascending.
+    [[nodiscard]] std::vector<std::int32_t> corners() const;
 
 private:
+    [[nodiscard]] std::vector<std::int32_t> facet_numbers() const;
     template <class Score>
     [[nodiscard]] std::int32_t highest(Score score) const;
     [[nodiscard]] bool begin();

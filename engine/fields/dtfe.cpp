@@ -1,6 +1,9 @@
-// The density that is linear in Delaunay tetrahedra, which are the bodies. Bodies are cut in barycentric coordinates,
-// so a flat one is cut like any other and its parts sum to it. The moments of a part are the integrals of the
-// coordinates. Volumes come from exact differences between the corners.
+// The density that is linear in Delaunay tetrahedra, in the plane triangles, which are the bodies. Bodies are cut in
+// barycentric coordinates, so a flat one is cut like any other and its parts sum to it. The moments of a part are the
+// integrals of the coordinates. Volumes come from exact differences between the corners.
+//
+// In the plane the bodies are prisms over triangles, as high as the sheet that stands for the plane, and the density
+// does not depend on the height. A grid cell is as high too.
 #include <cmath>
 #include <limits>
 #include <string>
@@ -32,35 +35,44 @@ Real determinant(const Vectors<Real>& m) {
 struct Corner {
     std::size_t begin, count;
 };
-using Corners = std::array<Corner, 4>;
+using Corners = std::array<Corner, 4>;  // three in the plane
 
-// The tetrahedra of the dual, and the parts of its polytopes. A polytope is cut from its center, and a facet with more
-// than three corners from the center of the facet. So both sides agree, for any order of the seeds.
+// The tetrahedra or triangles of the dual, and the parts of its polytopes or polygons. A polytope is cut from its
+// center, and a facet with more than three corners from the center of the facet. So both sides agree, for any order of
+// the seeds.
 class Triangulation {
 public:
-    Triangulation(const Built& built, const Frame& frame, ThreadPool& pool) : job_(built.job), frame_(frame) {
+    Triangulation(const Built& built, const Frame& frame, ThreadPool& pool)
+        : job_(built.job), frame_(frame), dimensions_(dimensions_of(built.result)) {
         wraps_.resize(job_.domain->is_periodic() ? job_.points.count() : 0);
         for_tasks(pool, wraps_.size(),
                   [&](std::size_t i) { wraps_[i] = wrap(*job_.domain, point(i)).value_or(exact::Shift{}); });
         for (std::size_t i = 0; i < job_.beyond.size(); ++i) beyond_box_.push_back(job_.beyond[i] && !is_in_box(i));
         const Delaunay dual = delaunay(built.tessellation);
-        whole_ = dual.tetrahedra.size() / 4;
+        whole_ = dual.tetrahedra.size() / (dimensions_ + 1);
         for (std::size_t k = 0; k < dual.tetrahedra.size(); ++k)
-            members_.push_back({dual.tetrahedra[k], shift_in(dual.tetrahedra_shifts, k, 1)});
-        cut_polytopes(dual, polytope_facets(built.result, dual));
+            members_.push_back({dual.tetrahedra[k], shift_in(dual.tetrahedra_shifts, k, 1, dimensions_)});
+        if (planar())
+            cut_polygons(dual);
+        else
+            cut_polytopes(dual, polytope_facets(built.result, dual));
         volumes_.resize(whole_ + parts_.size());
         for_tasks(pool, size(), [&](std::size_t number) { volumes_[number] = find_volume(corners(number)); });
     }
 
     [[nodiscard]] std::size_t size() const { return volumes_.size(); }
+    [[nodiscard]] bool planar() const { return dimensions_ == 2; }
+    // Of a body.
+    [[nodiscard]] std::size_t corner_count() const { return dimensions_ + 1; }
     [[nodiscard]] Corners corners(std::size_t number) const {
         if (number >= whole_) return parts_[number - whole_];
-        Corners corners;
-        for (std::size_t k = 0; k < 4; ++k) corners[k] = {4 * number + k, 1};
+        Corners corners{};
+        for (std::size_t k = 0; k < corner_count(); ++k) corners[k] = {corner_count() * number + k, 1};
         return corners;
     }
     [[nodiscard]] std::size_t seed(std::size_t member) const { return at(members_[member].seed); }
-    // Six times the volume, at the scale of the job. 0 where WideFloat underflows, in extreme domains.
+    // Six times the volume, or twice the area, at the scale of the job. 0 where WideFloat underflows, in extreme
+    // domains.
     [[nodiscard]] Volume volume(std::size_t number) const { return volumes_[number]; }
 
     // Whether a part of it may lie beyond the box.
@@ -72,7 +84,7 @@ public:
         });
     }
 
-    // How barycentric coordinates 1 to 3 become those of the grid.
+    // How barycentric coordinates 1 to 3 become those of the grid; in the plane 1, 2 and the height.
     [[nodiscard]] Place place(std::size_t number) const {
         const Corners four = corners(number);
         const Member& home = members_[four[0].begin];
@@ -85,6 +97,11 @@ public:
             const Vector edge = frame_.in_grid(edges[k]);
             for (std::size_t axis = 0; axis < 3; ++axis) place.along[axis][k] = edge[axis];
         }
+        if (planar()) {
+            place.at[2] = 0;
+            for (std::size_t axis = 0; axis < 3; ++axis) place.along[axis][2] = place.along[2][axis] = 0;
+            place.along[2][2] = 1;
+        }
         return place;
     }
 
@@ -96,6 +113,16 @@ private:
         });
     }
 
+    void cut_polygons(const Delaunay& dual) {
+        for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p) {
+            const auto begin = at(dual.polytope_indptr[p]), end = at(dual.polytope_indptr[p + 1]);
+            const std::size_t first = members_.size(), count = end - begin;
+            for (std::size_t k = begin; k < end; ++k)
+                members_.push_back({dual.polytope_indices[k], shift_in(dual.polytope_shifts, k, 1, dimensions_)});
+            for (std::size_t k = 0; k < count; ++k)
+                parts_.push_back({Corner{first, count}, {first + k, 1}, {first + (k + 1) % count, 1}, {}});
+        }
+    }
     void cut_polytopes(const Delaunay& dual, const PolytopeFacets& facets) {
         for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p) {
             const auto begin = at(dual.polytope_indptr[p]), end = at(dual.polytope_indptr[p + 1]);
@@ -156,16 +183,18 @@ private:
             for (Real& x : mean) x = x / static_cast<Real>(static_cast<double>(corner.count));
         return mean;
     }
-    // From corner 0 to the others.
+    // From corner 0 to the others; in the plane the last one is the height, 1.
     template <class Real>
     [[nodiscard]] Vectors<Real> edges_of(const Corners& corners) const {
         const Member& home = members_[corners[0].begin];
-        Vectors<Real> edges;
-        for (std::size_t k = 0; k < 3; ++k) edges[k] = mean_from<Real>(home, corners[k + 1]);
-        if (corners[0].count == 1) return edges;
-        const std::array<Real, 3> first = mean_from<Real>(home, corners[0]);
-        for (auto& edge : edges)
-            for (std::size_t axis = 0; axis < 3; ++axis) edge[axis] = edge[axis] - first[axis];
+        Vectors<Real> edges{};
+        for (std::size_t k = 0; k < dimensions_; ++k) edges[k] = mean_from<Real>(home, corners[k + 1]);
+        if (corners[0].count > 1) {
+            const std::array<Real, 3> first = mean_from<Real>(home, corners[0]);
+            for (std::size_t k = 0; k < dimensions_; ++k)
+                for (std::size_t axis = 0; axis < 3; ++axis) edges[k][axis] = edges[k][axis] - first[axis];
+        }
+        if (planar()) edges[2] = {Real(0.0), Real(0.0), Real(1.0)};
         return edges;
     }
 
@@ -189,7 +218,7 @@ private:
         const Member& home = members_[corners[0].begin];
         const exact::Point from = point(at(home.seed));
         const exact::Shift moved = shift_of(home);
-        Vector extents{};
+        Vector extents{0, 0, planar() ? 1.0 : 0.0};
         for (const Corner& corner : corners)
             for (std::size_t i = corner.begin; i < corner.begin + corner.count; ++i) {
                 const Vector d = exact::difference<double>(from, image(members_[i], moved));
@@ -200,6 +229,7 @@ private:
 
     const Job& job_;
     const Frame& frame_;
+    const std::size_t dimensions_;
     std::vector<exact::Shift> wraps_;  // by seed; in periodic domains
     std::vector<bool> beyond_box_;     // by seed; empty if all are inside
     std::size_t whole_ = 0;            // how many tetrahedra the dual has
@@ -216,14 +246,22 @@ struct Masses {
     std::vector<bool> is_finite;  // by column: all that was given
 };
 
-class Tetrahedra final : public Carrier {
+class Simplices final : public Carrier {
 public:
-    Tetrahedra(const Frame& frame, const Triangulation& triangulation, std::span<const Volume> around,
-               const Masses& masses, std::span<double> grid)
+    Simplices(const Frame& frame, const Triangulation& triangulation, std::span<const Volume> around,
+              const Masses& masses, std::span<double> grid)
         : frame_(frame), triangulation_(triangulation), around_(around), masses_(masses), grid_(grid) {
         constexpr Vector o{}, x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
-        for (const std::array<Vector, 3>& face : {std::array{o, y, x}, {o, z, y}, {o, x, z}, {x, y, z}})
-            whole_.add_polygon(face);
+        whole_.add_polygon(std::array{o, y, x});
+        if (triangulation.planar()) {
+            constexpr Vector x_up{1, 0, 1}, y_up{0, 1, 1};
+            whole_.add_polygon(std::array{z, x_up, y_up});
+            for (const std::array<Vector, 4>& side : {std::array{o, x, x_up, z}, {o, z, y_up, y}, {x, y, y_up, x_up}})
+                whole_.add_polygon(side);
+        } else {
+            for (const std::array<Vector, 3>& face : {std::array{o, z, y}, {o, x, z}, {x, y, z}})
+                whole_.add_polygon(face);
+        }
     }
 
     bool load(std::size_t number, Body& body) override {
@@ -237,11 +275,11 @@ public:
             inside = body.piece.volume() / whole_.volume();
             if (!(inside > 0)) return false;
         }
-        // A corner has the mass of a quarter of the volume at the density of the corner.
+        // A corner has the mass of a quarter of the volume, or a third of the area, at the density of the corner.
         const std::size_t m = masses_.columns;
-        at_corners_.assign(4 * m, 0);
+        at_corners_.assign(triangulation_.corner_count() * m, 0);
         const Corners corners = triangulation_.corners(number);
-        for (std::size_t k = 0; k < 4; ++k) {
+        for (std::size_t k = 0; k < triangulation_.corner_count(); ++k) {
             const auto& [begin, count] = corners[k];
             for (std::size_t i = begin; i < begin + count; ++i) {
                 const std::size_t seed = triangulation_.seed(i);
@@ -254,11 +292,13 @@ public:
     }
 
     void add(std::size_t cell, const ConvexPiece::Measure& part) override {
-        const auto& [x, y, z] = part.moment;
+        const auto& [x, y, height] = part.moment;
+        const double z = triangulation_.planar() ? 0 : height;
         const std::array<double, 4> integrals{part.volume - (x + y + z), x, y, z};
-        const std::size_t m = masses_.columns;
-        for (std::size_t k = 0; k < 4; ++k)
-            for (std::size_t c = 0; c < m; ++c) grid_[cell * m + c] += 4 * integrals[k] * at_corners_[k * m + c];
+        const std::size_t m = masses_.columns, corners = triangulation_.corner_count();
+        for (std::size_t k = 0; k < corners; ++k)
+            for (std::size_t c = 0; c < m; ++c)
+                grid_[cell * m + c] += static_cast<double>(corners) * integrals[k] * at_corners_[k * m + c];
     }
 
 private:
@@ -279,7 +319,7 @@ private:
     const Masses& masses_;
     std::span<double> grid_;
     ConvexPiece whole_;
-    std::vector<double> at_corners_;  // of the tetrahedron loaded last: (4, m)
+    std::vector<double> at_corners_;  // of the body loaded last: a row of m for each corner
 };
 
 // By seed: the volumes of the tetrahedra around it, of those where it is one of n at a corner the n-th part. 0 where it
@@ -327,10 +367,11 @@ Masses scaled_masses(const Task& task, std::span<const std::int32_t> duplicate_o
                     ", a density that float64 cannot hold: give coordinates or masses in other units");
 }
 
-// Turns masses into densities. Masses below the rounding error may underflow.
-void divide(const Task& task, const Masses& masses) {
+// Turns masses into densities. Masses below the rounding error may underflow. thickness: of a sheet, a power of two.
+void divide(const Task& task, const Masses& masses, double thickness) {
     constexpr double least = std::numeric_limits<double>::min(), rounding = 1e-14;
-    const Size size = task.frame.cell_size(task.projected);
+    Size size = task.frame.cell_size(task.projected);
+    if (thickness > 0) size.exponent -= std::ilogb(thickness);
     const std::size_t m = task.columns;
     for (std::size_t c = 0; c < m; ++c) {
         const int exponent = masses.exponents[c] - size.exponent;
@@ -358,8 +399,8 @@ std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool) {
     const std::vector<Volume> around = volumes_around(triangulation, built.tessellation.size());
     const Masses masses = scaled_masses(task, duplicate_of);
     overlay(task.frame, pool, triangulation.size(),
-            [&] { return std::make_unique<Tetrahedra>(task.frame, triangulation, around, masses, task.grid); });
-    divide(task, masses);
+            [&] { return std::make_unique<Simplices>(task.frame, triangulation, around, masses, task.grid); });
+    divide(task, masses, built.thickness);
     std::size_t without = 0;
     for (std::size_t i = 0; i < around.size(); ++i)
         without += around[duplicate_of.empty() || duplicate_of[i] < 0 ? i : at(duplicate_of[i])] == 0;

@@ -8,6 +8,7 @@
 #include "core/thread_pool.hpp"
 #include "fields/frame.hpp"
 #include "result/result.hpp"
+#include "votess/pieces.hpp"
 
 namespace votess::fields {
 
@@ -26,11 +27,15 @@ struct Built {
     const Job& job;  // whose points are in float64
     const detail::Result& result;
     const Tessellation& tessellation;  // of the result
+    double thickness = 0;              // of the sheet that stands for a plane
 };
 
 void add_mean(const Task& task, const Built& built, ThreadPool& pool);
-// Fills the grid with densities; along an axis that is projected, with column densities. Returns the number of seeds
-// whose mass has no place. Throws invalid_argument for densities that float64 cannot hold.
+// pieces: of all seeds, in a mesh.
+void add_mean(const Task& task, const Pieces& pieces, ThreadPool& pool);
+// Fills the grid with densities, in the plane from a result that is flat; along an axis that is projected, with column
+// densities. Returns the number of seeds whose mass has no place. Throws invalid_argument for densities that float64
+// cannot hold.
 std::size_t add_dtfe(const Task& task, const Built& built, ThreadPool& pool);
 // evaluate(centers, field): writes a row of columns for each center of a grid cell.
 void add_at_centers(const Task& task,

@@ -24,7 +24,7 @@ struct Column {
 // A view of N cells. Indices lie inside their arrays, and offsets ascend from 0.
 struct Mesh {
     [[nodiscard]] std::size_t cells() const { return indptr.size() - 1; }
-    // Returns the vertices of a cell, ascending.
+    // Returns the vertices of a cell, ascending; in the plane counterclockwise.
     [[nodiscard]] std::span<const std::int32_t> vertices_of(std::size_t cell) const {
         return row(cell_vertex_indptr, cell_vertex_indices, cell);
     }
@@ -43,7 +43,7 @@ struct Mesh {
     std::span<const std::int64_t> indptr;              // N + 1
     std::span<const std::int32_t> indices;             // neighbors and walls
     std::span<const std::int8_t> shifts;               // 3 an entry; empty unless periodic
-    std::span<const double> vertices;                  // 3 each
+    std::span<const double> vertices;                  // 3 each; 2 in the plane
     std::span<const std::int64_t> cell_vertex_indptr;  // N + 1
     std::span<const std::int32_t> cell_vertex_indices;
     std::span<const std::int64_t> face_offsets;  // one more than entries
@@ -51,6 +51,7 @@ struct Mesh {
     std::array<double, 3> middle{};        // of the domain
     std::span<const std::uint8_t> colors;  // 3 of sRGB a cell; may be empty
     std::vector<Column> columns;
+    bool planar = false;  // for .vtu alone
 
 private:
     static std::span<const std::int32_t> row(std::span<const std::int64_t> offsets,

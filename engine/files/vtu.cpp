@@ -1,5 +1,6 @@
-// VTK's .vtu: a polyhedron for each cell, with its columns. The XML states where each array begins; the arrays follow
-// it as raw bytes. Cells ascend by their number of vertices, because meshio 5 takes the data in that order.
+// VTK's .vtu: a polyhedron for each cell, in the plane a polygon, with its columns. The XML states where each array
+// begins; the arrays follow it as raw bytes. Cells ascend by their number of vertices, because meshio 5 takes the data
+// in that order.
 #include <algorithm>
 
 #include "files/mesh.hpp"
@@ -7,7 +8,7 @@
 namespace votess::files {
 namespace {
 
-constexpr std::uint8_t polyhedron = 42;  // vtkCellType.h
+constexpr std::uint8_t polygon = 7, polyhedron = 42;  // vtkCellType.h
 
 struct Block {
     std::string attributes;
@@ -35,22 +36,17 @@ public:
             if (vertex_count(i) > 0) rows_.push_back(i);
         std::ranges::stable_sort(rows_, {}, vertex_count);
 
-        points_.push_back({R"(type="Float64" Name="Points" NumberOfComponents="3")", mesh.vertices.size_bytes(),
-                           [&](ByteSink& out) { out.put(bytes_of(mesh.vertices)); }});
+        points_.push_back({R"(type="Float64" Name="Points" NumberOfComponents="3")", 3 * points() * sizeof(double),
+                           [&](ByteSink& out) { put_points(out); }});
         add("Int32", "connectivity", mesh.cell_vertex_indices.size_bytes(),
             [&](std::size_t i, ByteSink& out) { out.put(bytes_of(mesh.vertices_of(i))); });
         add("Int64", "offsets", rows_.size() * sizeof(std::int64_t),
             [&, end = std::int64_t{0}](std::size_t i, ByteSink& out) mutable {
                 out.put_binary(end += static_cast<std::int64_t>(mesh.vertices_of(i).size()));
             });
-        add("UInt8", "types", rows_.size(), [](std::size_t, ByteSink& out) { out.put_binary(polyhedron); });
-        std::uint64_t numbers = 0;
-        for (const std::size_t i : rows_) numbers += faces_length(i);
-        add("Int32", "faces", numbers * sizeof(std::int32_t), [&](std::size_t i, ByteSink& out) { put_faces(i, out); });
-        add("Int64", "faceoffsets", rows_.size() * sizeof(std::int64_t),
-            [&, end = std::int64_t{0}](std::size_t i, ByteSink& out) mutable {
-                out.put_binary(end += static_cast<std::int64_t>(faces_length(i)));
-            });
+        const std::uint8_t type = mesh.planar ? polygon : polyhedron;
+        add("UInt8", "types", rows_.size(), [type](std::size_t, ByteSink& out) { out.put_binary(type); });
+        if (!mesh.planar) add_faces();
         for (const Column& column : mesh.columns) {
             const std::string width =
                 column.width == 1 ? "" : " NumberOfComponents=\"" + std::to_string(column.width) + "\"";
@@ -67,7 +63,7 @@ public:
             "<?xml version=\"1.0\"?>\n"
             "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
             "header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"" +
-            std::to_string(mesh_.vertices.size() / 3) + "\" NumberOfCells=\"" + std::to_string(rows_.size()) + "\">\n");
+            std::to_string(points()) + "\" NumberOfCells=\"" + std::to_string(rows_.size()) + "\">\n");
         std::uint64_t offset = 0;
         put_section(out, "Points", points_, offset);
         put_section(out, "Cells", topology_, offset);
@@ -83,6 +79,24 @@ public:
     }
 
 private:
+    [[nodiscard]] std::size_t points() const { return mesh_.vertices.size() / (mesh_.planar ? 2 : 3); }
+    void put_points(ByteSink& out) const {
+        if (!mesh_.planar) return out.put(bytes_of(mesh_.vertices));
+        for (std::size_t v = 0; v < points(); ++v) {
+            out.put(bytes_of(mesh_.vertices.subspan(2 * v, 2)));
+            out.put_binary(0.0);
+        }
+    }
+    void add_faces() {
+        std::uint64_t numbers = 0;
+        for (const std::size_t i : rows_) numbers += faces_length(i);
+        add("Int32", "faces", numbers * sizeof(std::int32_t), [&](std::size_t i, ByteSink& out) { put_faces(i, out); });
+        add("Int64", "faceoffsets", rows_.size() * sizeof(std::int64_t),
+            [&, end = std::int64_t{0}](std::size_t i, ByteSink& out) mutable {
+                out.put_binary(end += static_cast<std::int64_t>(faces_length(i)));
+            });
+    }
+
     // An array of the topology. put(cell, out) writes the part of one cell.
     template <class Put>
     void add(const std::string& type, const std::string& name, std::uint64_t bytes, Put put) {
@@ -112,9 +126,9 @@ private:
         const auto [begin, end] = mesh_.entries(i);
         out.put_binary(static_cast<std::int32_t>(end - begin));
         for (std::size_t entry = begin; entry < end; ++entry) {
-            const auto polygon = mesh_.polygon(entry);
-            out.put_binary(static_cast<std::int32_t>(polygon.size()));
-            out.put(bytes_of(polygon));
+            const auto corners = mesh_.polygon(entry);
+            out.put_binary(static_cast<std::int32_t>(corners.size()));
+            out.put(bytes_of(corners));
         }
     }
 

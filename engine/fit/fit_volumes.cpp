@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <new>
 #include <optional>
@@ -12,7 +14,9 @@
 #include "input/domain_of_result.hpp"
 #include "input/options.hpp"
 #include "input/snapshot.hpp"
+#include "plane/sheet.hpp"
 #include "solid/run_in_mesh.hpp"
+#include "unbounded/endless_box.hpp"
 #include "votess/fit.hpp"
 
 namespace votess {
@@ -31,21 +35,27 @@ constexpr double sum_tolerance = 1e-9;
 }
 
 void check(const Options& options, const FitOptions& fit) {
-    if (!options.mesh) check_options(options);
+    if (options.mesh && options.planar) refuse("a mesh is in three dimensions: leave out Options::planar");
+    if (!options.mesh && !options.planar) check_options(options);  // the sheet has other ones
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("FitOptions::tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
     if (options.only) refuse("a fit needs all cells: leave out Options::only");
-    if (options.outside != Outside::error) refuse("points outside have no volume to fit: leave out Options::outside");
 }
 
-// Returns the targets as volumes that sum to that of the domain.
-std::vector<double> checked_targets(std::span<const double> given, std::size_t count, double volume, bool normalize) {
+bool is_dropped(const Job& job, std::size_t i) {
+    return !job.outside.empty() && job.outside[i] == CellStatus::outside;
+}
+
+// Returns the targets as volumes that sum to that of the domain. Those of dropped points do not count.
+std::vector<double> checked_targets(const Job& job, std::span<const double> given, double volume, bool normalize) {
+    const std::size_t count = job.points.count();
     if (given.size() != count)
         refuse(std::to_string(given.size()) + " target volumes for " + std::to_string(count) +
                " points: give one for each");
     std::vector<double> targets(given.begin(), given.end());
     double sum = 0, rest = 0;  // the rest is that of each addition (Knuth)
     for (std::size_t i = 0; i < count; ++i) {
+        if (is_dropped(job, i)) continue;
         if (!(targets[i] > 0) || !std::isfinite(targets[i]))
             refuse("the target volume of point " + std::to_string(i) + " is " + number(targets[i]) +
                    ": it must be positive and finite; leave out points that shall have no cell");
@@ -68,7 +78,7 @@ Edges edges_of(const Job& job) {
     return edges;
 }
 
-// Returns the indices of the places along a Hilbert curve.
+// Returns the indices of the places along a Hilbert curve, without dropped points.
 std::vector<std::int32_t> order_of(const Job& job, std::span<const double> places, ThreadPool& pool) {
     cpu::SeedSorter sorter;
     cpu::SortedSeeds seeds;
@@ -84,13 +94,49 @@ std::vector<std::int32_t> order_of(const Job& job, std::span<const double> place
     std::vector<std::int32_t> order(seeds.input.begin(), seeds.input.begin() + seeds.size());
     for (std::size_t i = 0; i < seeds.duplicate_of.size(); ++i)
         if (seeds.duplicate_of[i] >= 0) order.push_back(static_cast<std::int32_t>(i));
+    std::erase_if(order, [&](std::int32_t i) { return is_dropped(job, static_cast<std::size_t>(i)); });
     return order;
 }
 
+// Returns weights with which each point has a cell, also where some lie outside of a domain without periods. Let t and
+// c be such that all c + t (p - c) are inside. The Voronoi diagram of these is the power diagram of the points p with
+// the weights (1 - t) |p - c|^2. 0 by default.
+Vector first_weights(const Job& job, std::span<const std::int32_t> order) {
+    Vector weights = Vector::Zero(static_cast<Eigen::Index>(order.size()));
+    if (job.beyond.empty() || job.domain->is_periodic()) return weights;
+    Options options = job.options;
+    options.weights = options.radii = {};
+    options.progress = Stoppable::within({});
+    options.want = {.neighbors = false, .volumes = false, .centroids = true};
+    if (!options.cell) options.box = job.box;
+    std::array<double, 3> middle{};
+    for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * job.box.lower[k] + 0.5 * job.box.upper[k];
+    const Tessellation whole = tessellate(std::span<const double>(middle), options);
+    const auto center = whole.centroids();
+    options.outside = Outside::drop;
+    double t = 0.5;
+    for (bool inside = false; !inside && t > 0; t *= 0.5) {
+        std::vector<double> moved;
+        for (const std::int32_t i : order)
+            for (std::size_t k = 0; k < 3; ++k)
+                moved.push_back(center[k] + t * (job.points[3 * static_cast<std::size_t>(i) + k] - center[k]));
+        inside = validate({moved, {}}, options).outside.empty();
+        if (inside) break;
+    }
+    for (std::size_t row = 0; row < order.size(); ++row)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double d = job.points[3 * static_cast<std::size_t>(order[row]) + k] - center[k];
+            weights[static_cast<Eigen::Index>(row)] += (1 - t) * d * d;
+        }
+    return weights;
+}
+
 Problem problem_of(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
-                   std::span<const double> places, std::span<const std::int32_t> order) {
+                   std::span<const double> places, std::span<const std::int32_t> order, int dimensions) {
     Problem problem;
+    problem.dimensions = dimensions;
     problem.edges = edges_of(job);
+    problem.start = first_weights(job, order);
     problem.options = job.options;
     problem.options.mesh = mesh;
     problem.options.radii = {};
@@ -122,14 +168,14 @@ Vector start_of(const Job& job, std::span<const std::int32_t> order) {
 }
 
 void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<const double> targets,
-         const FitOptions& options, ThreadPool& pool, VolumeFit& out) {
+         const FitOptions& options, int dimensions, ThreadPool& pool, VolumeFit& out) {
     std::vector<double> places(job.points.f64.begin(), job.points.f64.end());
     move_into_domain(job, places);
     const std::vector<std::int32_t> order = order_of(job, places, pool);
-    Newton newton(problem_of(job, mesh, targets, places, order), options, out);
+    Newton newton(problem_of(job, mesh, targets, places, order, dimensions), options, out);
     const bool converged = newton.run(start_of(job, order));
     out.residual = newton.now().residual;
-    out.weights.resize(order.size());
+    out.weights.assign(job.points.count(), 0);
     for (std::size_t row = 0; row < order.size(); ++row)
         out.weights[static_cast<std::size_t>(order[row])] = newton.now().weights[static_cast<Eigen::Index>(row)];
     if (converged) return;
@@ -146,7 +192,7 @@ void fit_into(std::span<const double> points, std::span<const double> targets, c
     progress.postpone();  // a refusal of short input comes before any report
     const Stoppable stoppable(progress);
     check(options, fit_options);
-    check_shape({points, {}});
+    if (!options.planar) check_shape({points, {}});
     Options inner = options;
     inner.progress = nullptr;
     ThreadPool pool(inner.threads);
@@ -154,18 +200,27 @@ void fit_into(std::span<const double> points, std::span<const double> targets, c
     const Points copy = snapshot.take({points, {}}, pool);
     std::optional<solid::BoxAround> around;
     if (inner.mesh) around = solid::box_around(copy, inner);
-    const Job job = validate(copy, around ? around->options : inner);
+    std::optional<Sheet> sheet;  // whose weights are those of the plane
+    if (inner.planar) sheet.emplace(copy, inner);
+    if (EndlessSides(sheet ? sheet->options() : inner).any())
+        refuse("Options::box: cells that reach infinity have no volume, give a box with ends");
+    const double unit = sheet ? sheet->thickness() : 1;  // the volume of the sheet for an area of 1
+    const Job job =
+        sheet ? validate(sheet->points(), sheet->options()) : validate(copy, around ? around->options : inner);
     const std::size_t count = job.points.count();
     if (count > 0) {
-        const auto volumes =
-            checked_targets(targets, count, around ? around->mesh_volume : job.box_volume, fit_options.normalize);
-        fit(job, inner.mesh, volumes, fit_options, pool, out);
+        if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
+            refuse("all points are outside and dropped: move some into the domain");
+        std::vector<double> volumes = checked_targets(
+            job, targets, (around ? around->mesh_volume : job.box_volume) / unit, fit_options.normalize);
+        for (double& volume : volumes) volume *= unit;
+        fit(job, inner.mesh, volumes, fit_options, inner.planar ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);
     inner.weights = out.weights;
     inner.radii = {};
     inner.progress = Stoppable::within({0.95, 1});
-    out.tessellation = tessellate(job.points.f64, inner);
+    out.tessellation = tessellate(copy.f64, inner);
     ++out.tessellations;
 }
 
@@ -178,8 +233,8 @@ VolumeFit fit_volumes(std::span<const double> points, std::span<const double> ta
     try {
         fit::fit_into(points, targets, options, fit_options, out);
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory,
-                    "out of memory while fitting the volumes of " + std::to_string(points.size() / 3) + " seeds");
+        throw Error(ErrorCode::out_of_memory, "out of memory while fitting the volumes of " +
+                                                  std::to_string(points.size() / (options.planar ? 2 : 3)) + " seeds");
     }
     return out;
 }

@@ -66,7 +66,8 @@ Weighted Newton::trial(const Vector& step) {
         if (small == 0 || small > max_small) break;
         max_small = small / 4;
         Vector weights = std::move(next.weights);
-        revive({problem_.places, problem_.edges, problem_.targets, now_.tessellation, next.tessellation, least},
+        revive({problem_.places, problem_.edges, problem_.targets, now_.tessellation, next.tessellation, least,
+                problem_.dimensions},
                attempt, weights);
         next = tessellate(std::move(weights));
     }
@@ -99,9 +100,10 @@ Vector Newton::goal() const {
 Vector Newton::step_to(const Vector& goal) {
     const Timed timed(out_.seconds.solve);
     const auto volumes = now_.volumes.array();
-    const Eigen::ArrayXd roots = (goal.array() / volumes).pow(1.0 / 3);
+    const double dimensions = problem_.dimensions;
+    const Eigen::ArrayXd roots = (goal.array() / volumes).pow(1 / dimensions);
     const double scale = volumes.sum() / (volumes * roots).sum();
-    Vector change = 3 * volumes * (scale * roots - 1);
+    Vector change = dimensions * volumes * (scale * roots - 1);
     change.array() -= change.mean();
     const double far = (change.array() / problem_.targets.array()).abs().maxCoeff();
     return solve(matrix_, change, std::clamp(solver_share * far, least_solver_tolerance, solver_share));
@@ -133,12 +135,12 @@ bool Newton::advance() {
 
 bool Newton::run(Vector weights) {
     now_ = tessellate(std::move(weights));
-    if (!(now_.volumes.minCoeff() > 0)) now_ = tessellate(Vector::Zero(now_.weights.size()));
+    if (!(now_.volumes.minCoeff() > 0)) now_ = tessellate(problem_.start);
     Eigen::Index smallest_cell = 0;
-    if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh
+    if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         const double* const p = problem_.points.data() + 3 * smallest_cell;
         why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) +
-               ") has no cell, move it into the mesh";
+               ") has no cell, move it into the " + (problem_.options.mesh ? "mesh" : "domain");
         return false;
     }
     first_residual_ = now_.residual;

@@ -13,8 +13,10 @@ struct Problem {
     std::vector<double> points;  // 3N, along a Hilbert curve
     std::vector<double> places;  // 3N, the points inside a periodic domain
     Vector targets;              // N volumes
+    Vector start;                // N weights, with which each seed has a cell
     Edges edges{};               // of the domain
     Options options;             // its domain, device, threads and tuning
+    int dimensions = 3;          // 2: the cells are those of a sheet, see plane/sheet.hpp
 };
 
 struct Weighted {
@@ -26,14 +28,14 @@ struct Weighted {
 // The steps. Each counts itself in `out`, and adds its seconds.
 //
 // The size of a cell alone is about linear in its weight, and so is that of cells that grow together. So a step solves
-// for the cube roots of volumes. It aims at a goal between volumes and targets, on a logarithmic scale. Cells that it
-// leaves empty are revived in the cells around them.
+// for the cube roots of volumes, in the plane for the square roots of areas. It aims at a goal between volumes and
+// targets, on a logarithmic scale. Cells that it leaves empty are revived in the cells around them.
 class Newton {
 public:
     Newton(Problem problem, const FitOptions& options, VolumeFit& out);
 
-    // Steps until now() is within the tolerance. Starts from `weights`, or from 0 where they leave a cell empty.
-    // Returns false when steps end before; why() is the remedy.
+    // Steps until now() is within the tolerance. Starts from `weights`, or from Problem::start where they leave a cell
+    // empty. Returns false when steps end before; why() is the remedy.
     [[nodiscard]] bool run(Vector weights);
     [[nodiscard]] const Weighted& now() const { return now_; }  // the best so far
     [[nodiscard]] const std::string& why() const { return why_; }

@@ -72,9 +72,9 @@ void revive(const Revival& cells, int attempt, Vector& weights) {
             if (!search.is_small(i)) continue;
             const Search::Touch touch = search.touch_of(i);
             if (!std::isfinite(touch.weight)) continue;
-            // A volume is about the cube of the weight above that of an empty cell.
+            // A volume is about the cube of the weight above that of an empty cell, an area the square.
             const auto row = static_cast<Eigen::Index>(i);
-            const double size = std::cbrt(2 * cells.targets[row] / touch.volume);
+            const double size = std::pow(2 * cells.targets[row] / touch.volume, 1.0 / cells.dimensions);
             raised[row] += std::min(1.0, std::ldexp(size, 1 + 2 * attempt)) * (touch.weight - raised[row]);
         }
     });

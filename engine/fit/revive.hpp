@@ -14,6 +14,7 @@ struct Revival {
     const Tessellation& before;      // the step; its neighbors are used
     const Tessellation& after;       // with neighbors and centroids
     const Vector& least;             // N volumes; a smaller cell is revived
+    int dimensions = 3;              // see Problem
 };
 
 // Raises the weight of each small cell, at most until it touches the centroid of a cell near its neighbors before: then

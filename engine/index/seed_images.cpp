@@ -8,6 +8,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/vector3.hpp"
+#include "domain/lattice_reach.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -142,12 +143,14 @@ bool SeedImages::surely_inside(const exact::Point& x) const {
 // outside: as in the job; such seeds stay in place.
 void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool& pool) {
     const std::size_t count = points_.count();
-    domain_size_ = 0;
-    for (int k = 0; k < 3; ++k) {
-        double size = std::abs(domain_->origin[k]);
-        for (int j = 0; j < 3; ++j) size += std::abs(domain_->edges.vector[j][k]);
-        domain_size_ = std::max(domain_size_, size);
+    std::array<double, 3> sizes{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        sizes[k] = std::abs(domain_->origin[k]);
+        for (std::size_t j = 0; j < 3; ++j) sizes[k] += std::abs(domain_->edges.vector[j][k]);
     }
+    domain_size_ = 0;
+    for (int j = 0; j < 3; ++j)
+        if (domain_->periodic[j]) domain_size_ = std::max(domain_size_, size_for(domain_->edges, j, sizes));
     for (int j = 0; j < 3; ++j) edge_error_[j] = domain_->edges.fraction_error(j, domain_size_);
     wraps_.assign(count, {});
     moves_.assign(domain_->skewed ? count : 0, {});
@@ -296,18 +299,19 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
         margin *= 0.8;
         for (double& e : empty) e *= 0.8;
     }
-    const double widest = margin + std::max({empty[0], empty[1], empty[2]});
-    double size = widest;
-    for (int k = 0; k < 3; ++k) {
-        double extent = std::abs(domain_->origin[k]) + widest;
+    double widest = margin;
+    for (std::size_t j = 0; j < 3; ++j)
+        if (domain_->periodic[j]) widest = std::max(widest, margin + empty[j]);
+    std::array<double, 3> size{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        size[k] = std::abs(domain_->origin[k]) + widest;
         for (std::size_t j = 0; j < 3; ++j) {  // seeds may lie beyond walls
             const double farthest = 1 + std::max(std::abs(all.lower[j]), std::abs(all.upper[j]));
-            extent += std::max(2.0, farthest) * std::abs(basis_->vector[j][k]);
+            size[k] += std::max(2.0, farthest) * std::abs(basis_->vector[j][k]);
         }
-        size = std::max(size, extent);
     }
     for (int j = 0; j < 3; ++j) {
-        error_[j] = fraction_slack + basis_->fraction_error(j, size);
+        error_[j] = fraction_slack + basis_->fraction_error(j, size_for(*basis_, j, size));
         margin_[j] = domain_->periodic[j] ? (margin + empty[static_cast<std::size_t>(j)]) / basis_->width[j] : 0;
     }
     min_reach_ = std::numeric_limits<double>::infinity();

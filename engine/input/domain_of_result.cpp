@@ -28,19 +28,6 @@ Options domain_options(const Tessellation& t) {
     return options;
 }
 
-void require_whole_diagram(const Tessellation& t, const std::string& function) {
-    if (t.probed())
-        throw Error(ErrorCode::invalid_argument,
-                    function + "(): cells of probes do not form a diagram: give a result of tessellate()");
-    if (t.is_subset())
-        throw Error(ErrorCode::invalid_argument,
-                    function + "(): cells of some seeds do not form a diagram: leave out Options::only");
-    if (t.in_mesh())
-        throw Error(ErrorCode::invalid_argument,
-                    function + "(): cells in a mesh are not whole cells: tessellate without Options::mesh");
-    if (t.planar()) throw Error(ErrorCode::invalid_argument, function + "(): works in three dimensions only");
-}
-
 void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
     if (points.size() == (t.planar() ? 2 : 3) * t.size()) return;
     throw Error(ErrorCode::invalid_argument, function + "(): points hold " + std::to_string(points.size()) +

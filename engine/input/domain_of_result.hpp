@@ -16,10 +16,6 @@ Options domain_options(const Tessellation& tessellation);
 // rounded once. places: 3N, the points.
 void move_into_domain(const Job& job, std::span<double> places);
 
-// Throws invalid_argument for the cells of probes or of a subset, which do not form a diagram, and for cells of the
-// plane. function: for the message.
-void require_whole_diagram(const Tessellation& tessellation, const std::string& function);
-
 // Throws invalid_argument unless the points have a row of coordinates for each cell. function: for the message.
 void require_points(const Tessellation& tessellation, std::span<const double> points, const std::string& function);
 // Refuses also points that are not finite, which no result has.

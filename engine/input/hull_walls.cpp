@@ -13,6 +13,7 @@
 #include "domain/domain.hpp"
 #include "domain/hull.hpp"
 #include "exact/insphere.hpp"
+#include "input/hull_of_parts.hpp"
 #include "input/options.hpp"
 
 namespace votess {
@@ -36,25 +37,50 @@ void check_no_domain(const Options& options) {
         refuse_hull("no point is outside of the convex hull: leave out Options::outside");
 }
 
-// Returns the points times scale, those of the plane with z = 0.
-std::vector<Point> scaled_points(std::span<const double> points, double scale, std::size_t dimensions) {
-    std::vector<Point> scaled(points.size() / dimensions);
-    in_pieces(scaled.size(), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-            for (std::size_t k = 0; k < dimensions; ++k) {
-                const double x = points[dimensions * i + k];
-                if (x * scale / scale != x)
-                    refuse_hull("point " + std::to_string(i) + ": " + axis_name[k] + " = " + number(x) +
-                                " is too small beside the largest coordinate for a hull: move it to 0");
-                scaled[i][k] = x * scale;
-            }
-    });
-    return scaled;
-}
-
 double next_up(double x) {
     return std::nextafter(x, infinity);
 }
+
+// Points at a scale of order one, those of the plane with z = 0 and an apex at the end. The apex makes a pyramid over
+// them. The triangles at it are the sides of their hull.
+struct ScaledPoints {
+    double largest = 0, scale = 1;
+    Point extents{};  // rounded up
+    std::vector<Point> points;
+    std::int32_t apex = -1;  // -1: none
+
+    // first: number of the first point, for messages.
+    ScaledPoints(std::span<const double> given, std::size_t dimensions, std::uint64_t first) {
+        Point lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
+        for (std::size_t i = 0; i < given.size(); ++i) {
+            const std::size_t k = i % dimensions;
+            if (!std::isfinite(given[i]))
+                refuse_hull("point " + std::to_string(first + i / dimensions) + ": " + axis_name[k] + " = " +
+                            number(given[i]) + " is not finite");
+            lower[k] = std::min(lower[k], given[i]);
+            upper[k] = std::max(upper[k], given[i]);
+        }
+        if (given.empty()) return;
+        for (std::size_t k = 0; k < dimensions; ++k)
+            largest = std::max({largest, std::abs(lower[k]), std::abs(upper[k])});
+        scale = scale_for(largest);
+        for (std::size_t k = 0; k < dimensions; ++k) extents[k] = next_up(upper[k] * scale - lower[k] * scale);
+        points.resize(given.size() / dimensions);
+        in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i)
+                for (std::size_t k = 0; k < dimensions; ++k) {
+                    const double x = given[dimensions * i + k];
+                    if (x * scale / scale != x)
+                        refuse_hull("point " + std::to_string(first + i) + ": " + axis_name[k] + " = " + number(x) +
+                                    " is too small beside the largest coordinate for a hull: move it to 0");
+                    points[i][k] = x * scale;
+                }
+        });
+        if (dimensions == 3) return;
+        apex = static_cast<std::int32_t>(points.size());
+        points.push_back({lower[0] * scale, lower[1] * scale, 1});
+    }
+};
 
 // Returns the lowest double that is surely not below normal.x for any point; with an exact normal, the lowest one.
 double offset_of(const exact::RoundedNormal& normal, const Point& corner, const Point& extents) {
@@ -74,64 +100,79 @@ double offset_of(const exact::RoundedNormal& normal, const Point& corner, const 
 
 }  // namespace
 
-std::vector<Wall> hull_walls(std::span<const double> given, const Options& options) {
+HullOfParts::HullOfParts(const Options& options) : planar_(options.planar), dimensions_(planar_ ? 2 : 3) {
     check_no_domain(options);
-    Progress progress(options.progress);
-    const Stoppable stoppable(progress);
-    const std::size_t dimensions = options.planar ? 2 : 3;
-    const std::vector<double> copy(given.begin(), given.end());  // read once, see input/snapshot.hpp
-    if (copy.size() % dimensions != 0)
-        refuse_hull("points hold " + std::to_string(copy.size()) + " coordinates, not a multiple of " +
-                    std::to_string(dimensions));
-    Point lower{infinity, infinity, infinity}, upper{-infinity, -infinity, -infinity};
-    for (std::size_t i = 0; i < copy.size(); ++i) {
-        const std::size_t k = i % dimensions;
-        if (!std::isfinite(copy[i]))
-            refuse_hull("point " + std::to_string(i / dimensions) + ": " + axis_name[k] + " = " + number(copy[i]) +
-                        " is not finite");
-        lower[k] = std::min(lower[k], copy[i]);
-        upper[k] = std::max(upper[k], copy[i]);
-    }
-    double largest = 0;
-    Point extents{};
-    for (std::size_t k = 0; k < dimensions && !copy.empty(); ++k)
-        largest = std::max({largest, std::abs(lower[k]), std::abs(upper[k])});
-    const double scale = scale_for(largest);
-    for (std::size_t k = 0; k < dimensions && !copy.empty(); ++k)
-        extents[k] = next_up(upper[k] * scale - lower[k] * scale);
+}
 
-    // In the plane an apex over the points makes a pyramid. The triangles at the apex are its sides.
-    std::vector<Point> points = scaled_points(copy, scale, dimensions);
-    const std::size_t count = points.size();
-    const auto apex = static_cast<std::int32_t>(options.planar ? count : -1);
-    if (options.planar && count > 0) points.push_back({lower[0] * scale, lower[1] * scale, 1});
-    const Hull hull(points);
+void HullOfParts::add(std::span<const double> points) {
+    if (points.size() % dimensions_ != 0)
+        refuse_hull("points hold " + std::to_string(points.size()) + " coordinates, not a multiple of " +
+                    std::to_string(dimensions_));
+    points_.insert(points_.end(), points.begin(), points.end());
+    added_ += points.size() / dimensions_;
+    constexpr std::size_t enough = 30000;  // coordinates, so that small parts do not each make a hull
+    if (points_.size() - known_ >= std::max(enough, known_)) (void)corners();
+}
+
+const std::vector<double>& HullOfParts::corners() {
+    if (known_ == points_.size()) return points_;
+    const ScaledPoints scaled(points_, dimensions_, added_ - points_.size() / dimensions_);
+    const Hull hull(scaled.points);
+    known_ = points_.size();
+    if (hull.is_flat()) return points_;
+    std::vector<Point> corners;
+    for (const std::int32_t i : hull.corners())
+        if (i != scaled.apex) {
+            Point& corner = corners.emplace_back();
+            for (std::size_t k = 0; k < dimensions_; ++k)
+                corner[k] = points_[dimensions_ * static_cast<std::size_t>(i) + k] + 0.0;  // 0 instead of -0
+        }
+    std::ranges::sort(corners);
+    points_.clear();
+    for (const Point& corner : corners)
+        points_.insert(points_.end(), corner.begin(), corner.begin() + static_cast<std::ptrdiff_t>(dimensions_));
+    known_ = points_.size();
+    return points_;
+}
+
+std::vector<Wall> HullOfParts::walls(std::uint64_t count) {
+    const ScaledPoints scaled(corners(), dimensions_, 0);
+    const Hull hull(scaled.points);
     if (hull.is_flat())
-        refuse_hull(count <= dimensions
+        refuse_hull(count <= dimensions_
                         ? std::to_string(count) + " points have no convex hull with an interior: give at least " +
-                              std::to_string(dimensions + 1) + ", or another domain"
-                        : std::string("all points lie ") + (options.planar ? "on one line" : "in one plane") +
+                              std::to_string(dimensions_ + 1) + ", or another domain"
+                        : std::string("all points lie ") + (planar_ ? "on one line" : "in one plane") +
                               ", so their convex hull has no interior: give another domain");
     std::vector<Wall> walls;
     for (const Hull::Triangle& facet : hull.facets()) {
         std::array<Point, 3> corner;
-        for (std::size_t k = 0; k < 3; ++k) corner[k] = points[static_cast<std::size_t>(facet.vertex[k])];
-        if (options.planar) {
-            const auto at_apex = std::ranges::find(facet.vertex, apex) - facet.vertex.begin();
+        for (std::size_t k = 0; k < 3; ++k) corner[k] = scaled.points[static_cast<std::size_t>(facet.vertex[k])];
+        if (planar_) {
+            const auto at_apex = std::ranges::find(facet.vertex, scaled.apex) - facet.vertex.begin();
             if (at_apex == 3) continue;  // the base
             std::ranges::rotate(corner, corner.begin() + at_apex);
             corner[0] = {corner[1][0], corner[1][1], 1};  // makes the side upright
         }
         const exact::RoundedNormal normal = exact::triangle_normal(corner[0], corner[1], corner[2]);
-        const double offset = offset_of(normal, corner[1], extents);
-        double end = offset / scale;
-        if (end * scale < offset) end = next_up(end);
+        const double offset = offset_of(normal, corner[1], scaled.extents);
+        double end = offset / scaled.scale;
+        if (end * scaled.scale < offset) end = next_up(end);
         if (!std::isfinite(end))
-            refuse_hull("coordinate " + number(largest) +
+            refuse_hull("coordinate " + number(scaled.largest) +
                         " is too close to the largest double for a hull: give lengths in a larger unit");
         walls.push_back({normal.n, end});
     }
     return walls;
+}
+
+std::vector<Wall> hull_walls(std::span<const double> given, const Options& options) {
+    HullOfParts hull(options);
+    Progress progress(options.progress);
+    const Stoppable stoppable(progress);
+    const std::vector<double> copy(given.begin(), given.end());  // read once, see input/snapshot.hpp
+    hull.add(copy);
+    return hull.walls(copy.size() / (options.planar ? 2 : 3));
 }
 
 }  // namespace votess

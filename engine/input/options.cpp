@@ -155,6 +155,13 @@ void check_domain(const Options& options) {
             for (const double x : numbers)
                 if (!std::isfinite(x))
                     refuse(std::string("Options::cell: ") + name + " holds " + number(x) + ", which is not finite");
+        const auto vectors = vectors_of(*options.cell);
+        for (std::size_t j = 0; j < 3; ++j)
+            if (vectors[j + 1].numbers == std::array<double, 3>{} && options.cell->periodic[j])
+                refuse(
+                    std::string("Options::cell: ") + vectors[j + 1].name +
+                    " is 0, but the cell repeats along it: give its length, or leave it out of Options::cell.periodic "
+                    "for a domain without end");
     }
     if (!options.walls.empty() && options.cell)
         refuse("Options::walls and Options::cell are both given: walls need a box, leave one out");
@@ -548,8 +555,10 @@ void check_options(const Options& options) {
     if (!names_device(options.device))
         refuse("Options::device is " + in_quotes(options.device) +
                ", which is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
-    if (options.mesh) refuse("Options::mesh: only tessellate() and fit_volumes() clip by a mesh, leave it out");
-    if (options.planar) refuse("Options::planar: only tessellate() and verify() work in two dimensions");
+    if (options.mesh)
+        refuse("Options::mesh: only tessellate(), fit_volumes() and Diagram clip by a mesh, leave it out");
+    if (options.planar)
+        refuse("Options::planar: only tessellate(), fit_volumes() and Diagram work in two dimensions, leave it out");
     if (options.only && options.device != "auto" && options.device != "cpu")
         throw Error(ErrorCode::unsupported,
                     "Options::device = " + options.device +

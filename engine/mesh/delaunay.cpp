@@ -1,13 +1,16 @@
 // The dual of the mesh, read off its polygons: no predicate, the cells are exact already. Where faces were dropped,
-// tetrahedra become polytopes.
+// tetrahedra become polytopes. In the plane triangles take the place of tetrahedra, polygons that of polytopes.
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <span>
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "core/progress.hpp"
-#include "input/domain_of_result.hpp"
+#include "core/text.hpp"
+#include "input/supports.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
 #include "result/handle.hpp"
@@ -25,10 +28,15 @@ struct Passage {
     std::int32_t before, after;
 };
 
+// In the plane: around a vertex, one cell follows another counterclockwise.
+struct Turning {
+    Member from, to;
+};
+
 // How many cells meet at each vertex; 0 on the walls, and for those that another one stands for.
 std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& joined) {
     std::vector<std::int32_t> cells;
-    lengthen(cells, r.vertices.size() / 3);
+    lengthen(cells, r.vertices.size() / dimensions_of(r));
     std::vector<std::pair<std::size_t, ByteShift>> of_cell;
     for (std::size_t i = 0; joined.any() && i < r.status.size(); ++i) {
         if (i % cells_per_check == 0) check_stop();
@@ -56,31 +64,36 @@ std::vector<std::int32_t> count_cells(const Result& r, const JoinedCorners& join
 
 class Dual {
 public:
-    explicit Dual(const Result& result) : r_(result), joined_(result) {
+    explicit Dual(const Result& result) : r_(result), joined_(result), corners_(dimensions_of(result) + 1) {
         const std::vector<std::int32_t> cells = count_cells(result, joined_);
+        const auto simple = static_cast<std::int32_t>(corners_);
         lengthen(centers_, cells.size());
         out_.polytope_indptr.assign(1, 0);
         for (std::size_t v = 0; v < cells.size(); ++v) {
             if (v % entries_per_check == 0) check_stop();
-            centers_[v].cells = cells[v];
-            if (cells[v] == 4) {
+            centers_[v].cells = cells[v] < simple ? 0 : cells[v];
+            if (cells[v] == simple) {
                 centers_[v].place = static_cast<std::int32_t>(out_.tetrahedra_centers.size());
                 out_.tetrahedra_centers.push_back(static_cast<std::int32_t>(v));
-            } else if (cells[v] > 4) {
+            } else if (cells[v] > simple) {
                 centers_[v].place = static_cast<std::int32_t>(out_.polytope_centers.size());
                 out_.polytope_centers.push_back(static_cast<std::int32_t>(v));
                 out_.polytope_indptr.push_back(out_.polytope_indptr.back() + cells[v]);
             }
         }
-        lengthen(out_.tetrahedra, 4 * out_.tetrahedra_centers.size());
+        lengthen(out_.tetrahedra, corners_ * out_.tetrahedra_centers.size());
         lengthen(out_.polytope_indices, at(out_.polytope_indptr.back()));
         if (!r_.shifts.empty()) {
-            lengthen(out_.tetrahedra_shifts, 3 * out_.tetrahedra.size());
-            lengthen(out_.polytope_shifts, 3 * out_.polytope_indices.size());
+            lengthen(out_.tetrahedra_shifts, dimensions() * out_.tetrahedra.size());
+            lengthen(out_.polytope_shifts, dimensions() * out_.polytope_indices.size());
         }
     }
 
     Delaunay make() {
+        if (r_.planar) {
+            add_polygons();
+            return std::move(out_);
+        }
         for (std::size_t i = 0; i < r_.status.size(); ++i) {
             if (i % cells_per_check == 0) check_stop();
             prefetch(i);
@@ -152,6 +165,67 @@ private:
         for (std::size_t k = 0; k < 4; ++k) put_corner(simplex + k, corners[k]);
     }
 
+    // Of the plane, triangles among them. A polygon is counterclockwise and begins with its lowest seed.
+    void add_polygons() {
+        const std::size_t in_triangles = out_.tetrahedra.size();
+        std::vector<std::size_t> end(centers_.size());  // of the steps around each vertex
+        std::vector<Turning> steps;
+        lengthen(steps, in_triangles + out_.polytope_indices.size());
+        for (std::size_t v = 0; v < centers_.size(); ++v) end[v] = first_step(v);
+        for (std::size_t i = 0; i < r_.status.size(); ++i) {
+            if (i % cells_per_check == 0) check_stop();
+            for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
+                // Beyond the edge that ends here is the next cell.
+                const std::int32_t v = r_.face_vertices[2 * entry + 1];
+                if (v < 0) continue;
+                const std::size_t center = joined_.original(v);
+                if (centers_[center].cells == 0) continue;
+                const Member own{static_cast<std::int32_t>(i), negative(joined_.shift(v))}, next = across(entry);
+                if (end[center] == first_step(center) + at(centers_[center].cells)) refuse_ring(center);
+                steps[end[center]++] = {own, {next.seed, sum(own.shift, next.shift)}};
+            }
+        }
+        for (std::size_t v = 0; v < centers_.size(); ++v) {
+            if (v % entries_per_check == 0) check_stop();
+            const std::size_t first = first_step(v), count = at(centers_[v].cells);
+            if (count == 0) continue;
+            const auto around = std::span(steps).subspan(first, count);
+            if (end[v] != first + count || !put_in_turn(around)) refuse_ring(v);
+            const bool is_triangle = count == corners_;
+            const std::size_t corner = is_triangle ? first : first - in_triangles;
+            auto& seeds = is_triangle ? out_.tetrahedra : out_.polytope_indices;
+            auto& shifts = is_triangle ? out_.tetrahedra_shifts : out_.polytope_shifts;
+            for (std::size_t k = 0; k < count; ++k) {
+                seeds[corner + k] = around[k].from.seed;
+                if (!shifts.empty()) std::copy_n(around[k].from.shift.begin(), 2, &shifts[2 * (corner + k)]);
+            }
+        }
+    }
+    // Those of triangles come before those of polygons.
+    [[nodiscard]] std::size_t first_step(std::size_t center) const {
+        const Center& c = centers_[center];
+        if (c.cells == 0) return 0;
+        if (at(c.cells) == corners_) return corners_ * at(c.place);
+        return out_.tetrahedra.size() + at(out_.polytope_indptr[at(c.place)]);
+    }
+    // Sorts steps so that each begins where the one before ends, the lowest first. Returns false if they do not close.
+    static bool put_in_turn(std::span<Turning> steps) {
+        std::swap(steps.front(), *std::ranges::min_element(steps, {}, &Turning::from));
+        for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+            const auto rest = steps.subspan(k + 1);
+            const auto next = std::ranges::find(rest, steps[k].to, &Turning::from);
+            if (next == rest.end()) return false;
+            std::swap(*next, rest.front());
+        }
+        return steps.back().to == steps.front().from;
+    }
+    [[noreturn]] void refuse_ring(std::size_t center) const {
+        throw Error(r_.dropped_offsets.empty() ? ErrorCode::internal : ErrorCode::invalid_argument,
+                    "delaunay(): edges below a length of " + number(r_.least_face) +
+                        " were dropped, and without them a cell at vertex " + std::to_string(center) +
+                        " has no area: give a smaller Options::min_face or Options::min_area");
+    }
+
     void add_polytopes() {
         std::vector<std::vector<Member>> members(out_.polytope_centers.size());
         for (std::size_t i = 0; i < r_.status.size(); ++i) {
@@ -176,7 +250,10 @@ private:
         }
     }
 
-    [[nodiscard]] Member across(std::size_t entry) const { return {r_.indices[entry], shift_in(r_.shifts, entry, 1)}; }
+    [[nodiscard]] Member across(std::size_t entry) const {
+        return {r_.indices[entry], shift_in(r_.shifts, entry, 1, dimensions())};
+    }
+    [[nodiscard]] std::size_t dimensions() const { return corners_ - 1; }
     void put_corner(std::size_t corner, const Member& m) {
         out_.tetrahedra[corner] = m.seed;
         if (!out_.tetrahedra_shifts.empty()) std::ranges::copy(m.shift, &out_.tetrahedra_shifts[3 * corner]);
@@ -184,6 +261,7 @@ private:
 
     const Result& r_;
     const JoinedCorners joined_;
+    const std::size_t corners_;    // of a simplex
     std::vector<Center> centers_;  // by vertex
     std::vector<Passage> passages_;
     Delaunay out_;
@@ -192,7 +270,7 @@ private:
 }  // namespace
 
 Delaunay delaunay(const Tessellation& tessellation) {
-    require_whole_diagram(tessellation, "delaunay");
+    require(tessellation, "delaunay");
     const Result& result = detail::result_of(tessellation.result_);
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument,

@@ -30,10 +30,15 @@ inline std::size_t original(const detail::Result& r, std::int32_t vertex) {
     return at(r.vertex_image_of.empty() ? vertex : r.vertex_image_of[at(vertex)]);
 }
 
-inline ByteShift shift_in(std::span<const std::int8_t> shifts, std::size_t i, int sign) {
+// How many components the vectors of a result have.
+inline std::size_t dimensions_of(const detail::Result& r) {
+    return r.planar ? 2 : 3;
+}
+
+inline ByteShift shift_in(std::span<const std::int8_t> shifts, std::size_t i, int sign, std::size_t dimensions = 3) {
     ByteShift shift{};
-    for (std::size_t k = 0; k < 3 && !shifts.empty(); ++k)
-        shift[k] = static_cast<std::int8_t>(sign * shifts[3 * i + k]);
+    for (std::size_t k = 0; k < dimensions && !shifts.empty(); ++k)
+        shift[k] = static_cast<std::int8_t>(sign * shifts[dimensions * i + k]);
     return shift;
 }
 

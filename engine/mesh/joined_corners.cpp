@@ -39,15 +39,18 @@ public:
         sets_.init(0, vertices());
         for (std::size_t v = 0; v < r_.vertex_image_of.size(); ++v)
             sets_.unite(static_cast<std::uint32_t>(v), static_cast<std::uint32_t>(r_.vertex_image_of[v]),
-                        wide(shift_in(r_.vertex_shifts, v, 1)));
+                        wide(shift_in(r_.vertex_shifts, v, 1, dimensions_of(r_))));
     }
 
     // False when there is nothing to join.
     bool join() {
-        find_near();
+        if (r_.planar)
+            find_ends();
+        else
+            find_near();
         mark_touched();
         if (std::ranges::find(touched_, true) == touched_.end()) return false;
-        while (!pairs_.empty() || find_more()) {
+        while (!pairs_.empty() || (!r_.planar && find_more())) {
             for (const auto& [a, b] : pairs_) join(a, b);
             pairs_.clear();
         }
@@ -62,7 +65,7 @@ public:
 
 private:
     static exact::Shift wide(const ByteShift& s) { return {s[0], s[1], s[2]}; }
-    [[nodiscard]] std::size_t vertices() const { return r_.vertices.size() / 3; }
+    [[nodiscard]] std::size_t vertices() const { return r_.vertices.size() / dimensions_of(r_); }
     [[nodiscard]] std::size_t dropped() const { return r_.dropped_offsets.size() - 1; }
     static std::span<const std::int32_t> polygon(std::span<const std::int64_t> offsets,
                                                  std::span<const std::int32_t> corners, std::size_t f) {
@@ -70,9 +73,10 @@ private:
     }
 
     [[noreturn]] void refuse(const std::string& what) const {
-        throw Error(ErrorCode::invalid_argument, "delaunay(): faces below an area of " + number(r_.least_face) +
-                                                     " were dropped, and without them " + what +
-                                                     ": give a smaller Options::min_face or Options::min_area");
+        throw Error(ErrorCode::invalid_argument,
+                    (r_.planar ? "delaunay(): edges below a length of " : "delaunay(): faces below an area of ") +
+                        number(r_.least_face) + " were dropped, and without them " + what +
+                        ": give a smaller Options::min_face or Options::min_area");
     }
 
     // A vertex may be joined when a dropped face has it or an image of it, or an edge that is short.
@@ -101,6 +105,11 @@ private:
         sets_.unite(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b), {});
     }
 
+    // In the plane a dropped edge shrinks to a point.
+    void find_ends() {
+        for (std::size_t f = 0; f < dropped(); ++f)
+            pairs_.emplace_back(r_.dropped_vertices[2 * f], r_.dropped_vertices[2 * f + 1]);
+    }
     // Ends of short edges: beside one, a face of the same length has an area that is dropped.
     void find_near() {
         for (std::size_t f = 0; f < dropped(); ++f) add_near(polygon(r_.dropped_offsets, r_.dropped_vertices, f));
@@ -108,12 +117,16 @@ private:
             if (r_.indices[entry] >= 0) add_near(polygon(r_.face_offsets, r_.face_vertices, entry));
     }
     void add_near(std::span<const std::int32_t> corners) {
+        if (reaches_infinity(corners)) return;
         double around = 0;
         for_edges(corners, [&](std::int32_t a, std::int32_t b) { around += std::sqrt(distance2(a, b)); });
         const double most = r_.least_face / (around / 2);
         for_edges(corners, [&](std::int32_t a, std::int32_t b) {
             if (distance2(a, b) <= most * most) pairs_.emplace_back(a, b);
         });
+    }
+    static bool reaches_infinity(std::span<const std::int32_t> corners) {
+        return !corners.empty() && corners.back() < 0;
     }
     static void for_edges(std::span<const std::int32_t> corners, const auto& visit) {
         for (std::size_t k = 0; k < corners.size(); ++k) visit(corners[k], corners[(k + 1) % corners.size()]);
@@ -218,7 +231,7 @@ private:
     void find_meetings() {
         meetings_.clear();
         const auto add = [&](std::int32_t v, std::size_t cell, std::int64_t entry) {
-            if (!touched_[at(v)]) return;
+            if (v < 0 || !touched_[at(v)]) return;
             const Place p = place(v);
             meetings_.push_back({p.root, static_cast<std::int32_t>(cell), VertexSets::negative(p.shift), entry});
         };
@@ -234,15 +247,20 @@ private:
         meetings_.erase(rest.begin(), rest.end());
     }
 
+    [[nodiscard]] bool is_point(std::span<const std::int32_t> edge) {
+        return edge[0] >= 0 && edge[1] >= 0 && place(edge[0]).same(place(edge[1]));
+    }
     void check_faces() {
         for (std::size_t i = 0; i < r_.status.size(); ++i)
             for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
                 const auto corners = polygon(r_.face_offsets, r_.face_vertices, entry);
-                if (r_.indices[entry] < 0 || std::ranges::none_of(corners, [&](auto v) { return touched_[at(v)]; }))
+                const auto is_touched = [&](std::int32_t v) { return touched_[at(v)]; };
+                if (r_.indices[entry] < 0 || reaches_infinity(corners) || std::ranges::none_of(corners, is_touched))
                     continue;
-                if (reduced(corners).size() < 3)
-                    refuse("the face between cells " + std::to_string(i) + " and " + std::to_string(r_.indices[entry]) +
-                           " has no area either");
+                if (r_.planar ? is_point(corners) : reduced(corners).size() < 3)
+                    refuse("the " + std::string(r_.planar ? "edge" : "face") + " between cells " + std::to_string(i) +
+                           " and " + std::to_string(r_.indices[entry]) +
+                           (r_.planar ? " has no length either" : " has no area either"));
             }
     }
 
@@ -260,7 +278,7 @@ JoinedCorners::JoinedCorners(const Result& result) : result_(result) {
     if (result.dropped_offsets.empty()) return;
     Joiner joiner(result);
     if (!joiner.join()) return;
-    const std::size_t vertices = result.vertices.size() / 3;
+    const std::size_t vertices = result.vertices.size() / dimensions_of(result);
     originals_.resize(vertices);
     shifts_.resize(vertices);
     for (std::size_t v = 0; v < vertices; ++v) {

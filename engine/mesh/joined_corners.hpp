@@ -20,7 +20,7 @@ public:
         return any() ? at(originals_[at(vertex)]) : votess::original(result_, vertex);
     }
     [[nodiscard]] ByteShift shift(std::int32_t vertex) const {
-        return any() ? shifts_[at(vertex)] : shift_in(result_.vertex_shifts, at(vertex), 1);
+        return any() ? shifts_[at(vertex)] : shift_in(result_.vertex_shifts, at(vertex), 1, dimensions_of(result_));
     }
 
 private:

@@ -141,7 +141,7 @@ void MeshBuilder::count_vertices(detail::Result& result, ThreadPool& pool) const
 void MeshBuilder::unite_vertices(VertexSets& sets, const detail::Result& result, ThreadPool& pool) const {
     for_vertices(pool, [&](std::uint32_t begin, std::uint32_t end) { sets.init(begin, end); });
     const Rows rows{result.indptr, result.indices, result.shifts};
-    if (!job_.probes_of && !job_.only)
+    if (!job_.probes_of)
         for_blocks(pool, [&](std::size_t, std::size_t i) {
             FaceMatcher(job_, rows, records_, vertices_of_, sets).unite_faces(i);
         });

@@ -71,19 +71,19 @@ public:
                 std::span<const BlockVertices> vertices_of, VertexSets& sets)
         : job_(job), rows_(rows), records_(records), vertices_of_(vertices_of), sets_(sets) {}
 
-    void unite_faces(std::size_t i);
+    void unite_faces(std::size_t row);
 
 private:
     struct Side {
         const MeshCellView& cell;
-        std::size_t seed;
+        std::size_t row, seed;
         std::size_t face;
         [[nodiscard]] std::uint32_t begin() const { return cell.begin(face); }
         [[nodiscard]] std::uint32_t count() const { return cell.end(face) - cell.begin(face); }
     };
     // Returns the label of a face of the row.
-    [[nodiscard]] FaceLabel label(std::size_t seed, std::size_t face) const {
-        return rows_.label(rows_.begin(seed) + face);
+    [[nodiscard]] FaceLabel label(std::size_t row, std::size_t face) const {
+        return rows_.label(rows_.begin(row) + face);
     }
     [[nodiscard]] FaceLabel beginning(const Side& side) const;
     // Returns the number that a vertex of a cell has in its block.

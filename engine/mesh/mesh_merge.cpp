@@ -28,16 +28,20 @@ bool same(const FaceLabel& a, const FaceLabel& b, const exact::Shift& b_shift) {
 
 }  // namespace
 
-void FaceMatcher::unite_faces(std::size_t i) {
-    const MeshCellView cell(records_[i]);
+void FaceMatcher::unite_faces(std::size_t row) {
+    const MeshCellView cell(records_[row]);
+    const std::size_t i = job_.only ? static_cast<std::size_t>(job_.only->ids()[row]) : row;
     const FaceLabel own{static_cast<std::int32_t>(i), {}};
     for (std::size_t face = 0; face < cell.faces(); ++face) {
-        const FaceLabel there = label(i, face);
+        const FaceLabel there = label(row, face);
         if (there < own) continue;
-        const auto j = static_cast<std::size_t>(there.id);
+        const std::int32_t of_other = job_.only ? job_.only->row_of(there.id) : there.id;
+        if (of_other < 0) continue;  // not in the subset
+        const auto j = static_cast<std::size_t>(of_other);
         if (there.shift == own.shift && MeshCellView::share(cell, records_[j])) continue;
         const MeshCellView other(records_[j]);
-        const Side a{cell, i, face}, b{other, j, rows_.find(j, there.seen_from_behind(i)) - rows_.begin(j)};
+        const Side a{cell, row, i, face},
+            b{other, j, static_cast<std::size_t>(there.id), rows_.find(j, there.seen_from_behind(i)) - rows_.begin(j)};
         if (b.face >= other.faces() || a.count() != b.count())
             throw Error(ErrorCode::internal, "a bug in votess: cells " + std::to_string(i) + " and " +
                                                  std::to_string(there.id) + " differ in the face that they share");
@@ -64,7 +68,7 @@ void FaceMatcher::unite_sides(const Side& a, const Side& b, const exact::Shift& 
 
 FaceLabel FaceMatcher::beginning(const Side& side) const {
     const std::size_t face = side.cell.beginning(side.face), hidden = side.cell.hidden();
-    return face < hidden ? side.cell.hidden_label(face) : label(side.seed, face - hidden);
+    return face < hidden ? side.cell.hidden_label(face) : label(side.row, face - hidden);
 }
 
 // From the seed.
@@ -125,7 +129,7 @@ std::optional<std::uint32_t> FaceMatcher::turn_by_edges(const Side& a, const Sid
     const std::uint32_t count = a.count();
     const std::size_t i = a.seed;
     const exact::Point p = point(i);
-    const exact::Plane shared = plane(i, label(i, a.face), {});
+    const exact::Plane shared = plane(i, label(a.row, a.face), {});
     for (std::uint32_t k = 0; k < count; ++k) {
         const auto before = label_across(a, k == 0 ? count - 1 : k - 1), edge = label_across(a, k),
                    after = label_across(a, k + 1 == count ? 0 : k + 1);
@@ -175,7 +179,7 @@ std::optional<FaceLabel> FaceMatcher::label_across(const Side& side, std::uint32
     const std::uint32_t k = side.begin() + place, from = cell.corner(k), to = next(side.face, k);
     for (std::size_t face = 0; face < cell.faces(); ++face)
         for (std::uint32_t c = cell.begin(face); c < cell.end(face); ++c)
-            if (cell.corner(c) == to && next(face, c) == from) return label(side.seed, face);
+            if (cell.corner(c) == to && next(face, c) == from) return label(side.row, face);
     return std::nullopt;
 }
 

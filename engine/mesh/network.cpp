@@ -13,6 +13,7 @@
 
 #include "core/progress.hpp"
 #include "input/domain_of_result.hpp"
+#include "input/supports.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
 #include "result/handle.hpp"
@@ -24,8 +25,11 @@ using detail::Result;
 using Vector = std::array<double, 3>;
 constexpr std::size_t cells_per_stop = 1024, vertices_per_stop = 8192;  // after which the user may stop
 
-Vector vector_at(std::span<const double> array, std::size_t i) {
-    return {array[3 * i], array[3 * i + 1], array[3 * i + 2]};
+// Returns a vector of an array; z is 0 in the plane.
+Vector vector_at(std::span<const double> array, std::size_t i, std::size_t dimensions) {
+    Vector vector{};
+    std::copy_n(&array[dimensions * i], dimensions, vector.begin());
+    return vector;
 }
 
 Vector difference(const Vector& a, const Vector& b) {
@@ -68,7 +72,12 @@ class NetworkMaker {
 public:
     // places: of the seeds. box: the vectors of a periodic domain.
     NetworkMaker(const Result& result, std::span<const double> places, const std::array<Vector, 3>& box)
-        : r_(result), places_(places), box_(box), joined_(result), number_(result.vertices.size() / 3) {
+        : r_(result),
+          dimensions_(dimensions_of(result)),
+          places_(places),
+          box_(box),
+          joined_(result),
+          number_(result.vertices.size() / dimensions_) {
         radii_.reserve(result.weights.size());
         for (const double weight : result.weights) radii_.push_back(std::sqrt(weight));
         if (radii_.empty()) return;
@@ -91,8 +100,8 @@ private:
             if (first == v) {
                 number_[v] = static_cast<std::int32_t>(out_.vertices.size());
                 out_.vertices.push_back(static_cast<std::int32_t>(v));
-                const Vector point = vector_at(r_.vertices, v);
-                out_.points.insert(out_.points.end(), point.begin(), point.end());
+                const double* point = &r_.vertices[dimensions_ * v];
+                out_.points.insert(out_.points.end(), point, point + dimensions_);
             }
             number_[v] = number_[first];
         }
@@ -101,7 +110,7 @@ private:
     }
 
     // visit(a, b) for each edge of cell i, from its lower end. The polygons on both sides of an edge go along it in
-    // opposite directions; one of them may have been dropped.
+    // opposite directions; one of them may have been dropped. In the plane a polygon is an edge, there and back.
     void for_edges(std::size_t i, const auto& visit) const {
         const bool whole = r_.dropped_offsets.empty();
         for (auto entry = at(r_.indptr[i]); entry < at(r_.indptr[i + 1]); ++entry) {
@@ -141,11 +150,14 @@ private:
     }
 
     [[nodiscard]] double radius(std::size_t i) const { return radii_.empty() ? 0 : radii_[i]; }
+    [[nodiscard]] Vector from_seed(std::size_t i, std::span<const double> array, std::size_t k) const {
+        return difference(vector_at(array, k, dimensions_), vector_at(places_, i, dimensions_));
+    }
     [[nodiscard]] Vector from_seed(std::size_t i, std::int32_t vertex) const {
-        return difference(vector_at(r_.vertices, at(vertex)), vector_at(places_, i));
+        return from_seed(i, r_.vertices, at(vertex));
     }
     [[nodiscard]] Sphere sphere(std::size_t i, const Member& m) const {
-        Vector center = difference(vector_at(places_, at(m.seed)), vector_at(places_, i));
+        Vector center = from_seed(i, places_, at(m.seed));
         for (std::size_t axis = 0; axis < 3; ++axis)
             for (std::size_t k = 0; k < 3 && m.shift[axis] != 0; ++k) center[k] += m.shift[axis] * box_[axis][k];
         return {center, radius(at(m.seed))};
@@ -169,7 +181,7 @@ private:
                     queue_.pop_back();
                     for (auto e = at(r_.indptr[at(from.seed)]); e < at(r_.indptr[at(from.seed) + 1]); ++e) {
                         if (r_.indices[e] < 0) continue;
-                        const Member next{r_.indices[e], sum(from.shift, shift_in(r_.shifts, e, 1))};
+                        const Member next{r_.indices[e], sum(from.shift, shift_in(r_.shifts, e, 1, dimensions_))};
                         const Member back{static_cast<std::int32_t>(g), negative(next.shift)};
                         if (!(radius(at(next.seed)) < radius(g)) || !mark(next, g)) continue;
                         if (!is_nearer(at(next.seed), sphere(at(next.seed), back))) continue;
@@ -240,7 +252,8 @@ private:
                 if (side.to == from && side.shift == ByteShift{}) continue;
                 if (k > 0 && own[k - 1].end() == side.end()) continue;
                 out_.edges.insert(out_.edges.end(), {from, side.to});
-                if (periodic) out_.shifts.insert(out_.shifts.end(), side.shift.begin(), side.shift.end());
+                if (periodic)
+                    out_.shifts.insert(out_.shifts.end(), side.shift.begin(), side.shift.begin() + dimensions_);
                 out_.edge_radii.push_back(
                     std::min({side.radius, out_.vertex_radii[v], out_.vertex_radii[at(side.to)]}));
             }
@@ -248,6 +261,7 @@ private:
     }
 
     const Result& r_;
+    const std::size_t dimensions_;
     std::span<const double> places_;
     const std::array<Vector, 3> box_;
     std::vector<double> radii_;  // N in a power diagram, else empty
@@ -318,7 +332,7 @@ private:
 }  // namespace
 
 Network network(const Tessellation& tessellation, std::span<const double> points) {
-    require_whole_diagram(tessellation, "network");
+    require(tessellation, "network");
     require_finite_points(tessellation, points, "network");
     const Result& result = detail::result_of(tessellation.result_);
     const auto refuse = [](const std::string& message) {
@@ -335,7 +349,8 @@ Network network(const Tessellation& tessellation, std::span<const double> points
     if (const auto& cell = tessellation.cell())
         box = {cell->a, cell->b, cell->c};
     else
-        for (std::size_t k = 0; k < 3; ++k) box[k][k] = tessellation.box().upper[k] - tessellation.box().lower[k];
+        for (std::size_t k = 0; k < 3; ++k)
+            if (tessellation.periodic()[k]) box[k][k] = tessellation.box().upper[k] - tessellation.box().lower[k];
     return NetworkMaker(result, places, box).make();
 }
 
@@ -348,9 +363,10 @@ IncludedSphere Network::largest_included() const {
 // Edges join vertices from the widest edge down. The first way from a vertex to an image of itself has the most room.
 // Where ways of several regions have as much, that of the largest sphere counts.
 std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
-    if (axis && (*axis < 0 || *axis > 2))
-        throw Error(ErrorCode::invalid_argument,
-                    "largest_free(): axis " + std::to_string(*axis) + ": give 0, 1 or 2, or none");
+    const std::size_t dimensions = shifts.empty() ? 3 : shifts.size() / edge_radii.size();
+    if (axis && (*axis < 0 || *axis >= static_cast<int>(dimensions)))
+        throw Error(ErrorCode::invalid_argument, "largest_free(): axis " + std::to_string(*axis) + ": give 0" +
+                                                     (dimensions == 2 ? " or 1" : ", 1 or 2") + ", or none");
     if (shifts.empty()) return {};
     std::vector<std::int32_t> order(edge_radii.size());
     std::iota(order.begin(), order.end(), 0);
@@ -362,7 +378,7 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
         const std::int32_t e = order[next];
         if (!ways.empty() && edge_radii[at(e)] < edge_radii[at(ways[0])]) break;
         const std::size_t from = at(edges[2 * at(e)]), to = at(edges[2 * at(e) + 1]);
-        const std::int8_t* s = &shifts[3 * at(e)];
+        const ByteShift s = shift_in(shifts, at(e), 1, dimensions);
         const ConnectedVertices::Shift net = sets.unite(from, to, {s[0], s[1], s[2]});
         if (axis ? net[at(*axis)] != 0 : net != ConnectedVertices::Shift{}) ways.push_back(e);
     }

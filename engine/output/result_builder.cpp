@@ -14,6 +14,7 @@
 #include "core/vector3.hpp"
 #include "input/implied_wants.hpp"
 #include "result/arrays.hpp"
+#include "result/drop_faces.hpp"
 
 namespace votess {
 namespace {

@@ -1,4 +1,4 @@
-// Small faces: counting tiny ones, and dropping them for Options::min_face and min_area.
+// Counting tiny faces.
 #pragma once
 
 #include <algorithm>
@@ -76,9 +76,5 @@ private:
     std::uint64_t faces_ = 0, cells_ = 0;
     std::array<std::uint64_t, bins> small_{};
 };
-
-// Drops faces below `area` and below `share` of the mean area. Needs rows with areas. Stores the limit in the result.
-// Returns the number of dropped entries.
-std::uint64_t drop_small_faces(detail::Result& result, double share, double area);
 
 }  // namespace votess

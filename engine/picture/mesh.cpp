@@ -38,6 +38,11 @@ void clip(const Polygon& in, const CutPlane& plane, bool behind, bool line, Poly
 
 void section(const Mesh& mesh, std::size_t cell, const CutPlane& plane, Polygon& out) {
     out.clear();
+    if (!mesh.corner_begin.empty()) {
+        for (auto k = mesh.corner_begin[cell]; k < mesh.corner_begin[cell + 1]; ++k)
+            out.add(mesh.vertex(mesh.corners[static_cast<std::size_t>(k)]), true);
+        return;
+    }
     // Each crossed edge once; both of its faces have it, unless one was dropped as too small.
     std::vector<std::pair<std::int32_t, std::int32_t>> edges;
     std::vector<Vec3>& points = out.corners;

@@ -18,6 +18,9 @@ struct Mesh {
     std::span<const std::int64_t> face_offsets;
     std::span<const std::int32_t> face_vertices;
     std::span<const double> vertices;
+    // Of the plane, else empty: the corners of each cell in turn. A face is an edge then, and z is 0.
+    std::span<const std::int64_t> corner_begin{};
+    std::span<const std::int32_t> corners{};
     std::span<const char> lines{};  // for each of face_vertices: 1 if the side from it is a line; empty: all are
 
     [[nodiscard]] std::size_t cells() const { return indptr.empty() ? 0 : indptr.size() - 1; }
@@ -68,8 +71,9 @@ struct CutPlane {
 // The part of `in` in front of the plane, or with `behind` the rest. line: of the side along the plane.
 void clip(const Polygon& in, const CutPlane& plane, bool behind, bool line, Polygon& out);
 
-// The section of a cell by the plane; no corners when they do not meet. Counterclockwise as seen from its front. A
-// vertex lies on the same side for all cells, and crossed edges give all cells the same point: sections leave no gaps.
+// The section of a cell by the plane, or a cell of the plane itself; no corners when they do not meet. Counterclockwise
+// as seen from its front. A vertex lies on the same side for all cells, and crossed edges give all cells the same
+// point: sections leave no gaps.
 void section(const Mesh& mesh, std::size_t cell, const CutPlane& plane, Polygon& out);
 
 }  // namespace votess::picture

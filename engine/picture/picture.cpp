@@ -1,18 +1,20 @@
 // render(): chooses the cells to show, their colors, their triangles and the lines around them, and draws them.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
-#include "input/domain_of_result.hpp"
 #include "input/options.hpp"
+#include "input/supports.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
 #include "picture/raster.hpp"
 #include "picture/shown.hpp"
 #include "picture/slice.hpp"
 #include "picture/solid.hpp"
+#include "result/closed_rows.hpp"
 
 namespace votess {
 namespace picture {
@@ -63,9 +65,9 @@ void check_look(const PictureOptions& options) {
 }
 
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
-    require_whole_diagram(t, "picture");
+    require(t, "picture");
     const std::size_t n = t.size();
-    if (points.size() != 3 * n) {
+    if (points.size() != (t.planar() ? 2 : 3) * n) {
         refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
     }
     if (n == 0) refuse("picture: no cell to draw");
@@ -77,14 +79,13 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     check_values(options, n, "cells");
     check_look(options);
-    if (options.slice) check_slice(*options.slice, t.box());
+    if (options.slice && t.planar()) refuse("picture: cells of the plane have no slice: leave it out");
 }
 
 // The domain's corners, bit k of the index telling the end along edge k; none for a polyhedron.
-std::vector<Vec3> domain_corners(const Tessellation& t) {
-    if (!t.walls().empty()) return {};
+std::vector<Vec3> domain_corners(const Tessellation& t, const Box& box, bool endless) {
+    if (!t.walls().empty() || (endless && t.cell())) return {};
     std::vector<Vec3> corners;
-    const Box& box = t.box();
     for (unsigned corner = 0; corner < 8; ++corner) {
         Vec3 p = t.cell() ? t.cell()->origin : box.lower;
         for (std::size_t k = 0; k < 3; ++k) {
@@ -115,6 +116,13 @@ std::vector<Vec3> domain_periods(const Tessellation& t) {
     return periods;
 }
 
+// Returns vectors of the plane with z = 0.
+std::vector<double> in_space(std::span<const double> vectors) {
+    std::vector<double> lifted(vectors.size() / 2 * 3);
+    for (std::size_t k = 0; k < vectors.size(); ++k) lifted[k / 2 * 3 + k % 2] = vectors[k];
+    return lifted;
+}
+
 // Pieces as the picture sees them. Their triangles are faces.
 struct PieceMesh {
     explicit PieceMesh(const Pieces& pieces) {
@@ -124,7 +132,7 @@ struct PieceMesh {
         vertices = pieces.triangles;
         lines.assign(3 * triangles, 0);
         for (std::size_t p = 0; p < pieces.size(); ++p) add(pieces, p);
-        mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices, lines};
+        mesh = {pieces.triangle_offsets, ids, {}, offsets, vertices, pieces.vertices, {}, {}, lines};
         domain.box = {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
         for (std::size_t i = 0; i < pieces.vertices.size(); ++i) {
             double &lower = domain.box.lower[i % 3], &upper = domain.box.upper[i % 3];
@@ -211,19 +219,49 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
 
 Picture render(const Tessellation& tessellation, std::span<const double> given, const PictureOptions& options) {
     picture::check(tessellation, given, options);
-    for (const double end : {tessellation.box().lower[0], tessellation.box().upper[0], tessellation.box().lower[1],
-                             tessellation.box().upper[1], tessellation.box().lower[2], tessellation.box().upper[2]})
-        if (std::isinf(end))
-            throw Error(ErrorCode::invalid_argument, "render: the domain has no end: make the cells in a box");
-    const std::vector<double> points(given.begin(), given.end());  // another thread may write into them
-    const picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
-                             tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
-    const picture::DomainShape domain{tessellation.box(), picture::domain_corners(tessellation),
+    std::vector<double> points(given.begin(), given.end());  // another thread may write into them
+    picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
+                       tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};
+    const bool planar = tessellation.planar();
+    if (planar) {
+        mesh.corner_begin = tessellation.cell_vertex_indptr();
+        mesh.corners = tessellation.cell_vertex_indices();
+    }
+    Box box = tessellation.box();
+    const auto infinite = [](double x) { return std::isinf(x); };
+    const bool endless = std::ranges::any_of(box.lower, infinite) || std::ranges::any_of(box.upper, infinite);
+    std::optional<detail::ClosedRows> closed;
+    if (endless)
+        closed = detail::closed_rows({mesh.indptr, mesh.face_offsets, tessellation.cell_vertex_indptr(), mesh.indices,
+                                      mesh.face_vertices, tessellation.cell_vertex_indices(), mesh.shifts,
+                                      tessellation.vertices(), box, planar ? std::size_t{2} : std::size_t{3}});
+    if (closed) {
+        if (!options.skip_open)
+            throw Error(ErrorCode::invalid_argument,
+                        "picture: " + std::to_string(closed->left_out) +
+                            " cells reach infinity: leave them out by PictureOptions::skip_open, or give a box");
+        if (closed->indices.empty())
+            throw Error(ErrorCode::invalid_argument, "picture: all cells reach infinity: give a box");
+        mesh = {closed->indptr,       closed->indices,       closed->shifts,
+                closed->face_offsets, closed->face_vertices, tessellation.vertices()};
+        if (planar) mesh.corner_begin = closed->cell_vertex_indptr, mesh.corners = closed->cell_vertex_indices;
+        box = closed->bounds;
+    }
+    if (options.slice) picture::check_slice(*options.slice, box);
+    std::vector<double> vertices;
+    PictureOptions look = options;
+    if (planar) {
+        points = picture::in_space(points);
+        mesh.vertices = vertices = picture::in_space(mesh.vertices);
+        look.slice = Slice{};  // which meets all cells
+        box.lower[2] = box.upper[2] = 0;
+    }
+    const picture::DomainShape domain{box, picture::domain_corners(tessellation, box, endless),
                                       picture::domain_periods(tessellation)};
     const auto values = options.values.empty() ? tessellation.volumes() : options.values;
     ThreadPool pool(options.threads);
-    const picture::Scene scene = picture::build_scene(mesh, domain, points, values, options, pool);
-    return {scene.width, scene.height, picture::draw(scene, pool)};
+    const picture::Scene scene = picture::build_scene(mesh, domain, points, values, look, pool);
+    return {scene.width, scene.height, picture::draw(scene, pool), closed ? closed->left_out : 0};
 }
 
 Picture render(const Pieces& pieces, const PictureOptions& options) {
@@ -239,7 +277,7 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
     const picture::Scene scene =
         picture::build_scene(shape.mesh, shape.domain, pieces.centroids,
                              options.values.empty() ? std::span(pieces.volumes) : options.values, of_pieces, pool);
-    return {scene.width, scene.height, picture::draw(scene, pool)};
+    return {scene.width, scene.height, picture::draw(scene, pool), 0};
 }
 
 }  // namespace votess

@@ -58,7 +58,8 @@ Shown choose_cells(const Mesh& mesh, const Box& domain, WallCells wall_cells, Th
         if (!shown.cells[i]) continue;
         double size = 1;
         for (std::size_t k = 0; k < 3; ++k) {
-            size *= (boxes[i].upper[k] - boxes[i].lower[k]) / (domain.upper[k] - domain.lower[k]);
+            const double side = domain.upper[k] - domain.lower[k];
+            if (side > 0) size *= (boxes[i].upper[k] - boxes[i].lower[k]) / side;  // the plane has no height
         }
         sizes[static_cast<std::size_t>(walls[i])].push_back(size);
     }

@@ -36,17 +36,21 @@ std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
-// Returns the box of points of the plane, which may be any numbers.
-Box box_of_plane(std::span<const double> points, const Options& planar) {
-    const std::size_t count = points.size() / 3;
+// Returns the bounds of points of the plane, which may be any numbers.
+Box bounds_of_plane(const Points& points) {
     Box bounds{{infinity, infinity, 0}, {-infinity, -infinity, 0}};
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < points.coordinates() / 2; ++i)
         for (std::size_t k = 0; k < 2; ++k) {
-            const double x = points[3 * i + k];
-            if (!std::isfinite(x)) return {{0, 0, 0}, {1, 1, 1}};  // such points are refused later
+            const double x = points[2 * i + k];
+            if (!std::isfinite(x)) return {{0, 0, 0}, {1, 1, 0}};  // such points are refused later
             bounds.lower[k] = std::min(bounds.lower[k], x);
             bounds.upper[k] = std::max(bounds.upper[k], x);
         }
+    return bounds;
+}
+
+// Returns the box of `count` points of the plane.
+Box box_of_plane(const Box& bounds, std::uint64_t count, const Options& planar) {
     Box box = default_box(bounds, count, 2);
     if (!planar.walls.empty()) check_box(box = bounds_of(planar.walls, box));
     return box;
@@ -90,64 +94,148 @@ Options sheet_options(const Options& planar, double height) {
     for (std::size_t w = 0; w < options.walls.size(); ++w)
         check_flat(options.walls[w].normal[2], "wall " + std::to_string(w));
     options.min_area *= 2 * height;
-    // Corners come from the polygons above. Perimeters are sums of edges. The surface of the prism
-    // less the areas above and below would lose digits.
-    options.want.faces |= options.want.vertices;
-    options.want.areas |= options.want.surfaces;
-    options.list_walls |= options.want.surfaces;
+    add_sheet_wants(options.want, options.list_walls);
     return options;
 }
 
+// Corners come from the polygons above. Perimeters are sums of edges. The surface of the prism less the areas above and
+// below would lose digits.
+void add_sheet_wants(Want& want, bool& list_walls) {
+    want.faces |= want.vertices;
+    want.areas |= want.surfaces;
+    list_walls |= want.surfaces;
+}
+
+std::vector<double> in_sheet(std::span<const double> places) {
+    std::vector<double> lifted(places.size() / 2 * 3);
+    for (std::size_t i = 0; 2 * i < places.size(); ++i)
+        for (std::size_t k = 0; k < 2; ++k) lifted[3 * i + k] = places[2 * i + k];
+    return lifted;
+}
+
 Sheet::Sheet(const Points& points, const Options& planar)
-    : wanted_(with_implied(planar)), list_walls_(planar.list_walls || planar.want.faces) {
+    : Sheet(bounds_of_plane(points), points.coordinates() / 2, planar) {
     if (points.coordinates() % 2 != 0)
         refuse("points hold " + std::to_string(points.coordinates()) +
                " coordinates, not a multiple of 2: the shape must be (N,2)");
-    const std::size_t count = points.coordinates() / 2;
-    points_.resize(3 * count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t k = 0; k < 2; ++k) points_[3 * i + k] = points[2 * i + k];
+    points_ = in_sheet(points);
+}
 
+Sheet::Sheet(const Box& bounds, std::uint64_t count, const Options& planar)
+    : wanted_(with_implied(planar)), list_walls_(planar.list_walls || planar.want.faces) {
     options_ = sheet_options(planar, 1);
     double width = 0, length = 0;
     if (options_.cell) {
         const auto &a = options_.cell->a, &b = options_.cell->b;
         width = std::hypot(a[0], a[1]);
         length = width == 0 ? 0 : std::abs(a[0] / width * b[1] - a[1] / width * b[0]);
-    } else {
-        if (!options_.box) options_.box = box_of_plane(points_, options_);
-        const bool endless = EndlessSides(options_.box).any();
-        const Box box = endless ? box_of_plane(points_, options_) : *options_.box;
+    } else if (!options_.box && options_.periodic == std::array<bool, 3>{}) {  // which needs a box
+        options_.box = box_of_plane(bounds, count, options_);
+    }
+    const bool endless = EndlessSides(options_).any();
+    if (endless || !options_.cell) {
+        const Box box = options_.box && !endless ? *options_.box : box_of_plane(bounds, count, options_);
         width = box.upper[0] - box.lower[0];
         length = box.upper[1] - box.lower[1];
     }
     const double distance =
-        std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::size_t>(count, 1)));
+        std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::uint64_t>(count, 1)));
     if (distance > 0 && std::isfinite(distance)) height_ = std::ldexp(relative_height, std::ilogb(distance));
     Options with_box = planar;
-    if (!planar.cell) {
+    if (!planar.cell && options_.box) {
         with_box.box = options_.box;
         with_box.box->lower[2] = with_box.box->upper[2] = 0;
     }
     options_ = sheet_options(with_box, height_);
 }
 
-void Sheet::flatten(Result& result) const {
+namespace {
+
+// Drops the walls of the sheet, and all walls where the plane lists none. Keeps the corners above, which stand for
+// those of the plane, and the upper edge of each side.
+void flatten_rows(Result& r, double thickness, const Want& wanted, bool list_walls) {
+    std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
+    std::int32_t corners = 0;
+    for (std::size_t v = 0; v < corner.size(); ++v) {
+        if (r.vertices[3 * v + 2] < 0) continue;
+        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * at(corners) + k] = r.vertices[3 * v + k];
+        corner[v] = corners++;
+    }
+    r.vertices.resize_uninitialized(3 * at(corners));
+    if (!r.vertex_image_of.empty()) {
+        for (std::size_t v = 0; v < corner.size(); ++v) {
+            if (corner[v] < 0) continue;
+            const std::size_t to = at(corner[v]);
+            r.vertex_image_of[to] = corner[at(r.vertex_image_of[v])];
+            for (std::size_t k = 0; k < 3; ++k) r.vertex_shifts[3 * to + k] = r.vertex_shifts[3 * v + k];
+        }
+        r.vertex_image_of.resize_uninitialized(at(corners));
+        r.vertex_shifts.resize_uninitialized(3 * at(corners));
+    }
+    if (!r.dropped_offsets.empty()) {
+        const std::size_t dropped = r.dropped_offsets.size() - 1;
+        for (std::size_t f = 0; f < dropped; ++f) {
+            const std::size_t begin = at(r.dropped_offsets[f]), end = at(r.dropped_offsets[f + 1]);
+            const auto edge =
+                upper_edge(std::span<const std::int32_t>(r.dropped_vertices).subspan(begin, end - begin), corner);
+            r.dropped_offsets[f] = static_cast<std::int64_t>(2 * f);
+            std::ranges::copy(edge, &r.dropped_vertices[2 * f]);
+        }
+        r.dropped_offsets[dropped] = static_cast<std::int64_t>(2 * dropped);
+        r.dropped_vertices.resize_uninitialized(2 * dropped);
+    }
+
+    const bool has_faces = !r.face_offsets.empty();
+    std::vector<bool> stays(r.indices.size());
+    std::vector<std::array<std::int32_t, 2>> edges;  // of the entries that stay
+    std::int64_t polygons = 0;
+    for (std::size_t i = 0; i + 1 < r.indptr.size(); ++i) {
+        double perimeter = 0;
+        for (std::size_t e = at(r.indptr[i]); e < at(r.indptr[i + 1]); ++e) {
+            const std::int32_t id = r.indices[e];
+            stays[e] = !Sheet::bounds(id) && (id >= 0 || list_walls);
+            if (!Sheet::bounds(id) && !r.face_areas.empty()) perimeter += r.face_areas[e] / thickness;
+            if (!has_faces) continue;
+            const auto polygon = std::span<const std::int32_t>(r.face_vertices)
+                                     .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
+            if (id == Sheet::above)
+                for (const std::int32_t v : polygon)
+                    if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
+            if (stays[e]) edges.push_back(upper_edge(polygon, corner));
+        }
+        if (wanted.surfaces) r.surface_areas[i] = perimeter;
+        if (has_faces) r.cell_vertex_indptr[i + 1] = polygons;
+    }
+    r.cell_vertex_indices.resize_uninitialized(at(polygons));
+    if (!r.indptr.empty()) detail::keep_entries(r, stays);
+    r.lists_walls = list_walls;
+    if (!has_faces) return;
+    r.face_vertices.resize_uninitialized(2 * edges.size());
+    for (std::size_t e = 0; e < edges.size(); ++e) {
+        r.face_offsets[e + 1] = std::int64_t{2} * static_cast<std::int64_t>(e + 1);
+        for (std::size_t k = 0; k < 2; ++k) r.face_vertices[2 * e + k] = edges[e][k];
+    }
+}
+
+}  // namespace
+
+void flatten(Result& result, double thickness, const Want& wanted, bool list_walls) {
     result.planar = true;
     const std::size_t count = result.status.size();
-    flatten_rows(result);
+    flatten_rows(result, thickness, wanted, list_walls);
     detail::drop_third_components(result);
     for (auto* measures : {&result.volumes, &result.face_areas})
-        for (double& x : *measures) x /= thickness();
+        for (double& x : *measures) x /= thickness;
     for (std::size_t i = 0; i < result.face_counts.size(); ++i) {
         if (result.face_counts[i] == 0) continue;
-        result.face_counts[i] -= 2;
+        result.face_counts[i] -= Sheet::more_faces;
         result.edge_counts[i] = result.vertex_counts[i] = result.face_counts[i];
     }
+    const double height = thickness / 2;
     for (double& radius : result.security_radii)
-        radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height_) * (radius / 2 + height_)));
-    result.least_face /= thickness();
-    detail::keep_wanted(result, wanted_, list_walls_);
+        radius = 2 * std::sqrt(std::max(0.0, (radius / 2 - height) * (radius / 2 + height)));
+    result.least_face /= thickness;
+    detail::keep_wanted(result, wanted, list_walls);
 
     const auto make_flat = [](std::array<double, 3>& x) { x[2] = 0; };
     make_flat(result.box.lower);
@@ -158,59 +246,10 @@ void Sheet::flatten(Result& result) const {
     }
     Stats& stats = result.stats;
     const std::uint64_t cells = count - stats.empty_cells;
-    stats.volume_sum /= thickness();
-    stats.box_volume /= thickness();
-    stats.faces -= 2 * cells;
-    if (cells > 0) stats.mean_faces -= 2;
-}
-
-// Drops the walls of the sheet, and all walls where the plane lists none. Keeps the corners above, which stand for
-// those of the plane, and the upper edge of each side.
-void Sheet::flatten_rows(Result& r) const {
-    std::vector<std::int32_t> corner(r.vertices.size() / 3, -1);
-    std::int32_t corners = 0;
-    for (std::size_t v = 0; v < corner.size(); ++v) {
-        if (r.vertices[3 * v + 2] < 0) continue;
-        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * at(corners) + k] = r.vertices[3 * v + k];
-        corner[v] = corners++;
-    }
-    r.vertices.resize_uninitialized(3 * at(corners));
-    // What the functions on dual and polytopes of space read.
-    r.vertex_image_of.resize_uninitialized(0);
-    r.vertex_shifts.resize_uninitialized(0);
-    r.dropped_offsets.resize_uninitialized(0);
-    r.dropped_vertices.resize_uninitialized(0);
-
-    const bool has_faces = !r.face_offsets.empty();
-    std::vector<bool> stays(r.indices.size());
-    std::vector<std::array<std::int32_t, 2>> edges;  // of the entries that stay
-    std::int64_t polygons = 0;
-    for (std::size_t i = 0; i + 1 < r.indptr.size(); ++i) {
-        double perimeter = 0;
-        for (std::size_t e = at(r.indptr[i]); e < at(r.indptr[i + 1]); ++e) {
-            const std::int32_t id = r.indices[e];
-            stays[e] = !bounds(id) && (id >= 0 || list_walls_);
-            if (!bounds(id) && !r.face_areas.empty()) perimeter += r.face_areas[e] / thickness();
-            if (!has_faces) continue;
-            const auto polygon = std::span<const std::int32_t>(r.face_vertices)
-                                     .subspan(at(r.face_offsets[e]), at(r.face_offsets[e + 1] - r.face_offsets[e]));
-            if (id == above)
-                for (const std::int32_t v : polygon)
-                    if (v >= 0) r.cell_vertex_indices[at(polygons++)] = corner[at(v)];
-            if (stays[e]) edges.push_back(upper_edge(polygon, corner));
-        }
-        if (wanted_.surfaces) r.surface_areas[i] = perimeter;
-        if (has_faces) r.cell_vertex_indptr[i + 1] = polygons;
-    }
-    r.cell_vertex_indices.resize_uninitialized(at(polygons));
-    if (!r.indptr.empty()) detail::keep_entries(r, stays);
-    r.lists_walls = list_walls_;
-    if (!has_faces) return;
-    r.face_vertices.resize_uninitialized(2 * edges.size());
-    for (std::size_t e = 0; e < edges.size(); ++e) {
-        r.face_offsets[e + 1] = std::int64_t{2} * static_cast<std::int64_t>(e + 1);
-        for (std::size_t k = 0; k < 2; ++k) r.face_vertices[2 * e + k] = edges[e][k];
-    }
+    stats.volume_sum /= thickness;
+    stats.box_volume /= thickness;
+    stats.faces -= Sheet::more_faces * cells;
+    stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
 }
 
 }  // namespace votess

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "input/job.hpp"
@@ -12,28 +14,52 @@
 
 namespace votess {
 
+// Returns places of the plane, (N, 2), in the sheet: (N, 3) with z = 0.
+[[nodiscard]] std::vector<double> in_sheet(std::span<const double> places);
+// Adds what a sheet needs for the wants of the plane.
+void add_sheet_wants(Want& want, bool& list_walls);
+// Turns the result of a sheet into that of the plane. wanted, list_walls: those of the plane, with all that they imply.
+void flatten(detail::Result& result, double thickness, const Want& wanted, bool list_walls);
+
 // Returns the options of a sheet with walls at z = -height and height. Its box or cell is unset if `planar` has none.
 // Throws invalid_argument for z in the domain.
 [[nodiscard]] Options sheet_options(const Options& planar, double height);
+
+// Returns (N, 3) points, with z = 0. points: (N, 2), whole ones.
+[[nodiscard]] inline std::vector<double> in_sheet(const Points& points) {
+    std::vector<double> raised(points.coordinates() / 2 * 3);
+    for (std::size_t i = 0; i < points.coordinates() / 2 * 2; ++i) raised[i / 2 * 3 + i % 2] = points[i];
+    return raised;
+}
+
+// Returns (N, 2) points. points: (N, 3).
+[[nodiscard]] inline std::vector<double> out_of_sheet(std::span<const double> points) {
+    std::vector<double> flat(points.size() / 3 * 2);
+    for (std::size_t i = 0; i < flat.size(); ++i) flat[i] = points[i / 2 * 3 + i % 2];
+    return flat;
+}
 
 class Sheet {
 public:
     // points: (N, 2). Throws invalid_argument for z in the domain and for an odd number of coordinates.
     Sheet(const Points& points, const Options& planar);
+    // A sheet without points, for those that come in parts. bounds: of all `count` points.
+    Sheet(const Box& bounds, std::uint64_t count, const Options& planar);
 
     [[nodiscard]] Points points() const { return {points_, {}}; }  // (N, 3)
     [[nodiscard]] const Options& options() const { return options_; }
+    [[nodiscard]] std::vector<double> take_points() { return std::move(points_); }
     [[nodiscard]] double thickness() const { return 2 * height_; }
     // Returns whether a wall is that below or above all points.
     [[nodiscard]] static bool bounds(std::int32_t wall) { return wall == below || wall == above; }
+    // Faces that a cell of the sheet has and the cell of the plane has not.
+    static constexpr std::uint32_t more_faces = 2;
     // Turns the result of the sheet into that of the plane.
-    void flatten(detail::Result& result) const;
-
-private:
-    void flatten_rows(detail::Result& result) const;
+    void flatten(detail::Result& result) const { votess::flatten(result, thickness(), wanted_, list_walls_); }
 
     static constexpr std::int32_t below = -5, above = -6;
 
+private:
     std::vector<double> points_;
     Options options_;
     Want wanted_;      // of the plane

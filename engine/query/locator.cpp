@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/arithmetic.hpp"
+#include "domain/lattice_reach.hpp"
 #include "index/seed_images.hpp"
 
 namespace votess::cpu {
@@ -174,7 +175,9 @@ void Locator::search_images() {
     if (reach < known * known) return;
     const int top = hierarchy_.top_level();
     far_.clear();
-    push_far({top, 0, shifts_around(domain_, hierarchy_.box(top, 0), at_, std::sqrt(reach))});
+    push_far(
+        {top, 0,
+         shifts_around(domain_, hierarchy_.box(top, 0), at_, std::min(std::sqrt(reach), neighbor_reach(domain_)))});
     while (!far_.empty()) {
         const ImageNode node = far_.back();
         far_.pop_back();

@@ -15,9 +15,10 @@ using Vector = Vector3;
 
 }  // namespace
 
-void NaturalRows::begin_job(const Job& job, const NaturalOptions& options) {
+void NaturalRows::begin_job(const Job& job, const NaturalOptions& options, const FieldEnds& ends) {
     domain_ = job.domain.get();
     options_ = options;
+    ends_ = ends;
     unscale_ = 1 / job.scale;
     shape_.weighted = domain_->has_weights();
     divider_.begin_job(std::max(std::abs(domain_->min_weight), std::abs(domain_->largest_weight)));
@@ -34,8 +35,7 @@ bool NaturalRows::take_by_graph(std::size_t k) {
 bool NaturalRows::take(std::size_t k, Star& star) {
     if (!star.knows_vertices()) return false;
     entries_.clear();
-    const bool at_wall = std::ranges::any_of(star.faces(), [](std::int32_t id) { return id < 0; });
-    if (at_wall && !options_.at_walls) {
+    if (std::ranges::any_of(star.faces(), [this](std::int32_t id) { return ends_.has(id); })) {
         give(k);
         return true;
     }
@@ -69,10 +69,9 @@ void NaturalRows::take(std::size_t k, Cell& cell) {
             throw Error(ErrorCode::unsupported,
                         "the periodic box holds so few seeds that the cell of a query meets its own image: natural "
                         "neighbors are not known there, repeat the seeds in a larger box");
+        if (ends_.has(plane.id)) return give(k);
         if (plane.id >= 0) neighbors_.push_back({plane.id, plane.shift});
     }
-    const bool at_wall = neighbors_.size() < faces_.size();
-    if (at_wall && !options_.at_walls) return give(k);
     if (options_.method == NaturalMethod::sibson) return give_parts(k);
     give_areas(k, cell);
 }

@@ -26,6 +26,14 @@ struct NaturalRow {
     std::span<const std::array<double, 3>> gradients;  // of the weights, if they are wanted
 };
 
+// Walls at which cells have no coordinates.
+struct FieldEnds {
+    std::uint32_t sides = 0;  // bit k: wall -1 - k
+    bool others = false;      // walls below -6
+
+    [[nodiscard]] bool has(std::int32_t id) const { return id < -6 ? others : id < 0 && (sides >> (-1 - id) & 1) != 0; }
+};
+
 class NaturalSink {
 public:
     virtual ~NaturalSink() = default;
@@ -38,7 +46,8 @@ public:
     NaturalRows(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
         : seeds_(seeds), divider_(seeds), parts_(seeds, hierarchy, kernels), nearer_(seeds, hierarchy) {}
 
-    void begin_job(const Job& job, const NaturalOptions& options);
+    // options: at_walls is in `ends`.
+    void begin_job(const Job& job, const NaturalOptions& options, const FieldEnds& ends);
     void begin_run(std::span<const Probe> probes, NaturalSink& out) {
         probes_ = probes;
         out_ = &out;
@@ -74,6 +83,7 @@ private:
     const SortedSeeds& seeds_;
     const Domain* domain_ = nullptr;
     NaturalOptions options_;
+    FieldEnds ends_;
     double unscale_ = 1;
     std::span<const Probe> probes_;
     NaturalSink* out_ = nullptr;

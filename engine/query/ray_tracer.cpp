@@ -127,19 +127,17 @@ void CellGraph::draw(Place& place, std::span<const Vector3> ways) {
     }
 }
 
-RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box,
-                     std::string_view instructions)
+RayTracer::RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph,
+                     std::vector<exact::Plane> walls, std::string_view instructions)
     : domain_(domain),
       seeds_(seeds),
       graph_(graph),
       select_crossings_(select_crossings(instructions)),
-      walls_(domain.walls),
+      walls_(std::move(walls)),
       scratch_(2 * round_up(graph.max_links(), RaySketch::lanes)),
       selected_(graph.max_links() + 1),
       slopes_(graph.max_links()),
       times_(graph.max_links()) {
-    for (int wall = 0; wall < 6 && has_box; ++wall)
-        if (domain.has_box_wall(wall)) walls_.push_back(domain.box_wall(wall));
     if (seeds.images == nullptr) return;
     if (seeds.images->any_wrapped()) place_error_ = 2 * unit_roundoff * graph.size();
     shift_error_ = 8 * unit_roundoff * (graph.size() + 3 * graph.max_shift() * graph.period());

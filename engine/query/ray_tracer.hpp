@@ -109,8 +109,8 @@ public:
         double begin, end;
     };
 
-    // has_box: whether the box bounds the domain.
-    RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, bool has_box,
+    // walls: those of the domain that end a ray.
+    RayTracer(const Domain& domain, const SortedSeeds& seeds, const CellGraph& graph, std::vector<exact::Plane> walls,
               std::string_view instructions);
 
     // Starts a ray from time 0 to `end`, or to a wall. No component of the direction exceeds 1 in size.

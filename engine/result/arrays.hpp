@@ -34,6 +34,12 @@ Array(std::string_view, Of, Per, std::size_t, bool Want::*) -> Array<Of>;
 template <class Of>
 Array(std::string_view, Of, Per, std::size_t) -> Array<Of>;
 
+// Returns the components of an array of space or of the plane.
+template <class Of>
+[[nodiscard]] constexpr std::size_t components_of(const Array<Of>& array, bool planar) {
+    return planar && array.components == 3 ? 2 : array.components;
+}
+
 #define VOTESS_ARRAY(name, ...)          \
     Array {                              \
 #name, [](auto& rows) -> auto& { \

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/buffer.hpp"
 #include "votess/votess.hpp"
@@ -14,6 +15,13 @@ struct MeshCells;
 
 namespace votess::detail {
 
+// What the rows of a subset leave open about the other seeds. Arrays are by seed.
+struct AllSeeds {
+    std::size_t count = 0;           // N
+    std::vector<CellStatus> status;  // `duplicate` and `outside` where they hold; empty if nowhere
+    std::vector<double> weights;     // in a power diagram
+};
+
 struct Result {
     Box box;
     std::array<bool, 3> periodic{};
@@ -23,6 +31,7 @@ struct Result {
     bool lists_walls = false;
     bool probed = false;  // the cells of probes, which do not fit together
     bool is_subset = false;
+    std::shared_ptr<const AllSeeds> all_seeds;           // of a subset
     std::shared_ptr<const solid::MeshCells> mesh_cells;  // of a run in a mesh: what pieces() reads
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.

@@ -5,6 +5,7 @@
 #include "input/domain_of_result.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "input/supports.hpp"
 #include "plane/sheet.hpp"
 #include "result/handle.hpp"
 #include "result/result_pool.hpp"
@@ -176,7 +177,7 @@ private:
 
 // In space. arrays: memory of an earlier result to use again.
 detail::Result run_in_space(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
-    if (!options.mesh && !EndlessSides(options.box).any()) return run_on(engines, points, options, std::move(arrays));
+    if (!options.mesh && !EndlessSides(options).any()) return run_on(engines, points, options, std::move(arrays));
     // All parts of the run read the same copy.
     check_shape(points);
     std::vector<double> copy(points.coordinates());
@@ -241,30 +242,34 @@ Want implied_want(const Options& options) {
         return with_implied(options);
     }
     Options in_space = options.planar ? sheet_options(options, 1) : options;
-    if (EndlessSides(in_space.box).any()) {
+    if (EndlessSides(in_space).any()) {
         check_endless(in_space);
-        in_space.box.reset();
+        in_space = without_domain(std::move(in_space));
     }
     check_options(in_space);
     return with_implied(options);
 }
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
-    if (t.probed()) require_whole_diagram(t, "wrapped_points");
+    require(t, "wrapped_points");
     // A subset does not know how many points there were.
     if (!t.is_subset()) require_finite_points(t, points, "wrapped_points");
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
     const Options options = domain_options(t);
+    const auto move_in = [](const Points& all, Options with_ends, std::span<double> places) {
+        if (EndlessSides(with_ends).any()) end_near(with_ends, all);
+        move_into_domain(validate(all, with_ends), places);
+    };
     if (!t.planar()) {
-        move_into_domain(validate({copy, {}}, options), wrapped);
+        move_in({copy, {}}, options, wrapped);
         return wrapped;
     }
     const Sheet sheet({copy, {}}, options);  // refuses half points
     const std::span<const double> places = sheet.points().f64;
     std::vector<double> moved(places.begin(), places.end());
-    move_into_domain(validate(sheet.points(), sheet.options()), moved);
+    move_in(sheet.points(), sheet.options(), moved);
     for (std::size_t i = 0; i < wrapped.size(); ++i) wrapped[i] = moved[i / 2 * 3 + i % 2];
     return wrapped;
 }

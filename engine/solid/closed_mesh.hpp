@@ -22,8 +22,9 @@ public:
 
     [[nodiscard]] double volume() const { return volume_; }  // as given
     [[nodiscard]] std::uint64_t moved_vertices() const { return moved_; }
-    [[nodiscard]] double moved_distance() const { return distance_; }  // the largest, as given
-    [[nodiscard]] const Box& bounds() const { return bounds_; }
+    [[nodiscard]] double moved_distance() const { return distance_; }       // the largest, as given
+    [[nodiscard]] const Box& bounds() const { return bounds_; }             // as given
+    [[nodiscard]] const Box& placed() const { return nodes_.front().box; }  // bounds after scale_by()
     [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& given() const { return given_; }  // triangles
     [[nodiscard]] std::size_t vertices() const { return vertices_.size(); }
     [[nodiscard]] const exact::Point& vertex(std::int32_t v) const { return vertices_[static_cast<std::size_t>(v)]; }
@@ -92,6 +93,19 @@ private:
     bool merged_ = false;
     std::uint64_t moved_ = 0;
     double distance_ = 0;
+};
+
+// The arrays of a mesh, as given except that vertices may have been merged.
+struct MeshArrays {
+    MeshArrays(const ClosedMesh& mesh, double scale) {
+        for (std::size_t v = 0; v < mesh.vertices(); ++v)
+            for (const double x : mesh.vertex(static_cast<std::int32_t>(v))) vertices.push_back(x / scale);
+        for (const auto& triangle : mesh.given()) triangles.insert(triangles.end(), triangle.begin(), triangle.end());
+    }
+    [[nodiscard]] TriangleMesh view() const { return {vertices, triangles}; }
+
+    std::vector<double> vertices;
+    std::vector<std::int32_t> triangles;
 };
 
 }  // namespace votess::solid

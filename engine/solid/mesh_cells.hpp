@@ -17,16 +17,19 @@
 namespace votess::solid {
 
 struct MeshCells {
-    explicit MeshCells(const TriangleMesh& given) : mesh(given) {}
+    explicit MeshCells(std::shared_ptr<const ClosedMesh> of_cells) : kept(std::move(of_cells)), mesh(*kept) {}
 
     static constexpr int cut = std::numeric_limits<int>::min();  // instead of the winding number of a cell
 
-    ClosedMesh mesh;  // times scale
+    std::shared_ptr<const ClosedMesh> kept;
+    const ClosedMesh& mesh;  // times scale
     std::shared_ptr<const Domain> domain;
     double scale = 1;
     std::vector<double> seeds;        // 3N, times scale
+    std::vector<double> weights;      // N, times scale squared; or none
     std::vector<exact::Shift> wraps;  // by seed: into a periodic domain; empty if all lie inside
     std::vector<std::int32_t> ids;    // of the rows, in a subset
+    std::vector<std::int32_t> names;  // of seeds, in rows of probes; else they are numbered as given
     Buffer<std::int64_t> indptr;      // by row
     Buffer<std::int32_t> indices;     // all neighbors
     Buffer<std::int8_t> shifts;       // three for each neighbor; empty if nothing repeats
@@ -40,12 +43,15 @@ struct MeshCells {
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const {
         return ids.empty() ? static_cast<std::int32_t>(row) : ids[row];
     }
+    [[nodiscard]] std::int32_t name(std::int32_t seed) const {
+        return names.empty() ? seed : names[static_cast<std::size_t>(seed)];
+    }
     [[nodiscard]] exact::Point place(std::int32_t seed) const {
         const double* x = &seeds[3 * static_cast<std::size_t>(seed)];
         return {x[0], x[1], x[2]};
     }
     [[nodiscard]] double weight(std::int32_t seed) const {
-        return domain->weights.empty() ? 0 : domain->weights[static_cast<std::size_t>(seed)];
+        return weights.empty() ? 0 : weights[static_cast<std::size_t>(seed)];
     }
     [[nodiscard]] std::span<const std::int32_t> row(std::size_t r) const {
         const auto begin = static_cast<std::size_t>(indptr[r]), end = static_cast<std::size_t>(indptr[r + 1]);

@@ -119,6 +119,8 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     });
     Pieces all = no_pieces();
     for (Pieces& part : parts) append(std::exchange(part, {}), all);
+    for (std::size_t t = 0; t < all.sources.size(); ++t)
+        if (all.on_surface[t] == 0) all.sources[t] = cells->name(all.sources[t]);
     return all;
 }
 

@@ -14,6 +14,7 @@
 #include "input/default_box.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "result/drop_faces.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
 #include "solid/mesh_cells.hpp"
@@ -41,16 +42,17 @@ void check_others(const Options& options) {
     if (!options.walls.empty()) unsupported("it replaces Options::walls: leave them out");
     if (options.outside != Outside::error)
         unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out Options::outside");
-    if (options.min_face > 0 || options.min_area > 0) unsupported("leave out Options::min_face and Options::min_area");
-    const Want& want = options.want;
-    if (want.vertices || want.faces || want.counts)
-        unsupported(
-            "the parts of cells have no vertices, faces and counts: leave these out of Options::want, use pieces()");
-    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of Options::want");
     if (options.box)
         for (std::size_t k = 0; k < 3; ++k)
             if (std::isinf(options.box->lower[k]) || std::isinf(options.box->upper[k]))
                 unsupported("Options::box needs ends: leave it out, the default holds the mesh");
+}
+
+void check_want(const Want& want) {
+    if (want.vertices || want.faces || want.counts)
+        unsupported(
+            "the parts of cells have no vertices, faces and counts: leave these out of Options::want, use pieces()");
+    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of Options::want");
 }
 
 void check_in_box(const ClosedMesh& mesh, const Box& box, const std::array<bool, 3>& periodic) {
@@ -99,50 +101,47 @@ std::size_t to_index(std::int64_t i) {
 Options options_in_box(const ClosedMesh& mesh, const Points& points, const Options& options) {
     Options in_box = without_mesh(options);
     check_options(in_box);
+    in_box.min_face = in_box.min_area = 0;  // they drop faces by their areas inside
     check_shape(points);
     if (in_box.box) {
         check_box(*in_box.box);
     } else if (!in_box.cell) {
-        std::vector<CellStatus> outside;
-        Box bounds = check_points(points, in_box, outside);
-        for (std::size_t k = 0; k < 3; ++k) {
-            bounds.lower[k] = std::min(bounds.lower[k], mesh.bounds().lower[k]);
-            bounds.upper[k] = std::max(bounds.upper[k], mesh.bounds().upper[k]);
-        }
-        in_box.box = default_box(bounds, std::max<std::size_t>(points.count(), 1));
+        in_box.box = default_box_around(mesh, points);
     }
     if (in_box.box) check_in_box(mesh, *in_box.box, in_box.periodic);
     return in_box;
 }
 
-class MeshRun {
+template <class Number>
+std::vector<std::remove_const_t<Number>> copy(std::span<Number>& numbers) {
+    std::vector<std::remove_const_t<Number>> kept(numbers.begin(), numbers.end());
+    if (!kept.empty()) numbers = kept;
+    return kept;
+}
+
+// Cuts whole cells, in rows.
+class MeshCut {
 public:
-    MeshRun(const Points& points, const Options& options, const RunInBox& run)
+    // cells: with the mesh and the seeds, in units of the job. job: with the rows of a subset. options: of the cut.
+    MeshCut(std::shared_ptr<MeshCells> cells, const Job& job, const Options& options)
         : options_(options),
-          run_(run),
-          points_(points),
-          progress_(options.progress),
-          cells_(std::make_shared<MeshCells>(checked(options))),
-          mesh_(cells_->mesh) {
-        copy(options_.weights, weights_);
-        copy(options_.radii, radii_);
-        if (options_.only) copy(*options_.only, only_);
+          cells_(std::move(cells)),
+          mesh_(cells_->mesh),
+          wanted_(with_implied(options)),
+          job_(job),
+          has_areas_(wanted_.areas || wanted_.surfaces) {}
+
+    // Returns the arrays that a cut needs, and those that it passes on.
+    [[nodiscard]] static Want of_whole_cells(Want wanted) {
+        wanted.areas |= wanted.surfaces;
+        wanted.neighbors = wanted.radii = wanted.volumes = true;
+        return wanted;
     }
 
-    Result make() {
-        Options in_box = options_in_box(mesh_, points_, options_);
-        wanted_ = with_implied(options_);
-        has_areas_ = in_box.want.areas = wanted_.areas || wanted_.surfaces;
-        in_box.want.neighbors = in_box.want.radii = in_box.want.volumes = true;
-        in_box.list_walls = false;
-        in_box.progress = progress_.within({0, 0.5});
-        job_ = validate(points_, in_box);
-        if (job_.domain->triclinic) check_in_cell(mesh_, *job_.domain, job_.scale);
-        mesh_.scale_by(job_.scale);
-        result_ = run_(points_, in_box);
+    // whole: without walls.
+    [[nodiscard]] Result make(Result whole) {
+        result_ = std::move(whole);
         keep_cells();
-        const Stoppable stoppable(progress_);
-        if (progress_) Stoppable::enter_stage({0.5, 0.95});
         if (job_.domain->is_periodic()) find_images();
         sort_rows();
         cut_cells();
@@ -158,17 +157,6 @@ private:
     static constexpr int unknown = MeshCells::cut;
     static constexpr std::uint8_t unsure = 2;
 
-    [[nodiscard]] static TriangleMesh checked(const Options& options) {
-        check_others(options);
-        return *options.mesh;
-    }
-    // Both parts of the run read the same copy, see input/snapshot.hpp.
-    template <class Number>
-    static void copy(std::span<const Number>& numbers, std::vector<Number>& to) {
-        if (numbers.empty()) return;
-        to.assign(numbers.begin(), numbers.end());
-        numbers = to;
-    }
     [[nodiscard]] std::size_t rows() const { return result_.status.size(); }
     [[nodiscard]] std::int32_t seed_of(std::size_t row) const { return cells_->seed_of(row); }
     [[nodiscard]] std::int64_t row_of(std::int32_t seed) const { return job_.only ? job_.only->row_of(seed) : seed; }
@@ -196,9 +184,7 @@ private:
     void keep_cells() {
         cells_->domain = job_.domain;
         cells_->scale = job_.scale;
-        cells_->seeds.resize(points_.coordinates());
-        for (std::size_t i = 0; i < points_.coordinates(); ++i) cells_->seeds[i] = points_[i] * job_.scale;
-        cells_->ids.assign(result_.ids.begin(), result_.ids.end());
+        if (job_.only) cells_->ids = job_.only->ids();
         cells_->indptr = std::move(result_.indptr);
         cells_->indices = std::move(result_.indices);
         cells_->shifts = std::move(result_.shifts);
@@ -213,8 +199,7 @@ private:
         for (std::int32_t i = 0; i < seeds; ++i) wraps[to_index(i)] = wrap(domain, place(i)).value_or(exact::Shift{});
         if (std::ranges::any_of(wraps, [](const exact::Shift& shift) { return shift != exact::Shift{}; }))
             cells_->wraps = std::move(wraps);
-        Box bounds = mesh_.bounds();
-        for (std::size_t k = 0; k < 3; ++k) bounds.lower[k] *= job_.scale, bounds.upper[k] *= job_.scale;
+        const Box& bounds = mesh_.placed();
         cells_->image_offsets.assign(1, 0);
         for (std::size_t r = 0; r < rows(); ++r) {
             check_stop();
@@ -241,7 +226,7 @@ private:
     // Sorts the rows by the blocks of a grid around the mesh, because near cells need the same memory.
     void sort_rows() {
         constexpr double rows_per_block = 8;
-        const Box& box = mesh_.bounds();  // as points_
+        const Box& box = mesh_.placed();
         const Vector3 size = minus(box.upper, box.lower);
         const double longest = std::max({size[0], size[1], size[2]});
         double share = 1;  // of a cube
@@ -254,7 +239,7 @@ private:
         for (std::size_t r = 0; r < rows(); ++r) {
             std::size_t at = 0;
             for (std::size_t k = 3; k-- > 0;) {
-                const double along = (points_[3 * to_index(seed_of(r)) + k] - box.lower[k]) / longest * blocks;
+                const double along = (place(seed_of(r))[k] - box.lower[k]) / longest * blocks;
                 at = at * side[k] + static_cast<std::size_t>(std::clamp(along, 0.0, static_cast<double>(side[k] - 1)));
             }
             block[r] = static_cast<std::uint32_t>(at);
@@ -437,7 +422,7 @@ private:
             int sum = 0, sheets = 0;
             const auto [first, last] = cells_->images(r);
             for (std::size_t i = first; i < last; ++i) sum += winding_[i], sheets += std::abs(winding_[i]);
-            result_.volumes[r] *= sum;
+            result_.volumes[r] = sum == 0 ? 0 : sum * result_.volumes[r];  // which may be infinite
             empty_[r] = sheets == 0 ? 1 : 0;
             if (sheets == 1 || !has_areas_) continue;
             for (std::size_t e = to_index(cells_->indptr[r]); e < to_index(cells_->indptr[r + 1]); ++e)
@@ -549,6 +534,8 @@ private:
         result_.mesh_cells = cells_;
         result_.lists_walls = false;
         result_.security_radii = {};
+        if (options_.min_face > 0 || options_.min_area > 0)
+            (void)drop_small_faces(result_, options_.min_face, options_.min_area);
         Stats& stats = result_.stats;
         stats.faces = result_.indices.size();
         stats.empty_cells = static_cast<std::uint64_t>(
@@ -566,19 +553,14 @@ private:
         if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {}, result_.shifts = {};
     }
 
-    Options options_;
-    std::vector<double> weights_, radii_;
-    std::vector<std::int64_t> only_;
-    const RunInBox& run_;
-    Points points_;
-    Progress progress_;
+    const Options& options_;
     std::shared_ptr<MeshCells> cells_;
-    ClosedMesh& mesh_;
-    Want wanted_;
-    Job job_;
+    const ClosedMesh& mesh_;
+    const Want wanted_;
+    const Job& job_;
+    const bool has_areas_;
     Result result_;
-    std::vector<std::uint32_t> order_;  // of rows, by place
-    bool has_areas_ = false;
+    std::vector<std::uint32_t> order_;         // of rows, by place
     std::vector<std::uint8_t> plain_, empty_;  // by row
     std::vector<std::uint8_t> dropped_;        // by entry: 1 for faces without a part inside; unsure
     std::vector<int> winding_;                 // by image, of plain ones
@@ -586,18 +568,123 @@ private:
 
 }  // namespace
 
-Result run_in_mesh(const Points& points, const Options& options, const RunInBox& run) {
-    return MeshRun(points, options, run).make();
+Result run_in_mesh(const Points& points, const Options& given, const RunInBox& run) {
+    check_others(given);
+    check_want(given.want);
+    Options options = given;
+    // Both parts of the run read the same copy, see input/snapshot.hpp.
+    const std::vector<double> weights = copy(options.weights), radii = copy(options.radii);
+    std::vector<std::int64_t> only;
+    if (options.only) only = copy(*options.only);
+    Progress progress(options.progress);
+    ClosedMesh mesh(*options.mesh);
+    Options in_box = options_in_box(mesh, points, options);
+    in_box.want = MeshCut::of_whole_cells(with_implied(options));
+    in_box.list_walls = false;
+    in_box.progress = progress.within({0, 0.5});
+    const Job job = validate(points, in_box);
+    place_mesh(mesh, job);
+    const auto cells = std::make_shared<MeshCells>(std::make_shared<const ClosedMesh>(std::move(mesh)));
+    cells->seeds.resize(points.coordinates());
+    for (std::size_t i = 0; i < points.coordinates(); ++i) cells->seeds[i] = points[i] * job.scale;
+    cells->weights = job.domain->weights;
+    Result whole = run(points, in_box);
+    const Stoppable stoppable(progress);
+    if (progress) Stoppable::enter_stage({0.5, 0.95});
+    return MeshCut(cells, job, options).make(std::move(whole));
+}
+
+Want want_of_probes(const Want& wanted) {
+    check_want(wanted);
+    Options options;
+    options.want = wanted;
+    return MeshCut::of_whole_cells(with_implied(options));
+}
+
+Result cut_probes(Result whole, std::span<const double> places, std::span<const double> weights,
+                  std::shared_ptr<const ClosedMesh> mesh, const Job& job, const Want& wanted) {
+    const std::size_t count = whole.status.size();
+    std::vector<std::int32_t> seeds(whole.indices.begin(), whole.indices.end());  // neighbors
+    const auto repeats = [&](std::size_t r) { return whole.status[r] == CellStatus::duplicate; };
+    for (std::size_t r = 0; r < count; ++r)
+        if (repeats(r)) seeds.push_back(whole.duplicate_of[r]);
+    std::ranges::sort(seeds);
+    const auto rest = std::ranges::unique(seeds);
+    seeds.erase(rest.begin(), rest.end());
+    if (!seeds.empty() && seeds.back() == *job.probes_of) seeds.pop_back();
+    const auto first = static_cast<std::int32_t>(seeds.size());  // of the queries
+    const auto cells = std::make_shared<MeshCells>(std::move(mesh));
+    for (const std::int32_t seed : seeds)
+        for (std::size_t k = 0; k < 3; ++k) cells->seeds.push_back(job.points[3 * to_index(seed) + k] * job.scale);
+    for (const double x : places) cells->seeds.push_back(x * job.scale);
+    if (job.domain->has_weights()) {
+        for (const std::int32_t seed : seeds) cells->weights.push_back(job.domain->weights[to_index(seed)]);
+        cells->weights.insert(cells->weights.end(), weights.begin(), weights.end());
+        cells->weights.resize(to_index(first) + count);
+    }
+    for (std::size_t r = 0; r < count; ++r)
+        for (std::size_t e = to_index(whole.indptr[r]); e < to_index(whole.indptr[r + 1]); ++e) {
+            std::int32_t& id = whole.indices[e];
+            const auto at = std::ranges::lower_bound(seeds, id);
+            id = at != seeds.end() && *at == id ? static_cast<std::int32_t>(at - seeds.begin())
+                                                : first + static_cast<std::int32_t>(r);
+        }
+    std::vector<std::int32_t> ids(count);
+    std::iota(ids.begin(), ids.end(), first);
+    // At the place of a seed the cell is that seed's, which may be its own neighbor.
+    std::vector<std::size_t> duplicates;
+    for (std::size_t r = 0; r < count; ++r) {
+        if (!repeats(r)) continue;
+        duplicates.push_back(r);
+        ids[r] = static_cast<std::int32_t>(std::ranges::lower_bound(seeds, whole.duplicate_of[r]) - seeds.begin());
+    }
+    for (const std::size_t r : duplicates) whole.status[r] = CellStatus::certified;
+    Job of_rows = job;
+    of_rows.only = std::make_shared<const Subset>(std::move(ids));
+    Options options;
+    options.want = wanted;
+    options.threads = job.options.threads;
+    cells->names = std::move(seeds);
+    cells->names.resize(to_index(first) + count, *job.probes_of);
+    Result result = MeshCut(cells, of_rows, options).make(std::move(whole));
+    for (std::int32_t& id : result.indices) id = cells->name(id);
+    for (const std::size_t r : duplicates) result.status[r] = CellStatus::duplicate;
+    return result;
 }
 
 BoxAround box_around(const Points& points, const Options& options) {
     check_others(options);
+    check_want(options.want);
     const ClosedMesh mesh(*options.mesh);
     return {options_in_box(mesh, points, options), mesh.volume()};
 }
 
+ClosedMesh mesh_of(const Options& options) {
+    check_others(options);
+    ClosedMesh mesh(*options.mesh);
+    check_options(without_mesh(options));
+    if (options.box) check_in_box(mesh, *options.box, options.periodic);
+    return mesh;
+}
+
+void place_mesh(ClosedMesh& mesh, const Job& job) {
+    if (job.domain->triclinic) check_in_cell(mesh, *job.domain, job.scale);
+    mesh.scale_by(job.scale);
+}
+
+Box default_box_around(const ClosedMesh& mesh, const Points& points) {
+    std::vector<CellStatus> outside;
+    Box bounds = check_points(points, {}, outside);
+    for (std::size_t k = 0; k < 3; ++k) {
+        bounds.lower[k] = std::min(bounds.lower[k], mesh.bounds().lower[k]);
+        bounds.upper[k] = std::max(bounds.upper[k], mesh.bounds().upper[k]);
+    }
+    return default_box(bounds, std::max<std::size_t>(points.count(), 1));
+}
+
 void check_in_mesh(const Options& options) {
     check_others(options);
+    check_want(options.want);
     (void)ClosedMesh(*options.mesh);
     check_options(without_mesh(options));
 }

@@ -1,8 +1,13 @@
 // A run in a closed triangle mesh.
 #pragma once
 
+#include <memory>
+#include <span>
+
+#include "input/job.hpp"
 #include "input/run_in_box.hpp"
 #include "result/result.hpp"
+#include "solid/closed_mesh.hpp"
 
 namespace votess::solid {
 
@@ -18,6 +23,20 @@ struct BoxAround {
 // Returns the box around options.mesh and the points in which the cells are made. Throws as check_in_mesh(), and for
 // points that have no box.
 [[nodiscard]] BoxAround box_around(const Points& points, const Options& options);
+
+// Returns options.mesh for a domain that others make. Throws as check_in_mesh(), except for arrays.
+[[nodiscard]] ClosedMesh mesh_of(const Options& options);
+// Brings a mesh into the units of a job. Throws invalid_argument if it lies outside of a triclinic box.
+void place_mesh(ClosedMesh& mesh, const Job& job);
+// Returns the default box of a mesh and points. Throws for points that are not finite.
+[[nodiscard]] Box default_box_around(const ClosedMesh& mesh, const Points& points);
+
+// Returns the arrays of whole cells of probes that cut_probes() needs. Throws `unsupported` for arrays that parts lack.
+[[nodiscard]] Want want_of_probes(const Want& wanted);
+// Cuts cells of probes at these places, 3Q as given. weights: scaled, or none. job: of the seeds, in units of the mesh.
+[[nodiscard]] detail::Result cut_probes(detail::Result whole, std::span<const double> places,
+                                        std::span<const double> weights, std::shared_ptr<const ClosedMesh> mesh,
+                                        const Job& job, const Want& wanted);
 
 // Throws for options that do not go with a mesh, or for a mesh that is not closed.
 void check_in_mesh(const Options& options);

@@ -8,6 +8,7 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "core/vector3.hpp"
 
 namespace votess {
 namespace {
@@ -29,27 +30,106 @@ int lowest_bit(double x) {
     return std::countr_zero(fraction | std::uint64_t{1} << fraction_bits) + exponent - double_bias - fraction_bits;
 }
 
+bool is_zero(const Vector3& x) {
+    return x == Vector3{};
+}
+
+Vector3 direction(const Vector3& x) {
+    const double length = length3(x[0], x[1], x[2]);
+    return {x[0] / length, x[1] / length, x[2] / length};
+}
+
+// The edges of a domain, with axes in place of those without end, and places along them.
+class Edges {
+public:
+    explicit Edges(const Options& options) : axes_(endless_axes(options)) {
+        const bool cell = options.cell.has_value();
+        std::array<Vector3, 3> edge{};
+        if (cell) {
+            origin_ = options.cell->origin;
+            edge = {options.cell->a, options.cell->b, options.cell->c};
+        }
+        std::vector<Vector3> lattice;
+        for (std::size_t j = 0; j < 3; ++j) {
+            const bool repeats = cell ? options.cell->periodic[j] : options.periodic[j];
+            if (cell) {
+                numbers_.insert(numbers_.end(), edge[j].begin(), edge[j].end());
+                has_walls_ = has_walls_ || (!repeats && axes_[j] < 0);
+            } else if (repeats) {
+                numbers_.insert(numbers_.end(), {options.box->lower[j], options.box->upper[j]});
+                edge[j][j] = options.box->upper[j] - options.box->lower[j];
+            }
+            longest_sum_ += length3(edge[j][0], edge[j][1], edge[j][2]);
+            if (repeats) lattice.push_back(edge[j]);
+            if (is_zero(edge[j])) edge[j][axes_[j] < 0 ? j : static_cast<std::size_t>(axes_[j])] = 1;
+            edge[j] = direction(edge[j]);
+        }
+        for (std::size_t j = 0; j < 3; ++j) {
+            dual_[j] = cross(edge[(j + 1) % 3], edge[(j + 2) % 3]);
+            const double volume = dot(dual_[j], edge[j]);
+            for (double& x : dual_[j]) x /= volume;
+        }
+        for (const Vector3& v : lattice) along_.push_back(direction(across(direction(v))));
+    }
+
+    [[nodiscard]] const std::array<int, 3>& axes() const { return axes_; }
+    [[nodiscard]] const Vector3& origin() const { return origin_; }
+    [[nodiscard]] bool is_periodic() const { return !along_.empty(); }
+    [[nodiscard]] bool has_walls() const { return has_walls_; }  // of a cell
+    // All numbers that the differences of images depend on, beside the seeds.
+    [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
+    // The sum of the lengths of the periods, and of other edges of a cell.
+    [[nodiscard]] double longest_sum() const { return longest_sum_; }
+    // Returns the place along edge j, as a length.
+    [[nodiscard]] double along(std::size_t j, const Vector3& x) const { return dot(dual_[j], minus(x, origin_)); }
+    [[nodiscard]] Vector3 across(Vector3 x) const {
+        for (const Vector3& u : along_) {
+            const double part = dot(u, x);
+            for (std::size_t k = 0; k < 3; ++k) x[k] -= part * u[k];
+        }
+        return x;
+    }
+
+private:
+    std::array<int, 3> axes_;
+    Vector3 origin_{};
+    std::array<Vector3, 3> dual_{};
+    std::vector<Vector3> along_;  // the lattice, orthonormal
+    std::vector<double> numbers_;
+    double longest_sum_ = 0;
+    bool has_walls_ = false;
+};
+
+constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+
 struct Spread {
-    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    double longest = 0, largest = 0;  // side, absolute coordinate
-    int unit = 1024;                  // all coordinates are multiples of 2^unit
-    double smallest = 0;              // a coordinate whose lowest bit is the unit
+    Box bounds = no_bounds;  // along the edges
+    Box across = no_bounds;  // of the parts across the lattice
+    double longest = 0;      // side of the latter
+    double largest = 0;      // absolute coordinate
+    int unit = 1024;         // all coordinates are multiples of 2^unit
+    double smallest = 0;     // a coordinate whose lowest bit is the unit
 
     // Points that are not finite are skipped: the run refuses them.
-    explicit Spread(const Points& points) {
-        for (std::size_t i = 0; i < points.coordinates(); ++i) {
+    Spread(const Points& points, const Edges& edges) {
+        for (std::size_t i = 0; i < points.count(); ++i) {
             if (i % points_per_check == 0) check_stop();
-            const double x = points[i];
-            if (!std::isfinite(x)) continue;
-            bounds.lower[i % 3] = std::min(bounds.lower[i % 3], x);
-            bounds.upper[i % 3] = std::max(bounds.upper[i % 3], x);
-            if (x == 0) continue;
-            if (const int bit = lowest_bit(x); bit < unit) unit = bit, smallest = x;
+            const Vector3 x{points[3 * i], points[3 * i + 1], points[3 * i + 2]};
+            if (!std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) continue;
+            const Vector3 part = edges.across(x);
+            for (std::size_t k = 0; k < 3; ++k) {
+                add_number(x[k]);
+                const double place = edges.along(k, x);
+                bounds.lower[k] = std::min(bounds.lower[k], place);
+                bounds.upper[k] = std::max(bounds.upper[k], place);
+                across.lower[k] = std::min(across.lower[k], part[k]);
+                across.upper[k] = std::max(across.upper[k], part[k]);
+            }
         }
+        for (const double x : edges.numbers()) add_number(x);
         for (std::size_t k = 0; k < 3; ++k) {
             if (bounds.lower[k] > bounds.upper[k]) bounds.lower[k] = bounds.upper[k] = 0;
-            longest = std::max(longest, bounds.upper[k] - bounds.lower[k]);
-            largest = std::max({largest, std::abs(bounds.lower[k]), std::abs(bounds.upper[k])});
+            if (across.lower[k] <= across.upper[k]) longest = std::max(longest, across.upper[k] - across.lower[k]);
         }
     }
     // Returns a length of the order of the coordinates and of the roots of the weights, for seeds at one place.
@@ -58,20 +138,79 @@ struct Spread {
         for (const double weight : weights) length = std::max(length, std::sqrt(std::abs(weight)));
         return length > 0 ? length : 1;
     }
+
+private:
+    void add_number(double x) {
+        largest = std::max(largest, std::abs(x));
+        if (x == 0 || !std::isfinite(x)) return;
+        if (const int bit = lowest_bit(x); bit < unit) unit = bit, smallest = x;
+    }
 };
+
+// Sets sides of the box that are at infinity, or all of the cell.
+void put_ends(Options& options, const std::array<int, 3>& axes, const auto& lower, const auto& upper) {
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (axes[j] < 0) continue;
+        if (options.cell) {
+            set_ends(options, j, axes[j], lower(j), upper(j));
+            continue;
+        }
+        if (options.box->lower[j] == -infinity) options.box->lower[j] = lower(j);
+        if (options.box->upper[j] == infinity) options.box->upper[j] = upper(j);
+    }
+}
 
 }  // namespace
 
-EndlessSides::EndlessSides(const std::optional<Box>& box) {
-    if (!box) return;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (box->lower[k] == -infinity) sides_ |= 1u << 2 * k;
-        if (box->upper[k] == infinity) sides_ |= 2u << 2 * k;
+EndlessSides::EndlessSides(const Options& options) {
+    for (std::size_t k = 0; options.box && k < 3; ++k) {
+        if (options.box->lower[k] == -infinity) sides_ |= 1u << 2 * k;
+        if (options.box->upper[k] == infinity) sides_ |= 2u << 2 * k;
     }
+    if (!options.cell) return;
+    const TriclinicBox& cell = *options.cell;
+    for (std::size_t j = 0; j < 3; ++j)
+        if (is_zero(std::array{cell.a, cell.b, cell.c}[j]) && !cell.periodic[j]) sides_ |= 3u << 2 * j;
+}
+
+bool EndlessSides::any_of(std::span<const std::int32_t> ids) const {
+    return std::ranges::any_of(ids, [this](std::int32_t id) { return has(id); });
 }
 
 std::int32_t EndlessSides::id() const {
     return -1 - std::countr_zero(sides_);
+}
+
+std::array<int, 3> endless_axes(const Options& options) {
+    std::array<int, 3> axes{-1, -1, -1};
+    const EndlessSides sides(options);
+    const auto endless = [&](int j) { return sides.has(-1 - 2 * j) || sides.has(-2 - 2 * j); };
+    if (!options.cell) {
+        for (int j = 0; j < 3; ++j)
+            if (endless(j)) axes[static_cast<std::size_t>(j)] = j;
+        return axes;
+    }
+    std::vector<Vector3> given;
+    for (int j = 0; j < 3; ++j)
+        if (!endless(j)) given.push_back(std::array{options.cell->a, options.cell->b, options.cell->c}[j]);
+    const auto largest = [](const Vector3& x) {
+        return static_cast<int>(std::ranges::max_element(x, {}, [](double c) { return std::abs(c); }) - x.begin());
+    };
+    int next = given.size() == 2 ? largest(cross(given[0], given[1])) : given.size() == 1 ? largest(given[0]) + 1 : 0;
+    for (int j = 0; j < 3; ++j)
+        if (endless(j)) axes[static_cast<std::size_t>(j)] = next++ % 3;
+    return axes;
+}
+
+void set_ends(Options& options, std::size_t j, int axis, double lower, double upper) {
+    const auto k = static_cast<std::size_t>(axis);
+    if (!options.cell) {
+        options.box->lower[k] = lower, options.box->upper[k] = upper;
+        return;
+    }
+    TriclinicBox& cell = *options.cell;
+    cell.origin[k] = lower;
+    (j == 0 ? cell.a : j == 1 ? cell.b : cell.c)[k] = upper - lower;
 }
 
 std::vector<double> weights_of(const Options& options) {
@@ -80,44 +219,69 @@ std::vector<double> weights_of(const Options& options) {
     return weights;
 }
 
+Options without_domain(Options options) {
+    options.box.reset();
+    options.cell.reset();
+    options.periodic = {};
+    return options;
+}
+
 void check_endless(const Options& options) {
-    if (options.periodic[0] || options.periodic[1] || options.periodic[2])
-        refuse_endless("Options::box without end and Options::periodic are both given: leave one out");
+    for (std::size_t k = 0; options.box && k < 3; ++k)
+        if (options.periodic[k] && !(std::isfinite(options.box->lower[k]) && std::isfinite(options.box->upper[k])))
+            refuse_endless(std::string("Options::periodic: ") + axis_name[k] +
+                           " repeats, but Options::box has no end along it: give both of its bounds");
     if (!options.walls.empty())
         refuse_endless("Options::box without end and Options::walls are both given: walls bound the domain alone");
-    if (options.cell) refuse_endless("Options::box and Options::cell are both given: give one of them");
-    if (options.min_face > 0 || options.min_area > 0)
-        refuse_endless(
-            "Options::min_face and Options::min_area need a domain with an end: leave them out, or give Options::box");
+    if (options.box && options.cell) refuse_endless("Options::box and Options::cell are both given: give one of them");
 }
 
-Box near_box(const Points& points, std::span<const double> weights, const Box& box) {
-    const Spread spread(points);
-    const double margin = spread.longest > 0 ? near_margin * spread.longest : spread.length(weights);
-    Box near = box;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (box.lower[k] == -infinity) near.lower[k] = std::min(spread.bounds.lower[k], box.upper[k]) - margin;
-        if (box.upper[k] == infinity) near.upper[k] = std::max(spread.bounds.upper[k], box.lower[k]) + margin;
-    }
-    return near;
+void end_near(Options& options, const Points& points) {
+    const Edges edges(options);
+    const Spread spread(points, edges);
+    const double longest = std::max(spread.longest, edges.is_periodic() ? edges.longest_sum() : 0);
+    // Places along edges are rounded.
+    const double margin = (longest > 0 ? near_margin * longest : spread.length(weights_of(options))) +
+                          (options.cell ? 0x1p-40 * spread.largest : 0);
+    const std::optional<Box> box = options.box;
+    const Vector3& origin = edges.origin();
+    const auto offset = [&](std::size_t j) { return origin[static_cast<std::size_t>(edges.axes()[j])]; };
+    put_ends(
+        options, edges.axes(),
+        [&](std::size_t j) {
+            return offset(j) + (box ? std::min(spread.bounds.lower[j], box->upper[j]) : spread.bounds.lower[j]) -
+                   margin;
+        },
+        [&](std::size_t j) {
+            return offset(j) + (box ? std::max(spread.bounds.upper[j], box->lower[j]) : spread.bounds.upper[j]) +
+                   margin;
+        });
 }
 
-Box far_box(const Points& points, std::span<const double> weights, const Box& box) {
+void end_far(Options& options, const Points& points) {
+    const std::vector<double> weights = weights_of(options);
     // How many times the box may be as large as the extent of the points. Weights are scaled by its square, and their
-    // lowest bits must not underflow.
-    const int max_exponent = weights.empty() ? 700 : 484;
-    const Spread spread(points);
+    // lowest bits must not underflow. Neither must products of numbers of a cell.
+    const int max_exponent = options.cell ? 360 : weights.empty() ? 700 : 484;
+    const Edges edges(options);
+    const Spread spread(points, edges);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
-    if (spread.longest == 0) size = largest = spread.length(weights);
-    for (std::size_t k = 0; k < 3; ++k)
-        for (const double wall : {box.lower[k], box.upper[k]}) {
-            if (!std::isfinite(wall)) continue;
+    const bool bisectors = spread.longest > 0 || edges.is_periodic();
+    if (!bisectors) size = largest = spread.length(weights);
+    for (std::size_t k = 0; options.box && k < 3; ++k)
+        for (const double wall : {options.box->lower[k], options.box->upper[k]}) {
+            if (!std::isfinite(wall) || options.periodic[k]) continue;
             size = std::max({size, std::abs(wall - spread.bounds.lower[k]), std::abs(wall - spread.bounds.upper[k])});
             largest = std::max(largest, std::abs(wall));
         }
+    if (edges.has_walls()) size = std::max(size, 4 * largest);
+    // Parts across the lattice are rounded, and no longer than twice their longest coordinate.
+    if (options.cell) size = 2 * size + 0x1p-40 * largest;
+    size += edges.longest_sum();
+    for (const double x : edges.origin()) largest = std::max(largest, std::abs(x));
     const int exponent = std::ilogb(size) + 1;
-    int above_vertices = exponent + 4;
-    if (spread.longest > 0) {  // else there are no bisectors
+    int above_vertices = exponent + (options.cell ? 6 : 4);
+    if (bisectors) {
         if (spread.smallest != 0) above_vertices += 3 * std::max(exponent - spread.unit, 0);
         const int without_weights = above_vertices;
         double difference = 0;
@@ -126,7 +290,8 @@ Box far_box(const Points& points, std::span<const double> weights, const Box& bo
             difference = most - least;
         }
         if (difference > 0) above_vertices += std::max(std::ilogb(difference) + 2 - 2 * (exponent - 1), 0);
-        const std::string remedy = number(spread.longest) + ", for a domain without end: ";
+        const std::string remedy =
+            number(std::max(spread.longest, edges.longest_sum())) + ", for a domain without end: ";
         if (without_weights - exponent > max_exponent)
             throw Error(ErrorCode::unsupported, "coordinate " + number(spread.smallest) +
                                                     " is too small beside the extent of the points, " + remedy +
@@ -138,12 +303,8 @@ Box far_box(const Points& points, std::span<const double> weights, const Box& bo
     }
     if (largest > 0) above_vertices = std::max(above_vertices, std::ilogb(largest) + 3);
     const double far = std::ldexp(1.0, above_vertices);
-    Box finite = box;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (box.lower[k] == -infinity) finite.lower[k] = -far;
-        if (box.upper[k] == infinity) finite.upper[k] = far;
-    }
-    return finite;
+    put_ends(
+        options, edges.axes(), [&](std::size_t) { return -far; }, [&](std::size_t) { return far; });
 }
 
 }  // namespace votess

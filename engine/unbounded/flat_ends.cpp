@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/vector3.hpp"
 #include "domain/domain.hpp"
 #include "exact/insphere.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess {
 namespace {
@@ -19,16 +21,37 @@ constexpr double relative_height = 0x1p-3;  // over the mean distance of the see
 constexpr double least_height = 0x1p-36;    // over the largest coordinate: far above the rounding of a wall
 constexpr std::size_t seeds_per_check = 4096;
 
-// The coordinates, brought to order one.
+// The lengths of a lattice along axes, 0 across it; nothing where it lies along others than axes and their planes.
+std::optional<Vector3> periods_of(const Options& options) {
+    Vector3 periods{};
+    std::ptrdiff_t dimensions = 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!(options.cell ? options.cell->periodic[j] : options.periodic[j])) continue;
+        ++dimensions;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = options.cell ? std::array{options.cell->a, options.cell->b, options.cell->c}[j][k]
+                             : j == k     ? options.box->upper[j] - options.box->lower[j]
+                                          : 0;
+            periods[k] = std::max(periods[k], std::abs(x));
+        }
+    }
+    if (3 - std::ranges::count(periods, 0.0) != dimensions) return std::nullopt;
+    return periods;
+}
+
+// The coordinates, brought to order one. Those along a lattice are 0, and the first points are a seed and its images.
 class Scaled {
 public:
-    explicit Scaled(const Points& points) : points_(points) {
+    Scaled(const Points& points, const Vector3& periods) : points_(points), periods_(periods) {
+        for (std::size_t k = 0; k < 3; ++k)
+            if (periods[k] != 0) along_.push_back(k);
         double largest = 0;
         for (std::size_t i = 0; i < points.coordinates(); ++i) {
             if (i % seeds_per_check == 0) check_stop();
             if (!std::isfinite(points[i])) return;
             largest = std::max(largest, std::abs(points[i]));
         }
+        for (const double period : periods) largest = std::max(largest, period);
         scale_ = scale_for(largest);
         largest_ = largest * scale_;
         exact_ = true;
@@ -39,9 +62,14 @@ public:
     [[nodiscard]] bool exact() const { return exact_; }  // and finite
     [[nodiscard]] double scale() const { return scale_; }
     [[nodiscard]] double largest() const { return largest_; }
-    [[nodiscard]] std::size_t size() const { return points_.count(); }
+    [[nodiscard]] std::size_t size() const { return points_.count() == 0 ? 0 : points_.count() + along_.size(); }
     [[nodiscard]] Point operator[](std::size_t i) const {
-        return {points_[3 * i] * scale_, points_[3 * i + 1] * scale_, points_[3 * i + 2] * scale_};
+        const std::size_t image = i >= 1 && i <= along_.size() ? i : 0;
+        const std::size_t point = image != 0 ? 0 : i == 0 ? 0 : i - along_.size();
+        Point x{points_[3 * point] * scale_, points_[3 * point + 1] * scale_, points_[3 * point + 2] * scale_};
+        for (const std::size_t k : along_) x[k] = 0;
+        if (image != 0) x[along_[image - 1]] = periods_[along_[image - 1]] * scale_;
+        return x;
     }
     // Returns the first point from `begin` on that suits, or the size.
     [[nodiscard]] std::size_t first(std::size_t begin, const auto& suits) const {
@@ -54,14 +82,18 @@ public:
 
 private:
     const Points& points_;
+    const Vector3& periods_;
+    std::vector<std::size_t> along_;
     double scale_ = 1, largest_ = 0;
     bool exact_ = false;
 };
 
 }  // namespace
 
-FlatEnds::FlatEnds(const Points& points, const Box& box) {
-    const Scaled x(points);
+FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless_axes(options)) {
+    const std::optional<Vector3> periods = periods_of(options);
+    if (!periods) return;
+    const Scaled x(points, *periods);
     if (!x.exact() || x.size() < 2) return;
     const Point a = x[0];
     const std::size_t second = x.first(1, [&](const Point& p) { return p != a; });
@@ -83,11 +115,18 @@ FlatEnds::FlatEnds(const Points& points, const Box& box) {
             normals.push_back(exact::triangle_normal(a, b, beside));
         }
     }
-    for (const auto& [normal, error] : normals)
+    const EndlessSides sides(options);
+    const bool periodic = *periods != Vector3{};
+    std::erase_if(normals, [&](const exact::RoundedNormal& rounded) {
+        std::size_t across = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            const bool across = normal[k] != 0 || error[k] != 0;
-            if (across && (std::isfinite(box.lower[k]) || std::isfinite(box.upper[k]))) return;
+            if (rounded.n[k] == 0 && rounded.error[k] == 0) continue;
+            ++across;
+            const int pair = pair_of(static_cast<int>(k));
+            if (pair < 0 || !sides.has(-1 - 2 * pair) || !sides.has(-2 - 2 * pair)) return true;
         }
+        return across > 1 && periodic;
+    });
 
     Vector3 lower = a, upper = a;
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -98,7 +137,7 @@ FlatEnds::FlatEnds(const Points& points, const Box& box) {
     Vector3 extent = minus(upper, lower);
     std::ranges::sort(extent, std::greater());
     const auto count = static_cast<double>(x.size());
-    const double distance = normals.size() == 1 ? std::sqrt(extent[0] * extent[1] / count) : extent[0] / count;
+    const double distance = third < x.size() ? std::sqrt(extent[0] * extent[1] / count) : extent[0] / count;
     const double height = std::max(relative_height * distance, least_height * x.largest());
     for (const auto& [normal, error] : normals) {
         const auto& [nx, ny, nz] = normal;
@@ -106,7 +145,7 @@ FlatEnds::FlatEnds(const Points& points, const Box& box) {
         if (const auto axis = std::ranges::find_if(normal, [](double n) { return n != 0; });
             std::count(normal.begin(), normal.end(), 0.0) == 2) {
             const auto k = static_cast<std::size_t>(axis - normal.begin());
-            thin_[k] = true;
+            thin_[static_cast<std::size_t>(pair_of(static_cast<int>(k)))] = true;
             sides_.lower[k] = (a[k] - height) * unscale;
             sides_.upper[k] = (a[k] + height) * unscale;
             continue;
@@ -118,8 +157,16 @@ FlatEnds::FlatEnds(const Points& points, const Box& box) {
 
 void FlatEnds::cut(Options& options) const {
     options.walls = walls_;
-    for (std::size_t k = 0; k < 3; ++k)
-        if (thin_[k]) options.box->lower[k] = sides_.lower[k], options.box->upper[k] = sides_.upper[k];
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (!thin_[j]) continue;
+        const auto k = static_cast<std::size_t>(axes_[j]);
+        set_ends(options, j, axes_[j], sides_.lower[k], sides_.upper[k]);
+    }
+}
+
+int FlatEnds::pair_of(int axis) const {
+    const auto pair = std::ranges::find(axes_, axis);
+    return pair == axes_.end() ? -1 : static_cast<int>(pair - axes_.begin());
 }
 
 }  // namespace votess

@@ -4,11 +4,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <type_traits>
 #include <unordered_map>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
-#include "core/scrambled.hpp"
 #include "core/vector3.hpp"
 #include "result/arrays.hpp"
 
@@ -60,6 +61,7 @@ public:
     explicit NewRows(const Result& like)
         : areas_wanted_(!like.face_areas.empty()),
           normals_wanted_(!like.face_normals.empty()),
+          shifts_wanted_(like.periodic != std::array<bool, 3>{}),
           polygons_wanted_(!like.face_offsets.empty()),
           vertices_wanted_(!like.cell_vertex_indptr.empty()) {
         indptr_.reserve(like.indptr.size());
@@ -74,11 +76,13 @@ public:
         if (areas_wanted_) areas_.push_back(from.face_areas[entry]);
         if (normals_wanted_)
             normals_.insert(normals_.end(), &from.face_normals[3 * entry], &from.face_normals[3 * entry] + 3);
+        if (shifts_wanted_) shifts_.insert(shifts_.end(), &from.shifts[3 * entry], &from.shifts[3 * entry] + 3);
     }
     void add_infinity(std::int32_t id) {
         indices_.push_back(id);
         if (areas_wanted_) areas_.push_back(infinity);
         if (normals_wanted_) normals_.insert(normals_.end(), 3, not_a_number);
+        if (shifts_wanted_) shifts_.insert(shifts_.end(), 3, 0);
         if (polygons_wanted_) face_offsets_.push_back(static_cast<std::int64_t>(face_vertices_.size()));
     }
     void set_area(double area) {
@@ -105,6 +109,7 @@ public:
         put(result.indices, indices_);
         if (areas_wanted_) put(result.face_areas, areas_);
         if (normals_wanted_) put(result.face_normals, normals_);
+        if (shifts_wanted_) put(result.shifts, shifts_);
         if (polygons_wanted_) {
             put(result.face_offsets, face_offsets_);
             put(result.face_vertices, face_vertices_);
@@ -117,9 +122,10 @@ public:
     [[nodiscard]] std::size_t entries() const { return indices_.size(); }
 
 private:
-    bool areas_wanted_, normals_wanted_, polygons_wanted_, vertices_wanted_;
+    bool areas_wanted_, normals_wanted_, shifts_wanted_, polygons_wanted_, vertices_wanted_;
     std::vector<std::int64_t> indptr_{0}, face_offsets_{0}, cell_vertex_indptr_{0};
     std::vector<std::int32_t> indices_, face_vertices_, cell_vertices_;
+    std::vector<std::int8_t> shifts_;
     std::vector<double> areas_, normals_;
 };
 
@@ -166,8 +172,20 @@ void set_open(Result& r, std::size_t row) {
     if (!r.security_radii.empty()) r.security_radii[row] = infinity;
 }
 
-void set_endless_stats(Result& r, const Box& box, std::uint64_t faces) {
-    r.box = box;
+void set_endless_stats(Result& r, const Options& domain, std::uint64_t faces) {
+    r.box = domain.box.value_or(Box{});
+    r.cell = domain.cell;
+    if (domain.cell) {
+        const auto axes = endless_axes(domain);
+        for (std::size_t k = 0; k < 3; ++k) {
+            r.box.lower[k] = r.box.upper[k] = domain.cell->origin[k];
+            for (const auto& v : {domain.cell->a, domain.cell->b, domain.cell->c})
+                (v[k] < 0 ? r.box.lower[k] : r.box.upper[k]) += v[k];
+            if (std::ranges::find(axes, static_cast<int>(k)) == axes.end()) continue;
+            r.box.lower[k] = -infinity;
+            r.box.upper[k] = infinity;
+        }
+    }
     Stats& stats = r.stats;
     stats.faces = faces;
     const std::uint64_t cells = r.status.size() - stats.empty_cells;
@@ -178,26 +196,51 @@ void set_endless_stats(Result& r, const Box& box, std::uint64_t faces) {
     stats.tiny_faces.reset();
 }
 
-// Keeps only the vertices with a number, which ascend with the vertices.
-void renumber_vertices(Buffer<double>& vertices, std::span<const std::int32_t> number) {
-    std::size_t kept = 0;
+std::size_t original_of(const Result& r, std::size_t vertex) {
+    return r.vertex_image_of.empty() ? vertex : at(r.vertex_image_of[vertex]);
+}
+
+// The vertices on sides at infinity, by number. One that a cell with an end touches is a vertex of the diagram.
+std::vector<bool> find_infinite(const Result& r, const EndlessSides& sides) {
+    std::vector<bool> on_side(r.vertices.size() / 3), of_closed(on_side.size());
+    for (std::size_t i = 0; i < r.status.size(); ++i) {
+        bool open = false;
+        for (auto e = at(r.indptr[i]); e < at(r.indptr[i + 1]); ++e) {
+            if (!sides.has(r.indices[e])) continue;
+            open = true;
+            for (const std::int32_t v : polygon_of(r, e)) on_side[original_of(r, at(v))] = true;
+        }
+        if (open) continue;
+        for (const std::int32_t v : vertices_of(r, i)) of_closed[original_of(r, at(v))] = true;
+    }
+    std::vector<bool> infinite(on_side.size());
+    for (std::size_t v = 0; v < infinite.size(); ++v)
+        infinite[v] = on_side[original_of(r, v)] && !of_closed[original_of(r, v)];
+    return infinite;
+}
+
+// Drops the vertices at infinity, with all of their images. number: of the others, ascending.
+void drop_infinite(Result& r, std::span<const std::int32_t> number, std::size_t kept) {
     for (std::size_t v = 0; v < number.size(); ++v) {
         if (number[v] < 0) continue;
-        for (std::size_t k = 0; k < 3; ++k) vertices[3 * kept + k] = vertices[3 * v + k];
-        ++kept;
+        const std::size_t to = at(number[v]);
+        for (std::size_t k = 0; k < 3; ++k) r.vertices[3 * to + k] = r.vertices[3 * v + k];
+        if (r.vertex_image_of.empty()) continue;
+        r.vertex_image_of[to] = number[at(r.vertex_image_of[v])];
+        for (std::size_t k = 0; k < 3; ++k) r.vertex_shifts[3 * to + k] = r.vertex_shifts[3 * v + k];
     }
-    vertices.resize_uninitialized(3 * kept);
+    r.vertices.resize_uninitialized(3 * kept);
+    if (r.vertex_image_of.empty()) return;
+    r.vertex_image_of.resize_uninitialized(kept);
+    r.vertex_shifts.resize_uninitialized(3 * kept);
 }
 
 }  // namespace
 
-void open_cells(Result& r, const Box& box) {
-    const EndlessSides sides(box);
+void open_cells(Result& r, const Options& domain) {
+    const EndlessSides sides(domain);
     const bool has_polygons = !r.face_offsets.empty();
-    std::vector<bool> at_infinity(r.vertices.size() / 3);
-    for (std::size_t e = 0; has_polygons && e < r.indices.size(); ++e)
-        if (sides.has(r.indices[e]))
-            for (const std::int32_t v : polygon_of(r, e)) at_infinity[at(v)] = true;
+    const std::vector<bool> at_infinity = has_polygons ? find_infinite(r, sides) : std::vector<bool>();
     std::vector<std::int32_t> number(at_infinity.size(), -1);
     std::int32_t vertices = 0;
     for (std::size_t v = 0; v < number.size(); ++v)
@@ -233,61 +276,49 @@ void open_cells(Result& r, const Box& box) {
     rows.move_into(r);
     for (std::size_t i = 0; i < r.face_counts.size(); ++i)
         r.face_counts[i] = static_cast<std::uint32_t>(r.indptr[i + 1] - r.indptr[i]);
-    if (has_polygons) renumber_vertices(r.vertices, number);
+    if (has_polygons) drop_infinite(r, number, at(vertices));
     r.lists_walls = true;
-    set_endless_stats(r, box, rows.entries());
+    set_endless_stats(r, domain, rows.entries());
 }
 
 namespace {
 
-// The vertices of both results in the joined one.
+// The vertices of the joined result: all of the near one, which are those of the diagram there, then others of taken
+// cells. A cell has a vertex by the faces that meet there, which are the same in both results.
 class JoinedVertices {
 public:
     JoinedVertices(const Result& near, const Result& far, std::span<const std::int32_t> rows,
-                   const std::vector<bool>& taken, const Box& box)
-        : near_number_(near.vertices.size() / 3, -1), far_number_(far.vertices.size() / 3, -1) {
+                   const std::vector<bool>& taken, std::span<const std::int32_t> names)
+        : near_number_(near.vertices.size() / 3), far_number_(far.vertices.size() / 3, -1) {
         if (near.cell_vertex_indptr.empty()) return;
-        // A vertex of taken and of other cells is known by the seeds of `far` around it.
-        std::vector<bool> of_taken(near_number_.size()), of_other(near_number_.size());
-        for (std::size_t i = 0; i < near.status.size(); ++i)
-            for (const std::int32_t v : vertices_of(near, i)) (taken[i] ? of_taken : of_other)[at(v)] = true;
-        for (std::size_t v = 0; v < near_number_.size(); ++v)
-            if (of_other[v]) near_number_[v] = count_++;
-        std::vector<std::uint64_t> near_key(near_number_.size()), far_key(far_number_.size());
-        std::vector<bool> far_taken(far_number_.size()), far_other(far_number_.size());
+        std::iota(near_number_.begin(), near_number_.end(), 0);
+        std::vector<bool> of_other(far_number_.size());
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            if (!taken[at(rows[k])])
+                for (const std::int32_t v : vertices_of(far, k)) of_other[at(v)] = true;
+        const auto same_name = [](std::int32_t id) { return id; };
+        const auto far_name = [&](std::int32_t id) { return id < 0 || names.empty() ? id : names[at(id)]; };
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            const std::size_t i = at(rows[k]);
-            for (const std::int32_t v : vertices_of(near, i))
-                near_key[at(v)] += scrambled(i);  // so that sums of few differ
-            for (const std::int32_t v : vertices_of(far, k)) {
-                far_key[at(v)] += scrambled(i);
-                (taken[i] ? far_taken : far_other)[at(v)] = true;
+            if (!taken[at(rows[k])]) continue;
+            const std::vector<Corner> here = corners(near, at(rows[k]), same_name), there = corners(far, k, far_name);
+            for (std::size_t c = 0, n = 0; c < there.size(); ++c) {
+                while (n < here.size() && here[n].faces < there[c].faces) ++n;
+                std::int32_t& number = far_number_[at(there[c].vertex)];
+                if (n < here.size() && here[n].faces == there[c].faces) number = here[n].vertex;
             }
         }
-        std::unordered_multimap<std::uint64_t, std::int32_t> by_key;
-        for (std::size_t v = 0; v < near_number_.size(); ++v)
-            if (of_taken[v] && of_other[v]) by_key.emplace(near_key[v], static_cast<std::int32_t>(v));
-        const EndlessSides sides(box);
+        std::int32_t count = static_cast<std::int32_t>(near_number_.size());
+        std::vector<bool> of_taken(far_number_.size());
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            if (taken[at(rows[k])])
+                for (const std::int32_t v : vertices_of(far, k)) of_taken[at(v)] = true;
         for (std::size_t v = 0; v < far_number_.size(); ++v) {
-            if (!far_taken[v]) continue;
-            if (!far_other[v]) {
-                far_number_[v] = count_++;
-                new_vertices_.push_back(static_cast<std::int32_t>(v));
-                continue;
-            }
-            // Two vertices on walls with ends may have the same seeds.
-            double least = infinity;
-            const auto [first, last] = by_key.equal_range(far_key[v]);
-            for (auto match = first; match != last; ++match) {
-                const Vector3 d = minus(position(near, match->second), position(far, static_cast<std::int32_t>(v)));
-                double distance = 0;
-                for (std::size_t k = 0; k < 3; ++k)
-                    if (sides.has_end(k)) distance = std::max(distance, std::abs(d[k]));
-                if (distance < least) least = distance, far_number_[v] = near_number_[at(match->second)];
-            }
-            if (far_number_[v] < 0)
+            if (!of_taken[v] || far_number_[v] >= 0) continue;
+            if (of_other[v])
                 throw Error(ErrorCode::internal,
                             "a bug in votess: a vertex of cells that reach infinity is in no other cell");
+            far_number_[v] = count++;
+            new_vertices_.push_back(static_cast<std::int32_t>(v));
         }
     }
 
@@ -295,25 +326,66 @@ public:
     [[nodiscard]] std::span<const std::int32_t> far() const { return far_number_; }
     void place(Result& joined, const Result& far) const {
         if (joined.cell_vertex_indptr.empty()) return;
-        renumber_vertices(joined.vertices, near_number_);
-        Buffer<double> all;
-        all.resize_uninitialized(3 * at(count_));
-        double* to = std::ranges::copy(joined.vertices, all.begin()).out;
-        for (const std::int32_t v : new_vertices_) to = std::ranges::copy(position(far, v), to).out;
-        joined.vertices = std::move(all);
+        const std::size_t known = near_number_.size(), count = known + new_vertices_.size();
+        const auto lengthened = [&](auto& values, std::size_t each) {
+            std::remove_reference_t<decltype(values)> all;
+            all.resize_uninitialized(each * count);
+            std::ranges::copy(values, all.begin());
+            values = std::move(all);
+        };
+        lengthened(joined.vertices, 3);
+        for (std::size_t n = 0; n < new_vertices_.size(); ++n)
+            std::ranges::copy(position(far, new_vertices_[n]), &joined.vertices[3 * (known + n)]);
+        if (far.vertex_image_of.empty()) return;
+        // All images of a vertex are new, or none.
+        lengthened(joined.vertex_image_of, 1);
+        lengthened(joined.vertex_shifts, 3);
+        std::unordered_map<std::int32_t, std::size_t> first;  // of the images of a far vertex
+        for (std::size_t n = 0; n < new_vertices_.size(); ++n) {
+            const std::size_t v = at(new_vertices_[n]);
+            const std::size_t image_of = first.emplace(far.vertex_image_of[v], n).first->second;
+            const std::size_t original = at(new_vertices_[image_of]);
+            joined.vertex_image_of[known + n] = static_cast<std::int32_t>(known + image_of);
+            for (std::size_t k = 0; k < 3; ++k)
+                joined.vertex_shifts[3 * (known + n) + k] =
+                    static_cast<std::int8_t>(far.vertex_shifts[3 * v + k] - far.vertex_shifts[3 * original + k]);
+        }
     }
 
 private:
+    // A vertex of a cell, by the ids and shifts of its faces there.
+    struct Corner {
+        std::vector<std::array<std::int32_t, 4>> faces;
+        std::int32_t vertex;
+    };
+    // Returns the corners of a row, ascending by faces.
+    static std::vector<Corner> corners(const Result& r, std::size_t row, const auto& name) {
+        std::vector<std::pair<std::int32_t, std::array<std::int32_t, 4>>> passages;
+        for (auto e = at(r.indptr[row]); e < at(r.indptr[row + 1]); ++e) {
+            std::array<std::int32_t, 4> face{name(r.indices[e])};
+            for (std::size_t k = 0; k < 3 && !r.shifts.empty(); ++k) face[k + 1] = r.shifts[3 * e + k];
+            for (const std::int32_t v : polygon_of(r, e))
+                if (v >= 0) passages.emplace_back(v, face);
+        }
+        std::ranges::sort(passages);
+        std::vector<Corner> corners;
+        for (const auto& [vertex, face] : passages) {
+            if (corners.empty() || corners.back().vertex != vertex) corners.push_back({{}, vertex});
+            corners.back().faces.push_back(face);
+        }
+        std::ranges::sort(corners, {}, &Corner::faces);
+        return corners;
+    }
+
     std::vector<std::int32_t> near_number_, far_number_;  // -1: not in the joined result
     std::vector<std::int32_t> new_vertices_;              // of `far`, in the order of their numbers
-    std::int32_t count_ = 0;
 };
 
 }  // namespace
 
 Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t> rows, const std::vector<bool>& taken,
-                  std::span<const std::int32_t> names, const Box& box) {
-    const JoinedVertices vertices(near, far, rows, taken, box);
+                  std::span<const std::int32_t> names, const Options& domain) {
+    const JoinedVertices vertices(near, far, rows, taken, names);
     const bool has_polygons = !near.face_offsets.empty();
     NewRows joined(near);
     std::size_t next = 0;  // among the far rows
@@ -336,7 +408,8 @@ Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t
             if (has_polygons) joined.polygon(polygon_of(far, e), vertices.far());
         }
         joined.end_row(has_polygons ? vertices_of(far, k) : std::span<const std::int32_t>(), vertices.far());
-        empty_cells += (far.status[k] == CellStatus::empty) - (near.status[i] == CellStatus::empty);
+        const auto has_none = [](CellStatus s) { return s == CellStatus::empty || s == CellStatus::outside; };
+        empty_cells += std::uint64_t{has_none(far.status[k])} - std::uint64_t{has_none(near.status[i])};
         detail::copy_cell(near, i, far, k);
     }
     joined.move_into(near);
@@ -344,7 +417,7 @@ Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t
     near.lists_walls = true;
     near.stats.empty_cells = empty_cells;
     near.stats.exact_cells += far.stats.exact_cells;
-    set_endless_stats(near, box, joined.entries());
+    set_endless_stats(near, domain, joined.entries());
     return std::move(near);
 }
 

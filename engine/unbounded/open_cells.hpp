@@ -12,15 +12,16 @@
 
 namespace votess {
 
-// Turns the result of far_box(), whose rows list walls, into that of `box`. Counts and areas need polygons.
-void open_cells(detail::Result& result, const Box& box);
+// Turns a result of end_far() or end_near(), whose rows list walls, into that of the domain in the options. Counts and
+// areas need polygons.
+void open_cells(detail::Result& result, const Options& domain);
 
-// Takes cells of `far`, which open_cells() has turned, into the result of near_box(), whose rows list walls. rows: the
-// near row of each far one, ascending. taken: by near row, whether the far cell replaces the near one. names: the seeds
-// that the ids of `far` mean; empty if both results have the same ids. Vertices that taken cells share with others need
-// far cells of all neighbors of the taken ones.
+// Takes cells of `far` into the result `near` of end_near(); open_cells() has turned both. rows: the near row of each
+// far one, ascending. taken: by near row, whether the far cell replaces the near one. names: the seeds that the ids of
+// `far` mean; empty if both results have the same ids. Vertices that taken cells share with others need far cells of
+// all neighbors of the taken ones.
 [[nodiscard]] detail::Result join_cells(detail::Result&& near, const detail::Result& far,
                                         std::span<const std::int32_t> rows, const std::vector<bool>& taken,
-                                        std::span<const std::int32_t> names, const Box& box);
+                                        std::span<const std::int32_t> names, const Options& domain);
 
 }  // namespace votess

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/progress.hpp"
@@ -10,6 +11,7 @@
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
 #include "result/arrays.hpp"
+#include "result/drop_faces.hpp"
 #include "unbounded/flat_ends.hpp"
 #include "unbounded/open_cells.hpp"
 
@@ -66,12 +68,9 @@ public:
           run_(run),
           points_(points),
           progress_(options.progress),
-          sides_(options.box),
-          flat_ends_(points, *options.box) {
-        check_endless(options);
-        Options with_default_box = options;
-        with_default_box.box.reset();
-        check_options(with_default_box);  // the device too, which the far box does not use
+          sides_(options),
+          flat_ends_((check_endless(options), points), options) {
+        check_options(without_domain(options));  // the device too, which the far box does not use
         wanted_ = with_implied(options);
         weights_ = options.weights.empty() ? options.radii : options.weights;
         squares_ = !options.radii.empty();
@@ -80,7 +79,13 @@ public:
     Result make() {
         Result result =
             points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
-        if (result.vertices.size() == 3 && !options_.only) find_tetrahedron(result);
+        if (options_.min_face > 0 || options_.min_area > 0) {
+            Stats& stats = result.stats;
+            stats.faces -= drop_small_faces(result, options_.min_face, options_.min_area);
+            const std::uint64_t cells = result.status.size() - stats.empty_cells;
+            if (cells > 0) stats.mean_faces = static_cast<double>(stats.faces) / static_cast<double>(cells);
+        }
+        if (result.vertices.size() == 3 && !options_.only && result.vertex_image_of.empty()) find_tetrahedron(result);
         result.walls.clear();
         detail::keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
         return result;
@@ -89,16 +94,16 @@ public:
 private:
     using Only = std::optional<std::span<const std::int64_t>>;
 
-    // The options of a part of the run, whose rows list walls.
-    [[nodiscard]] Options part(const Box& box, const Want& want, const Only& only, const Share& share) {
-        Options part = options_;
-        part.box = box;
+    // The options of a part of the run, whose rows list walls. with_ends: those of the run, with ends.
+    [[nodiscard]] Options part(Options with_ends, const Want& want, const Only& only, const Share& share) {
+        Options part = std::move(with_ends);
         flat_ends_.cut(part);
         part.list_walls = true;
         part.want = want;
         part.want.neighbors = true;
         part.only = only;
         part.progress = progress_.within(share);
+        part.min_face = part.min_area = 0;  // make() drops faces
         return part;
     }
     // Open cells need polygons for areas and counts.
@@ -124,16 +129,14 @@ private:
         result.lone_tetrahedron = {seeds[0], seeds[1], seeds[2], seeds[3]};
     }
 
-    // A run in far_box(). weights: or radii.
+    // A run between far ends. weights: or radii.
     Result run_far(const Points& points, std::span<const double> weights, const Want& want, const Only& only,
                    const Share& share) {
-        std::vector<double> squares;
-        if (squares_)
-            for (const double radius : weights) squares.push_back(radius * radius);
-        Options options = part(far_box(points, squares_ ? squares : weights, *options_.box), want, only, share);
-        options.device = "cpu";  // no device clips so large a box
-        (squares_ ? options.radii : options.weights) = weights;
-        return run_(points, options);
+        Options far = options_;
+        (squares_ ? far.radii : far.weights) = weights;
+        end_far(far, points);
+        far.device = "cpu";  // no device clips so large a box
+        return run_(points, part(std::move(far), want, only, share));
     }
 
     // Returns the cells of these points. weights: or radii. The first run finds the rows; a second one measures the
@@ -157,15 +160,16 @@ private:
             if (!ids.empty()) some = run_far(points, weights, measures, ids, share.part(0.8, 1));
             take_measures(result, wanted_, some, closed, [](std::size_t k) { return k; });
         }
-        open_cells(result, *options_.box);
+        open_cells(result, options_);
         return result;
     }
 
     Result near_cells() {
         Want want = wanted_;
         want.faces |= needs_polygons();
-        return run_(points_,
-                    part(near_box(points_, weights_of(options_), *options_.box), want, options_.only, {0, 0.7}));
+        Options near = options_;
+        end_near(near, points_);
+        return run_(points_, part(std::move(near), want, options_.only, {0, 0.7}));
     }
     // Returns the rows whose cells reach beyond the near box. A cell that is empty there may lie beyond it.
     std::vector<bool> find_taken(const Result& near) {
@@ -188,7 +192,7 @@ private:
     Result in_both_boxes() {
         Result near = near_cells();
         const std::vector<bool> taken = find_taken(near);
-        open_cells(near, *options_.box);
+        open_cells(near, options_);
         if (std::ranges::find(taken, true) == taken.end()) return near;
         if (options_.only) return with_far(std::move(near), taken);
 
@@ -212,7 +216,7 @@ private:
         }
         const bool all = needs_polygons();
         const Result far = far_cells({some_points, {}}, some_weights, all ? Only() : Only(only), {0.8, 0.95});
-        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, *options_.box);
+        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, options_);
     }
 
     // Takes cells of a subset into its near result, from among all points. Where there are polygons all come from the
@@ -234,7 +238,7 @@ private:
             only.push_back((*options_.only)[i]);
         }
         const Result far = far_cells(points_, weights_, only, {0.7, 0.95});
-        return join_cells(std::move(near), far, rows, taken, {}, *options_.box);
+        return join_cells(std::move(near), far, rows, taken, {}, options_);
     }
 
     const Options& options_;

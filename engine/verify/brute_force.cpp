@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "domain/domain.hpp"
+#include "domain/lattice_reach.hpp"
 
 namespace votess {
 namespace {
@@ -59,8 +60,9 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
     const double reach = reach_of(cell);
     for (std::size_t s = 0; s < place_.size(); ++s) {
         const exact::Point& at = place_[s].at;
-        const ShiftRange shifts =
-            domain_.is_periodic() ? shifts_around(domain_, {at, at}, own_.place.at, reach) : ShiftRange{};
+        const ShiftRange shifts = domain_.is_periodic() ? shifts_around(domain_, {at, at}, own_.place.at,
+                                                                        std::min(reach, neighbor_reach(domain_)))
+                                                        : ShiftRange{};
         add(s, shifts, reach * reach);
     }
     work_ += static_cast<double>(place_.size()) * (domain_.is_periodic() ? work_of_range : 1);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/text.hpp"
 #include "input/options.hpp"
@@ -109,25 +108,29 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
                (reported.empty ? "no cell" : "a cell") + ", trying every seed leaves " +
                (reported.empty ? "one" : "none");
     if (empty) return {};
-    const double unscale = 1 / clipped.scale();
+    for (std::size_t f = 0; f < clipped.faces.size(); ++f)
+        if (run.ends.any() && run.ends.has(clipped.plane(f).id)) return {};
+    const double unscale = 1 / clipped.scale(), unit_of_volume = run.planar() ? run.thickness : 1;
     std::vector<double> areas;
     const cpu::CellGeometry geometry = clipped.cell.measure(clipped.faces, &areas);
     const double tolerance = run.tolerance.cell + double_tolerance.cell;  // both are rounded
     if (reported.row) {
         std::vector<ReportedFace> row;
+        double surface = 0;
         for (std::size_t f = 0; f < clipped.faces.size(); ++f) {
             const cpu::CellPlane& plane = clipped.plane(f);
-            if (plane.id < 0 && !run.options.list_walls) continue;
+            const double area = areas[f] * unscale * unscale / unit_of_volume;
+            if (!run.planar() || !Sheet::bounds(plane.id)) surface += area;
+            if (!run.lists(plane.id)) continue;
             ReportedFace& face = row.emplace_back();
             face.id = plane.id < 0 ? plane.id : ids[static_cast<std::size_t>(plane.id)];
-            face.area = areas[f] * unscale * unscale;
+            face.area = area;
             for (std::size_t k = 0; k < 3; ++k) face.shift[k] = static_cast<std::int8_t>(plane.shift[k]);
         }
-        const double surface = std::accumulate(areas.begin(), areas.end(), 0.0) * unscale * unscale;
         if (auto text = row_difference(run, reported, row, tolerance * surface); !text.empty()) return text;
     }
     if (!reported.volume) return {};
-    const double volume = geometry.volume * unscale * unscale * unscale;
+    const double volume = geometry.volume * unscale * unscale * unscale / unit_of_volume;
     if (volume == *reported.volume ||  // both may be infinite
         std::abs(volume - *reported.volume) <= tolerance * volume + smallest_double)
         return {};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/progress.hpp"
+#include "input/supports.hpp"
 #include "votess/zones.hpp"
 
 namespace votess {
@@ -27,8 +28,7 @@ std::size_t at(std::int32_t index) {
 }
 
 void check(const Tessellation& t, std::span<const double> values) {
-    if (t.is_subset()) refuse("the cells of some seeds do not form a diagram: leave out Options::only");
-    if (t.probed()) refuse("cells of probes overlap: give the result of tessellate()");
+    require(t, "watershed");
     if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set Options::want.neighbors");
     if (values.size() != t.size())
         refuse(std::to_string(values.size()) + " values for " + std::to_string(t.size()) + " seeds: give one for each");

@@ -21,8 +21,8 @@ namespace votess {
 // M simplices of one dimension k. Each holds k + 1 seeds, in ascending order. Simplices ascend too.
 struct AlphaSimplices {
     std::vector<std::int32_t> seeds;  // (k + 1) M
-    // 3 (k + 1) M in a periodic domain, else empty: the numbers of box vectors that carry each seed from its place
-    // inside the box to the simplex. They are 0 for the first seed.
+    // 3 (k + 1) M in a periodic domain, in the plane 2 (k + 1) M, else empty: the numbers of box vectors that carry
+    // each seed from its place inside the box to the simplex. They are 0 for the first seed.
     std::vector<std::int8_t> shifts;
     // M squared radii, length unit squared. Never less than the value of a face. In a power diagram a ball has the
     // squared radius alpha + w, so a seed appears at -w.
@@ -34,25 +34,25 @@ struct AlphaSimplices {
 };
 
 struct AlphaComplex {
-    std::array<AlphaSimplices, 4> simplices;  // by dimension
+    std::array<AlphaSimplices, 4> simplices;  // by dimension; in the plane there are no tetrahedra
 };
 
-// Returns the alpha complex of the seeds in whole space, or in a domain that is periodic along all axes. Faces of the
-// tessellation, Want::faces, are used where they are those of this space; else the call tessellates again, on the CPU.
-// So box, walls and dropped faces change nothing. Duplicates, seeds that Outside::drop dropped, and seeds that weights
-// hide are in no simplex. Seeds in one plane have no tetrahedra, those in one line no triangles.
+// Returns the alpha complex of the seeds in whole space or the whole plane. In a periodic domain this repeats along the
+// same axes, and has no end along others. Faces of the tessellation, Want::faces, are used where they are those of this
+// space; else the call tessellates again, on the CPU. So bounds, walls and dropped faces change nothing. Duplicates,
+// seeds that Outside::drop dropped, and seeds that weights hide are in no simplex. Seeds in one plane have no
+// tetrahedra, those in one line no triangles.
 //
 // Gabriel flags are exact. Values have a relative error below 1e-12. Where exact values of a simplex and a face are
 // equal because of a tie, stored ones are too. Polytopes of more than four seeds on an empty sphere are cut from their
 // lowest seed, and their facets from the lowest seed of each. So neighbors agree, images too.
 //
-// replicate: take this many copies of a periodic box along each of its vectors. Copy (i, j, k) of seed s has the id
-// s + N c, where c = (i * replicate[1] + j) * replicate[2] + k. The seed as it lies inside the box is copy (0, 0, 0).
-// Shifts then count vectors of the large box.
+// replicate: take this many copies of a periodic box along each of its vectors, 1 where it does not repeat. Copy (i, j,
+// k) of seed s has the id s + N c, where c = (i * replicate[1] + j) * replicate[2] + k. The seed as it lies inside the
+// box is copy (0, 0, 0). Shifts then count vectors of the large box.
 //
 // Throws invalid_argument if an edge leads to an image of its own seed, or two edges join the same seeds: replicate a
-// small box. Refuses domains that are periodic along some axes only, and cells of a subset, of probes, in a mesh and in
-// two dimensions. Points in two dimensions may be given with z = 0.
+// small box. Refuses cells of a subset, of probes and in a mesh. In the plane replicate[2] must be 1.
 [[nodiscard]] VOTESS_API AlphaComplex alpha_complex(const Tessellation& tessellation, std::span<const double> points,
                                                     const std::array<std::int32_t, 3>& replicate = {1, 1, 1});
 

@@ -53,11 +53,11 @@ struct NaturalCoordinates {
     std::vector<std::int64_t> indptr;   // Q+1
     std::vector<std::int32_t> indices;  // indptr[Q] seeds
     std::vector<double> weights;        // indptr[Q]
-    std::vector<double> gradients;      // 3 indptr[Q], of the weights, per length unit; NaN on a seed
+    std::vector<double> gradients;      // (indptr[Q], d), of the weights, per length unit; NaN on a seed
 };
 struct Interpolated {
     std::vector<double> values;     // (Q, m); NaN where there are no coordinates
-    std::vector<double> gradients;  // (Q, m, 3), per length unit; NaN there and on seeds; empty unless requested
+    std::vector<double> gradients;  // (Q, m, d), per length unit; NaN there and on seeds; empty unless requested
 };
 
 enum class GridMethod : std::int32_t {
@@ -90,7 +90,8 @@ enum class GridMethod : std::int32_t {
 };
 
 // The grid divides the box of the domain along x, y and z, or a triclinic box along its edges a, b and c. Grid cell
-// (i, j, k) is element (i * ny + j) * nz + k of an array of the shape (nx, ny, nz).
+// (i, j, k) is element (i * ny + j) * nz + k of an array of the shape (nx, ny, nz). In two dimensions nz is 1, and
+// dtfe is linear in triangles.
 struct GridOptions {
     std::array<std::size_t, 3> shape{};  // nx, ny, nz: 1 to 2^20 each
     GridMethod method = GridMethod::mean;
@@ -102,7 +103,7 @@ struct GridOptions {
 };
 
 struct TraceOptions {
-    bool middles = false;            // compute RayCells::middles: 24 bytes a cell passed
+    bool middles = false;            // compute RayCells::middles: 8 d bytes a cell passed
     ProgressCallback progress = {};  // as Options::progress
 };
 
@@ -112,17 +113,20 @@ struct VOTESS_API RayCells {
     std::vector<std::int64_t> offsets;  // R+1
     std::vector<std::int32_t> seeds;    // offsets[R]
     std::vector<double> lengths;        // offsets[R], at least 0
-    // 3 offsets[R] with TraceOptions::middles: the middle of each piece of the ray, minus the place of the seed or
+    // (offsets[R], d) with TraceOptions::middles: the middle of each piece of the ray, minus the place of the seed or
     // image whose cell it is. Errors stay below 1e-12 of the largest coordinate on the way.
     std::vector<double> middles;
+    bool planar = false;  // d = 2
 
     // Returns the integral along each ray of the field that is `value + gradient . (x - seed)` in each cell. values: N.
-    // gradients: 3N, or none where the field is constant in cells; these need middles. Throws invalid_argument for
+    // gradients: (N, d), or none where the field is constant in cells; these need middles. Throws invalid_argument for
     // fewer values than the seeds need, for gradients of another size, and without middles.
     [[nodiscard]] std::vector<double> integrate(std::span<const double> values,
                                                 std::span<const double> gradients = {}) const;
 };
 
+// Vectors have d components: 3, or 2 with Options::planar.
+//
 // Seeds, sorted once for searching; no cell is built. A shared handle to immutable data, cheap to copy. Many threads
 // may query one Diagram; the calls run one after the other, each on options.threads threads of the CPU.
 //
@@ -131,23 +135,30 @@ struct VOTESS_API RayCells {
 class VOTESS_API Diagram {
 public:
     Diagram();  // without seeds
-    // points: as for tessellate(); copied. Without box, cell and walls the domain is all of space; the grid of
-    // to_grid() then covers the default box of tessellate(). A box has all of its ends or none. Uses these options: the
-    // domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. Throws Error as
-    // tessellate() does; `unsupported` for a device other than "cpu" and "auto"; invalid_argument with min_face or
-    // min_area.
+    // points: as for tessellate(); copied. Without box, cell and walls the domain is all of space, or of the plane. The
+    // grid of to_grid() covers the default box of tessellate() along infinite sides. Uses these options: the
+    // domain, planar, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. Throws
+    // Error as tessellate() does; `unsupported` for a device other than "cpu" and "auto"; invalid_argument with
+    // min_face or min_area.
+    //
+    // Options::mesh cuts the domain. Its surface is inside; outside there are no answers, and grids are 0. Inside,
+    // natural_neighbors() and interpolate() answer as without the mesh. trace() gives the parts of rays inside: which
+    // triangles a ray passes is exact, and times are rounded. A ray in the surface counts as moved off it by less than
+    // any distance. One may begin outside of the mesh, though not of a box. probe() gives the part inside of the cell
+    // that a seed there would have, without vertices, faces, counts and radii. to_grid() refuses `dtfe`.
     explicit Diagram(std::span<const double> points, const Options& options = {});
 
     [[nodiscard]] std::size_t size() const noexcept;  // N, number of seeds
+    [[nodiscard]] bool planar() const noexcept;       // whether d is 2
     // Returns, for each query, the seed whose cell holds it: exactly the one with the least |x - p|^2 - w. On a face,
     // edge or vertex the lowest seed is returned; of duplicates the seed that keeps the cell; -1 outside the domain
-    // (walls are inside) and without seeds. queries: 3Q coordinates, finite; a periodic domain wraps them without
-    // rounding. Throws invalid_argument; `unsupported` for a query too small beside the box for one scale.
+    // (walls are inside) and without seeds. queries: (Q, d), finite; a periodic domain wraps them without rounding.
+    // Throws invalid_argument; `unsupported` for a query too small beside the box for one scale.
     [[nodiscard]] std::vector<std::int32_t> locate(std::span<const double> queries,
                                                    const ProgressCallback& progress = {}) const;
     // Returns the cells along R rays, which begin at `origins`. A ray ends after its length, or at a wall of the
-    // domain. One that begins outside the domain has no cells. origins, directions: 3R, finite; only the direction of a
-    // vector matters. lengths: R, at least 0; infinity is allowed where a wall ends the ray.
+    // domain. One that begins outside the domain has no cells. origins, directions: (R, d), finite; only the direction
+    // of a vector matters. lengths: R, at least 0; infinity is allowed where a wall ends the ray.
     //
     // Cells and their order are exact: those of the true diagram along the true ray. Only the length is rounded, when
     // it is divided by that of the direction. A ray through an edge or a vertex passes the cells where it has a length,

@@ -6,7 +6,7 @@
 // Method: Newton steps (Kitagawa, Mérigot, Thibert: Convergence of a Newton algorithm for semi-discrete optimal
 // transport, J. Eur. Math. Soc. 21, 2019) for the cube roots of volumes, which are nearer to linear in the weights. The
 // derivative of a volume by a neighbor's weight is -area / (2 distance). Far from the targets a step goes part of the
-// way on a logarithmic scale, and the cells that it leaves empty are revived.
+// way on a logarithmic scale, and the cells that it leaves empty are revived. In the plane volumes are areas.
 // The weights are those of optimal transport from the domain to the seeds, unique up to a constant.
 #pragma once
 
@@ -62,9 +62,11 @@ private:
 // Returns weights for which the cell of point i has the volume targets[i], and the tessellation with them. Options give
 // the domain, the arrays of the tessellation, device and threads. Options::weights or radii are the start. By default,
 // and where they leave a cell empty, the start is 0. The steps use double precision.
+// Points outside that are kept have cells of their volumes inside. Dropped points have none; their targets do not
+// count, and their weights are 0. In a periodic domain each kept point must have a cell without weights.
 // In a mesh the volumes are those in it. Each cell must have a part of it without weights.
-// Throws invalid_argument for equal points, Outside::drop or keep, and targets that are not positive, not one for each
-// point or do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of
+// Throws invalid_argument for equal points, points outside by default, and targets that are not positive, not one for
+// each point or do not sum to the volume of the domain (to 1e-9); FitError when the steps end; and the errors of
 // tessellate().
 [[nodiscard]] VOTESS_API VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets,
                                                const Options& options = {}, const FitOptions& fit = {});

@@ -27,10 +27,16 @@ typedef struct votess_mpi_result votess_mpi_result;
 // Returns sizeof(MPI_Comm) in the MPI of the library, for callers that do not include its header.
 VOTESS_API size_t votess_mpi_sizeof_comm(void);
 
+// Walls around the convex hull of the points of all ranks, as those of votess_hull_new(). Collective; free them by
+// votess_hull_free().
+VOTESS_API votess_status votess_mpi_hull_new(MPI_Comm comm, const double* points, size_t count,
+                                             const votess_options* options, votess_hull** out);
+
 // Tessellates the seeds of all ranks. Collective. On success *out is a new result on every rank; else it is NULL, with
-// the same error on every rank. points: 3 * count coordinates of this rank; NULL only when count is 0. ids: count, or
-// NULL on all ranks that have seeds. options: NULL = defaults; weights and radii belong to this rank's points; progress
-// is called while this rank finds its cells and stops all ranks; log is not called. cells: VOTESS_MPI_*.
+// the same error on every rank. points: 3 * count coordinates of this rank, in the plane 2 * count; NULL only when
+// count is 0. ids: count, or NULL on all ranks that have seeds. options: NULL = defaults; weights and radii belong to
+// this rank's points; progress is called while this rank finds its cells and stops all ranks; log is not called. cells:
+// VOTESS_MPI_*.
 VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t count, const int64_t* ids,
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);

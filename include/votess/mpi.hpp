@@ -35,7 +35,7 @@ struct Counts {
 // that handed them in, and are on no rank with Cells::made.
 struct Result {
     std::vector<std::int64_t> ids;  // N
-    std::vector<double> points;     // (N, 3), only for Cells::made
+    std::vector<double> points;     // (N, 3), in the plane (N, 2), only for Cells::made
     std::vector<double> weights;    // N in a power diagram (squares of radii too); else none
     BlockCells cells;
     // Which ids to exchange before using a field of the neighbors; only for Cells::handed_in. Rank r needs the values
@@ -48,16 +48,22 @@ struct Result {
 };
 
 // Returns the cells of this rank. Collective.
-// points: (N, 3), of this rank; N may be 0. ids: N, at least 0 and unique over all ranks; or none on any rank, which
-// numbers the seeds rank after rank. The lowest id of duplicates keeps the cell.
-// options: the same on all ranks, except weights and radii (N, of this rank), threads and progress. progress is called
-// while the rank finds its cells; when it returns false on one rank, all ranks stop. cells: the same on all ranks.
-// Throws Error as votess::tessellate(), and `unsupported` for vertices, faces, min_face, min_area, duplicates = error
-// and GPUs. When one rank fails, all ranks throw the same error. It names the rank and the index of its point, or the
-// number of the seed where there are no ids.
+// points: (N, 3), in the plane (N, 2), of this rank; N may be 0. ids: N, at least 0 and unique over all ranks; or none
+// on any rank, which numbers the seeds rank after rank. The lowest id of duplicates keeps the cell. options: the same
+// on all ranks, except weights and radii (N, of this rank), threads and progress. progress is called while the rank
+// finds its cells; when it returns false on one rank, all ranks stop. cells: the same on all ranks. Throws Error as
+// votess::tessellate(), and `unsupported` for vertices, faces, min_face, min_area, duplicates = error, meshes and GPUs,
+// and in a domain without end for a cell that weights leave empty near the seeds. When one rank fails, all ranks throw
+// the same error. It names the rank and the index of its point, or the number of the seed where there are no ids.
 [[nodiscard]] VOTESS_API Result tessellate(MPI_Comm comm, std::span<const double> points,
                                            std::span<const std::int64_t> ids = {}, const Options& options = {},
                                            Cells cells = Cells::handed_in);
+
+// Returns the walls of votess::hull_walls() around the points of all ranks, for Options::walls. Collective; the walls
+// are the same on all ranks. Ranks exchange the corners of their hulls. points: (N, 3), in the plane (N, 2), of this
+// rank.
+[[nodiscard]] VOTESS_API std::vector<Wall> hull_walls(MPI_Comm comm, std::span<const double> points,
+                                                      const Options& options = {});
 
 // Checks the result of tessellate() as votess::verify() does, across ranks. Collective; the report is the same on all
 // ranks. points: those that were handed in; none for Cells::made. options: the same on all ranks. Throws Error as

@@ -36,21 +36,21 @@ struct FreeSphere {
 // square root of its weight, and distances end at its surface; inside of it they are negative. If radii differ, the
 // places with most room are near vertices and edges of the power diagram, not on them: results are lower bounds then.
 struct VOTESS_API Network {
-    std::vector<double> points;          // 3V, absolute; beyond the box where a cell reaches beyond it
+    std::vector<double> points;          // 3V, in the plane 2V, absolute; beyond the box where a cell reaches beyond it
     std::vector<std::int32_t> vertices;  // V, ascending: the first of Tessellation::vertices() that each one stands for
     std::vector<double> vertex_radii;    // V
     std::vector<std::uint8_t> at_walls;  // V: 1 for a vertex on a wall
     std::vector<std::int32_t> edges;     // 2E vertices, the lower one first; in ascending order
-    // 3E in a periodic domain, else empty: the numbers of box vectors that carry the second vertex to where the edge
-    // ends. The first vertex stays.
+    // 3E in a periodic domain, in the plane 2E, else empty: the numbers of box vectors that carry the second vertex to
+    // where the edge ends. The first vertex stays.
     std::vector<std::int8_t> shifts;
     std::vector<double> edge_radii;  // E: the smallest radius along each edge
 
     // Returns the largest sphere at a vertex. Its radius is -infinity, and its vertex -1, if the network is empty.
     [[nodiscard]] IncludedSphere largest_included() const;
-    // Returns the largest sphere that can travel without end. axis: only travels along this box vector count, 0, 1 or
-    // 2. Returns nothing without such ways, as in a domain with walls all around. Throws invalid_argument for another
-    // axis.
+    // Returns the largest sphere that can travel without end. axis: only travels along this box vector count, 0, 1 or,
+    // in space, 2. Returns nothing without such ways, as in a domain with walls all around. Throws invalid_argument for
+    // another axis.
     [[nodiscard]] std::optional<FreeSphere> largest_free(std::optional<int> axis = {}) const;
 };
 

@@ -67,12 +67,14 @@ struct PictureOptions {
     std::optional<std::array<double, 3>> cut_at;
     WallCells wall_cells = WallCells::automatic;
 
-    // Draws a section by a plane instead, seen along its axis.
+    // Draws a section by a plane instead, seen along its axis. Cells of the plane are drawn like a section.
     std::optional<Slice> slice;
 
     bool edges = true;   // lines along the edges of cells, fading where cells are small
-    bool seeds = false;  // with a slice: dots for the seeds near the plane
+    bool seeds = false;  // with a slice or in the plane: dots for the seeds near it
     bool color_bar = true;
+    // Leaves out cells that reach infinity, in a domain without end; else it is refused.
+    bool skip_open = false;
     bool frame = true;  // the box as lines; with a slice axes with ticks
     std::array<std::uint8_t, 4> background{255, 255, 255, 255};
 
@@ -82,11 +84,12 @@ struct PictureOptions {
 struct Picture {
     std::uint32_t width = 0, height = 0;
     std::vector<std::uint8_t> pixels;  // 4 width height: RGBA, rows from the top, from the left
+    std::uint64_t left_out = 0;        // cells that reach infinity, see PictureOptions::skip_open
 };
 
-// Returns a picture of the cells. The tessellation needs Want::faces. points: the array given to tessellate(), read
-// during the call only. Pixels do not depend on the number of threads. Throws Error: invalid_argument (names the
-// missing or wrong value), out_of_memory.
+// Returns a picture of the cells, in the plane of their polygons. The tessellation needs Want::faces. points: the array
+// given to tessellate(), read during the call only. Pixels do not depend on the number of threads. Throws Error:
+// invalid_argument (names the missing or wrong value), out_of_memory.
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
 

@@ -12,7 +12,7 @@ extern "C" {
 // Some seeds, in input order. The caller keeps the arrays until the next callback.
 typedef struct votess_stream_seeds {
     size_t count;           // at most 2^31 - 1
-    const double* points;   // 3 * count
+    const double* points;   // 3 * count, in the plane 2 * count, as all vectors
     const double* weights;  // count, or NULL; at most one of weights and radii
     const double* radii;    // count, or NULL
 } votess_stream_seeds;
@@ -65,6 +65,8 @@ typedef struct votess_stream {
     int (*begin)(const votess_stream_head* head, void* user);  // may be NULL
     int (*rows)(const votess_stream_rows* rows, void* user);
     void* user;
+    int32_t hull;  // 1: the domain is the convex hull of all seeds, see StreamOptions in stream.hpp; or 0
+    int32_t reserved;
 } votess_stream;
 
 typedef struct votess_stream_counts {

@@ -22,7 +22,7 @@ namespace votess {
 
 // Some seeds, in input order. The source keeps the arrays until its next call.
 struct StreamSeeds {
-    std::span<const double> points;          // (n, 3), any n, as for tessellate()
+    std::span<const double> points;          // (n, 3), in the plane (n, 2), any n, as for tessellate()
     std::span<const double> weights, radii;  // in a power diagram n of one of these, each time; else none
 };
 
@@ -66,6 +66,9 @@ struct StreamOptions {
     std::string temporary;
     // Checks all rows as verify() does, on their way to the sink. The verdict arrives after the last row.
     bool verify = false;
+    // The domain is the convex hull of all seeds. The first reading finds the walls of hull_walls(); the options have
+    // no domain then. Memory also holds the corners of the hull, and all seeds where these lie in one plane.
+    bool hull = false;
 };
 
 struct StreamResult {
@@ -85,7 +88,9 @@ struct StreamResult {
 
 // Tessellates the seeds of source and gives their rows to sink. Weights and radii come from the source, not from
 // options. options.log receives each stage, and the disk space of the temporary files before the first is written.
-// Throws `unsupported` for want.vertices, want.faces, min_face, min_area, duplicates = error and GPUs. Throws `storage`
+// Throws `unsupported` for want.vertices, want.faces, min_face, min_area, duplicates = error, meshes and GPUs, and in a
+// domain without end for a cell that weights leave empty near the seeds. There memory also holds the cells that reach
+// infinity, and their neighbors. Throws `storage`
 // where a temporary file cannot be written or the disk is full. Else Error as tessellate(), and exceptions of source
 // and sink.
 VOTESS_API StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,

@@ -259,8 +259,9 @@ VOTESS_API const int32_t* votess_delaunay_polytope_indices(const votess_delaunay
 VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length);
 VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
 
-// Seeds for queries, see Diagram in diagram.hpp; many threads may query one. points are copied. Uses these options: the
-// domain, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. progress is called
+// Seeds for queries, see Diagram in diagram.hpp; many threads may query one. points: 3 * count coordinates, 2 * count
+// if options->planar; copied. Each query and vector then has d = 2 components, else 3. Uses these options: the domain,
+// planar, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. progress is called
 // during this call only.
 VOTESS_API votess_status votess_diagram_new(const double* points, size_t count, const votess_options* options,
                                             votess_diagram** out);
@@ -270,7 +271,8 @@ VOTESS_API votess_status votess_diagram_view(const votess_diagram* diagram, cons
                                              votess_diagram** out);
 VOTESS_API void votess_diagram_free(votess_diagram* diagram);
 VOTESS_API size_t votess_diagram_size(const votess_diagram* diagram);  // N
-// Writes count seeds: the one whose cell holds each query (3 * count coordinates), or -1 outside the domain.
+VOTESS_API int votess_diagram_planar(const votess_diagram* diagram);   // 1 for seeds of the plane, else 0
+// Writes count seeds: the one whose cell holds each query (d * count coordinates), or -1 outside the domain.
 VOTESS_API votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,
                                                int32_t* seeds);
 // Sets *out to a new result of count cells, or NULL after a failure: the cell that each query would have if it alone
@@ -281,7 +283,7 @@ VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, con
                                               uint32_t want, int32_t list_walls, const double* weights,
                                               votess_result** out);
 
-// The cells along rays, see Diagram::trace in diagram.hpp. origins, directions: 3 * count. lengths: count. middles:
+// The cells along rays, see Diagram::trace in diagram.hpp. origins, directions: d * count. lengths: count. middles:
 // nonzero for true. On success *out is new, else NULL; the diagram may be freed afterwards. Arrays as those of a
 // result; rows as in struct RayCells.
 VOTESS_API votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
@@ -306,15 +308,15 @@ VOTESS_API const int32_t* votess_natural_indices(const votess_natural* natural, 
 VOTESS_API const double* votess_natural_weights(const votess_natural* natural, size_t* length);
 VOTESS_API const double* votess_natural_gradients(const votess_natural* natural, size_t* length);
 // Writes the sums of values, weighted by these coordinates; NaN where there are none. values: N * components.
-// interpolated: count * components. gradients: three times as many, or NULL.
+// interpolated: count * components. gradients: d times as many, or NULL.
 VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values,
                                                     size_t components, const double* queries, size_t count,
                                                     int32_t method, int32_t at_walls, const double* weights,
                                                     double* interpolated, double* gradients);
 
-// Fills a grid from the seeds' values, see Diagram::to_grid in diagram.hpp. values: N * columns. shape: nx, ny, nz.
-// project: 0, 1 or 2 to sum along that axis, else -1. grid: nx * ny * nz * columns, without the projected axis.
-// *without_place becomes the number of seeds whose mass has no place; may be NULL.
+// Fills a grid from the seeds' values, see Diagram::to_grid in diagram.hpp. values: N * columns. shape: nx, ny, nz,
+// where nz is 1 in the plane. project: 0, 1 or 2 to sum along that axis, else -1. grid: nx * ny * nz * columns, without
+// the projected axis. *without_place becomes the number of seeds whose mass has no place; may be NULL.
 #define VOTESS_GRID_MEAN 0
 #define VOTESS_GRID_DTFE 1
 #define VOTESS_GRID_NEAREST 2
@@ -344,9 +346,10 @@ typedef struct votess_fit_stats {
 
 // Writes the defaults, struct_size too. options: not NULL. size: sizeof(votess_fit_options) as the caller compiled it.
 VOTESS_API votess_status votess_fit_options_init(votess_fit_options* options, size_t size);
-// Finds weights for given volumes, see fit_volumes() in fit.hpp. points: 3 * count coordinates. targets: count volumes.
-// options, fit_options: NULL = defaults; options->weights or radii are the start. On success *out is new, else NULL,
-// except after VOTESS_ERROR_NOT_CONVERGED: it then has the best weights so far and no result.
+// Finds weights for given volumes, see fit_volumes() in fit.hpp. points: 3 * count coordinates, 2 * count if
+// options->planar. targets: count volumes. options, fit_options: NULL = defaults; options->weights or radii are the
+// start. On success *out is new, else NULL, except after VOTESS_ERROR_NOT_CONVERGED: it then has the best weights so
+// far and no result.
 VOTESS_API votess_status votess_fit_volumes(const double* points, size_t count, const double* targets,
                                             const votess_options* options, const votess_fit_options* fit_options,
                                             votess_fit** out);
@@ -375,7 +378,7 @@ VOTESS_API const double* votess_zones_persistence(const votess_zones* zones, siz
 VOTESS_API const uint8_t* votess_zones_at_walls(const votess_zones* zones, size_t* length);
 
 // The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's
-// points. On success *out is new, else NULL. The arrays are those of Network.
+// points, in the plane 2 * count. On success *out is new, else NULL. The arrays are those of Network.
 VOTESS_API votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
                                             votess_network** out);
 VOTESS_API void votess_network_free(votess_network* network);
@@ -389,8 +392,8 @@ VOTESS_API const double* votess_network_edge_radii(const votess_network* network
 // Writes the largest sphere at a vertex; see Network::largest_included.
 VOTESS_API votess_status votess_network_largest_included(const votess_network* network, double* radius,
                                                          int32_t* vertex);
-// Writes the largest sphere that can travel without end, see Network::largest_free. axis: 0, 1 or 2; -1 for any. *edge
-// is -1 without such ways.
+// Writes the largest sphere that can travel without end, see Network::largest_free. axis: 0, 1 or, in space, 2; -1 for
+// any. *edge is -1 without such ways.
 VOTESS_API votess_status votess_network_largest_free(const votess_network* network, int32_t axis, double* radius,
                                                      int32_t* edge, double* included_radius, int32_t* included_vertex);
 
@@ -410,9 +413,9 @@ VOTESS_API const int32_t* votess_pieces_sources(const votess_pieces* pieces, siz
 VOTESS_API const double* votess_pieces_volumes(const votess_pieces* pieces, size_t* length);
 VOTESS_API const double* votess_pieces_centroids(const votess_pieces* pieces, size_t* length);
 
-// The alpha complex, see alpha_complex() in alpha.hpp. points: 3 * count coordinates of the result's points. replicate:
-// 3 numbers of copies along the box vectors, or NULL for one each. On success *out is new, else NULL. The arrays are
-// those of AlphaSimplices for a dimension of 0 to 3.
+// The alpha complex, see alpha_complex() in alpha.hpp. points: 3 * count coordinates of the result's points, in the
+// plane 2 * count. replicate: 3 numbers of copies along the box vectors, or NULL for one each. On success *out is new,
+// else NULL. The arrays are those of AlphaSimplices for a dimension of 0 to 3.
 VOTESS_API votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
                                           const int32_t* replicate, votess_alpha** out);
 VOTESS_API void votess_alpha_free(votess_alpha* alpha);
@@ -433,7 +436,8 @@ VOTESS_API votess_status votess_verify(const votess_result* result, const double
 // Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as for votess_verify.
 VOTESS_API votess_status votess_count_tiny_faces(const votess_result* result, const double* points, size_t count,
                                                  uint64_t* tiny_faces);
-// Writes 3 * count coordinates of the points inside a periodic domain, see wrapped_points() in votess.hpp.
+// Writes 3 * count coordinates, in the plane 2 * count, of the points inside a periodic domain, see wrapped_points() in
+// votess.hpp.
 VOTESS_API votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count,
                                                double* places);
 
@@ -468,6 +472,9 @@ typedef struct votess_mesh {
     const votess_column* columns;        // column_count
     double box_lower[3];                 // of the domain; the middle is the origin of positions in .glb
     double box_upper[3];
+    int32_t planar;      // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
+    int32_t skip_open;   // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
+    uint64_t* left_out;  // receives their number; may be NULL
 } votess_mesh;
 
 // A piece of a file.
@@ -482,7 +489,8 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 
 // Writes a mesh as a file, piece by piece. Fails with VOTESS_ERROR_INVALID_ARGUMENT for a NULL array, an index outside
 // its array, and a .glb above 4 GiB; with VOTESS_ERROR_CANCELLED when write stops. format:
-//   - ".vtu": polyhedra with columns, without empty cells, ascending by their number of vertices
+//   - ".vtu": polyhedra, in the plane polygons, with columns, without empty cells, ascending by their number of
+//   vertices
 //   - ".ply": faces, each once, with their two cells; triangles when there are colors
 //   - ".obj": faces, each once
 //   - ".glb": solids in colors

@@ -77,7 +77,8 @@ enum class CellStatus : std::uint8_t {
 // A triclinic box: the points origin + f0 a + f1 b + f2 c with 0 <= f <= 1. The edge vectors may have any direction and
 // handedness; the volume must not be 0. The box repeats along the edges that `periodic` names. Across any other edge it
 // ends at two walls, the planes that the remaining two edges span: -1 and -2 at f0 = 0 and 1, -3 and -4 at f1, -5 and
-// -6 at f2.
+// -6 at f2. Along an edge that is 0 and does not repeat it has no end, see Options::box. For walls and for the place of
+// seeds in the box, such an edge stands for the axis that is most nearly perpendicular to the others.
 struct TriclinicBox {
     std::array<double, 3> origin{}, a{}, b{}, c{};
     std::array<bool, 3> periodic{true, true, true};
@@ -181,10 +182,12 @@ struct Options {
     // centroid. Its row lists infinity once if it lists walls, as -1 without any end, else as the first of -1 to -6
     // that is missing. Infinity has an empty polygon, an infinite area and no normal. In other polygons -1 follows the
     // last corner where they reach infinity; in two dimensions it takes the place of a corner. Edges include rays. The
-    // CPU makes the cells near the rim. Periodic axes, walls, min_face and min_area need a domain with ends, and so do
-    // all functions except tessellate(), verify(), delaunay(), watershed(), alpha_complex() and Diagram. Throws
-    // `unsupported` where vertices may leave the range of double: an extent of 2^230 times the lowest bit of a
-    // coordinate, 2^160 with weights.
+    // CPU makes the cells near the rim. Other axes may be periodic: a slab, a wire, or a strip of the plane. Faces of
+    // infinite area do not count in the mean of min_face, and stay. Walls need a domain with ends, and so do all
+    // functions except tessellate(), verify(), delaunay(), network(), watershed(), alpha_complex(), wrapped_points(),
+    // render() without open cells, and Diagram, which needs `box`. Throws `unsupported` where vertices may leave
+    // the range of double: an extent of 2^230 times the lowest bit of a coordinate, 2^160 with weights, 2^115 in a
+    // cell.
     std::optional<Box> box;
     // Axes along which the box repeats; needs `box`. Seeds outside are wrapped into the box by a whole number of
     // periods, without rounding. An image of a seed is the exact sum of its coordinates and box vectors.
@@ -202,8 +205,9 @@ struct Options {
     // may lie outside. The mesh must lie strictly inside of `box`; the default box holds the mesh and the seeds. Along
     // periodic axes it may touch the box. A cell then has the parts of all its images in the mesh. Throws
     // invalid_argument for a mesh that is not closed or oriented alike, and names the first edge or triangle. Only
-    // tessellate() and fit_volumes() clip by a mesh, and not with walls, min_face, min_area or
-    // `outside`. The parts have no vertices, faces, counts and radii: pieces() makes closed meshes of them.
+    // tessellate(), fit_volumes() and Diagram clip by a mesh, and not with walls or `outside`. The parts have no
+    // vertices, faces, counts and radii: pieces() makes closed meshes of them. min_face and min_area drop faces by
+    // areas inside.
     //
     // A place on the surface counts as if the mesh were moved by less than any distance, first in x, then y, then z. So
     // nothing is lost or counted twice where seeds and mesh share planes. A face in the surface counts as outside. A
@@ -222,8 +226,9 @@ struct Options {
     // `surface_areas` perimeters and `face_areas` lengths of edges; min_area is a length. Centroids, normals, vertices
     // and shifts have two components. All counts are the number of edges. The corners of a cell, cell_vertex_indices,
     // are counterclockwise; face_vertices holds two for each edge, in that order. Leave z 0 in box, walls and cell, and
-    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only tessellate(), verify(), watershed() and
-    // wrapped_points() work in two dimensions; other functions throw invalid_argument.
+    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). In two dimensions work tessellate(), verify(),
+    // delaunay(), network(), alpha_complex(), fit_volumes(), render(), watershed() and wrapped_points(); other
+    // functions throw invalid_argument.
     bool planar = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi
@@ -365,7 +370,7 @@ public:
     [[nodiscard]] std::span<const double> security_radii() const noexcept;
     // The mesh: 3V absolute coordinates of its vertices. Vertices that are equal in exact arithmetic are stored once
     // and shared by their cells. In a periodic domain cells lie where their seeds do, so each image of a vertex that
-    // some cell has is stored.
+    // some cell has is stored. With Options::only cells share vertices across the faces that they share.
     [[nodiscard]] std::span<const double> vertices() const noexcept;
     // indptr[N]+1 offsets into face_vertices, which has face_offsets[indptr[N]] elements: the polygon of each entry of
     // indices, counterclockwise seen from outside the cell; -1 at infinity, see Options::box.
@@ -439,7 +444,9 @@ private:
 
 // The dual of the cells: one simplex for each vertex of the mesh off the walls, in the order of the vertices. Four
 // cells meet in a tetrahedron. Where more meet (seeds on an empty sphere) the dual is the convex polytope of their
-// seeds, which has no unique triangulation. Together they are the Delaunay complex of the seeds, or the regular complex
+// seeds, which has no unique triangulation. In the plane three cells meet in a triangle, more in a convex polygon: both
+// are counterclockwise and take the place of tetrahedra and polytopes. They have three corners instead of four, shifts
+// two components instead of three. Together they are the Delaunay complex of the seeds, or the regular complex
 // of a power diagram. Simplices whose empty sphere has its center outside the domain are missing. In a periodic domain
 // each simplex is stored once, not for each image.
 struct Delaunay {
@@ -447,7 +454,7 @@ struct Delaunay {
     std::vector<std::int8_t> tetrahedra_shifts;    // 12T in a periodic domain, else empty: as Tessellation::shifts()
     std::vector<std::int32_t> tetrahedra_centers;  // T vertices: the centers of the empty spheres
     std::vector<std::int64_t> polytope_indptr;     // P+1 offsets into polytope_indices
-    std::vector<std::int32_t> polytope_indices;    // the seeds of each polytope, ascending
+    std::vector<std::int32_t> polytope_indices;    // the seeds of each polytope, ascending; in the plane in turn
     std::vector<std::int8_t> polytope_shifts;      // three for each of these, as above
     std::vector<std::int32_t> polytope_centers;    // P vertices
 };
@@ -456,8 +463,9 @@ struct Delaunay {
 // After min_face or min_area, vertices that dropped faces joined count as one, named by the first. So a lattice with
 // rounded coordinates has the polytopes of the lattice. A dropped face shrinks to an edge when it is long, else to a
 // point. The ends of an edge too short for a face to be kept are joined too, and vertices where a cell has only two
-// faces. Each polytope is a union of tetrahedra, so volumes sum up as before. Throws invalid_argument where no complex
-// results: where a kept face would shrink, or a vertex would meet its own image.
+// faces. Each polytope is a union of tetrahedra, so volumes sum up as before. In the plane each dropped edge shrinks to
+// a point. Throws invalid_argument where no complex results: where a kept face would shrink, in the plane a whole cell,
+// or a vertex would meet its own image.
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 struct VerifyOptions {
@@ -471,7 +479,7 @@ struct VerifyReport {
     std::string failure;               // one line on the first failed check; empty when passed
     std::vector<std::string> skipped;  // of "volumes", "symmetry", "euler", "sample"
     std::size_t sampled = 0;           // cells clipped again, up to the one that failed
-    // As in Stats, not a failure. Unset for rows found in blocks.
+    // As in Stats, not a failure. Unset for rows found in blocks and of some seeds.
     std::optional<std::uint64_t> tiny_faces;
 };
 // Checks a result from outside, as --verify does:
@@ -486,8 +494,9 @@ struct VerifyReport {
 // In a mesh this holds for the whole cells. Their parts equal those of a second run on the CPU, have the volumes of
 // their pieces, and sum to the volume of the mesh. Skips checks whose arrays the result lacks, and names them in
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
-// points: the array given to tessellate(). Throws invalid_argument when its length differs from the result's, and for
-// cells of probes.
+// With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
+// check "volumes" is skipped. points: the array given to tessellate(). Throws invalid_argument when its length differs
+// from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

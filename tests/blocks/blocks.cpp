@@ -7,6 +7,7 @@
 #include "blocks/in_blocks.hpp"
 #include "fuzz/kinds/kinds.hpp"
 #include "support/check.hpp"
+#include "support/in_plane.hpp"
 #include "support/random.hpp"
 #include "support/scattered.hpp"
 
@@ -119,6 +120,44 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
                 }
             }
         }
+    }
+    CHECK(sets > 10);
+}
+
+// Each set in its hull, and its x and y in the plane, in a box and in their hull.
+TEST_CASE("blocks: sets of the kinds of the fuzz in the plane and in their hull") {
+    std::uint64_t sets = 0;
+    const std::uint64_t usual = test::by_size(12, 1);
+    for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
+        const std::uint64_t count = kind.name == "many" ? usual / 12 : usual;
+        for (std::uint64_t number = 1; number <= count; ++number)
+            for (const test::fuzz::Job& job : test::fuzz::make_case(kind, number).jobs)
+                for (const int domain : {0, 2, 4}) {
+                    CAPTURE(kind.name);
+                    CAPTURE(number);
+                    CAPTURE(domain);
+                    PointSet set{"", job.points, {}};
+                    votess::Options options = job.options("cpu");
+                    options.planar = domain < 3;
+                    options.want = {};
+                    options.want.counts = options.want.centroids = options.want.areas = options.want.normals = true;
+                    options.want.surfaces = options.want.radii = true;
+                    options.walls.clear();
+                    options.cell.reset();
+                    options.box.reset();
+                    options.outside = votess::Outside::error;
+                    options.periodic = {};
+                    if (options.planar) set = test::in_plane(set);
+                    try {
+                        if (domain != 0) options.walls = votess::hull_walls(set.points, options);
+                        const auto whole = votess::tessellate(set.points, options);
+                        const auto found = test::in_blocks(set.points, options, 2 + number % 4);
+                        CHECK(test::difference(found, whole) == "");
+                        ++sets;
+                    } catch (const votess::Error& error) {
+                        CHECK(error.code() != votess::ErrorCode::internal);
+                    }
+                }
     }
     CHECK(sets > 10);
 }

@@ -16,8 +16,10 @@ void put(std::vector<T>& to, const std::vector<T>& from, std::size_t place, std:
 
 }  // namespace
 
-InBlocks in_blocks(std::span<const double> points, const Options& options, std::size_t count) {
-    const std::size_t size = points.size() / 3;
+InBlocks in_blocks(std::span<const double> given, const Options& options, std::size_t count) {
+    const std::size_t each = options.planar ? 2 : 3, size = given.size() / each;
+    std::vector<double> points(3 * size);
+    for (std::size_t i = 0; i < given.size(); ++i) points[i / each * 3 + i % each] = given[i];
     constexpr double infinity = std::numeric_limits<double>::infinity();
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -66,6 +68,7 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
     InBlocks result;
     result.seeds = inside.size();
     std::vector<BlockCells> cells;
+    std::vector<Message> far;
     std::vector<std::vector<Message>> replies_to(count);
     for (const Block& block : all) {
         std::vector<Message> requests;
@@ -76,8 +79,12 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
     }
     for (std::size_t b = 0; b < count; ++b) {
         const std::vector<Message>& replies = replies_to[b];
-        cells.push_back(all[b].finish(replies));
-        const BlockCounts& counts = all[b].counts();
+        all[b].complete(replies);
+        if (domain.endless()) far.push_back(all[b].far());
+    }
+    for (Block& block : all) {
+        cells.push_back(block.finish(far));
+        const BlockCounts& counts = block.counts();
         result.counts.given += counts.given;
         result.counts.needed += counts.needed;
         result.counts.tested += counts.tested;
@@ -90,7 +97,7 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
     for (std::size_t b = 0; b < count; ++b) {
         const BlockCells& from = cells[b];
         if (!from.volumes.empty()) out.volumes.resize(size);
-        if (!from.centroids.empty()) out.centroids.resize(3 * size, NAN);
+        if (!from.centroids.empty()) out.centroids.resize(each * size, NAN);
         if (!from.surface_areas.empty()) out.surface_areas.resize(size);
         if (!from.security_radii.empty()) out.security_radii.resize(size);
         if (!from.face_counts.empty()) out.face_counts.resize(size), out.edge_counts.resize(size);
@@ -100,7 +107,7 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
             out.status[place] = from.status[i];
             if (!from.duplicate_of.empty()) out.duplicate_of[place] = from.duplicate_of[i];
             put(out.volumes, from.volumes, place, i);
-            put(out.centroids, from.centroids, place, i, 3);
+            put(out.centroids, from.centroids, place, i, each);
             put(out.surface_areas, from.surface_areas, place, i);
             put(out.security_radii, from.security_radii, place, i);
             put(out.face_counts, from.face_counts, place, i);
@@ -116,11 +123,11 @@ InBlocks in_blocks(std::span<const double> points, const Options& options, std::
                 const std::int64_t id = from.indices[e];
                 out.indices.push_back(id);
                 if (from.owners[e] != (id < 0 ? -1 : id % 1000)) out.owners.push_back(from.owners[e]);  // wrong ones
-                for (std::size_t k = 0; k < 3 && !from.shifts.empty(); ++k)
-                    out.shifts.push_back(from.shifts[3 * e + k]);
+                for (std::size_t k = 0; k < each && !from.shifts.empty(); ++k)
+                    out.shifts.push_back(from.shifts[each * e + k]);
                 if (!from.face_areas.empty()) out.face_areas.push_back(from.face_areas[e]);
-                for (std::size_t k = 0; k < 3 && !from.face_normals.empty(); ++k)
-                    out.face_normals.push_back(from.face_normals[3 * e + k]);
+                for (std::size_t k = 0; k < each && !from.face_normals.empty(); ++k)
+                    out.face_normals.push_back(from.face_normals[each * e + k]);
             }
         }
         out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));

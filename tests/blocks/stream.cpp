@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
 #include "blocks/streamed.hpp"
 #include "support/check.hpp"
+#include "support/in_plane.hpp"
 #include "support/random.hpp"
 #include "support/scattered.hpp"
 #include "verify/row_checker.hpp"
@@ -34,11 +36,11 @@ void check_stream(const PointSet& set, const votess::Options& options) {
     const auto whole = votess::tessellate(set.points, options);
     const test::Streamed found = test::streamed(set.points, options, little, 777, false, true);
     CHECK(test::difference(found, whole) == "");
-    CHECK(found.result.blocks > set.size() / 3000);
+    CHECK(found.result.blocks > whole.size() / 3000);
     const votess::VerifyReport& report = found.result.verified.value();
     CHECK(report.passed);
     const auto tried = std::ranges::count_if(whole.status(), votess::takes_part);
-    const bool rows = options.want.neighbors || set.size() == 0;
+    const bool rows = options.want.neighbors || whole.size() == 0;
     CHECK(report.sampled == (rows ? std::min<std::size_t>(64, static_cast<std::size_t>(tried)) : 0));
     CHECK(report.skipped ==
           (rows ? std::vector<std::string>() : std::vector<std::string>{"volumes", "symmetry", "euler", "sample"}));
@@ -150,6 +152,106 @@ TEST_CASE("stream: triclinic boxes, weights, walls and seeds that are dropped") 
         options.walls = test::octahedron(0.6);
         check_stream(set, options);
     }
+}
+
+TEST_CASE("stream: the plane") {
+    test::Random random(5);
+    for (const PointSet& space : {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14),
+                                  test::with_duplicates(2500, 500, 6), test::nested_clusters(3000, 3)}) {
+        if (test::reduced() && space.name != "clustered") continue;
+        const PointSet set = test::in_plane(space);
+        votess::Options options = stream_options(set);
+        options.planar = true;
+        check_stream(set, options);
+        options.periodic = {true, true, false};
+        options.want.areas = options.want.surfaces = options.want.radii = true;
+        if (set.box) check_stream(set, options);
+        std::vector<double> radii(set.points.size() / 2);
+        for (double& r : radii) r = random.uniform(0, 0.05);
+        options.radii = radii;
+        options.periodic = {};
+        options.box.reset();
+        options.list_walls = true;
+        check_stream(set, options);
+        options.radii = {};
+        options.outside = votess::Outside::drop;
+        options.walls = {{{1, 1, 0}, 1.1}, {{-1, 0.5, 0}, 0.2}};
+        check_stream(set, options);
+        options.outside = votess::Outside::keep;
+        if (set.box) check_stream(set, options);
+        if (!set.box) continue;
+        options.outside = votess::Outside::error;
+        options.walls.clear();
+        options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {0, 0, 0}, {true, true, false}};
+        if (set.box->upper[0] == 1) check_stream(set, options);
+    }
+}
+
+TEST_CASE("stream: boxes without end") {
+    constexpr double end = std::numeric_limits<double>::infinity();
+    for (const bool planar : {false, true})
+        for (const PointSet& space :
+             {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14), test::on_sphere(200, 6),
+              test::on_axis_plane(300, 7), test::with_duplicates(2500, 500, 6), PointSet{"none", {}, test::unit_box()},
+              PointSet{"one", {1, 2, 3}, test::unit_box()}}) {
+            if (test::reduced() && space.name != "clustered" && space.name != "one") continue;
+            const PointSet set = planar ? test::in_plane(space) : space;
+            for (const unsigned ends : {63u, 32u, 25u}) {
+                CAPTURE(planar);
+                CAPTURE(ends);
+                votess::Options options = stream_options(set);
+                options.planar = planar;
+                options.box = votess::Box{{-1, -1, -1}, {30, 30, 30}};
+                if (set.points.empty()) options.want.normals = false;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    if ((ends >> 2 * k & 1) != 0) options.box->lower[k] = -end;
+                    if ((ends >> 2 * k & 2) != 0) options.box->upper[k] = end;
+                }
+                if (planar) options.box->lower[2] = options.box->upper[2] = 0;
+                if (planar && ends == 32u) continue;
+                check_stream(set, options);
+                options.list_walls = true;
+                options.want.areas = options.want.surfaces = options.want.radii = true;
+                check_stream(set, options);
+            }
+        }
+    const PointSet set = test::uniform(500, 3);
+    votess::Options options = stream_options(set);
+    options.box = votess::Box{{-end, -end, -end}, {end, end, end}};
+    std::vector<double> weights(set.size());
+    weights[7] = 0.001;
+    options.weights = weights;
+    CHECK(test::difference(test::streamed(set.points, options, little), votess::tessellate(set.points, options)) == "");
+    weights[7] = 100;  // no other seed near it has a cell there
+    CHECK(message([&] { test::streamed(set.points, options, little); }).find("has no cell near the others") !=
+          std::string::npos);
+}
+
+TEST_CASE("stream: the convex hull") {
+    for (const bool planar : {false, true})
+        for (const PointSet& space :
+             {test::uniform(3000, 1), test::clustered(3000, 2), test::cubic(14), test::on_walls(3000, 5),
+              test::with_duplicates(2500, 500, 6), test::on_sphere_and_center(300, 4)}) {
+            if (test::reduced() && space.name != "on walls") continue;
+            CAPTURE(space.name);
+            const PointSet set = planar ? test::in_plane(space) : space;
+            votess::Options options = stream_options(set);
+            options.box.reset();
+            options.planar = planar;
+            options.list_walls = true;
+            const auto found = test::streamed(set.points, options, little, 100, planar, true, true);
+            options.walls = votess::hull_walls(set.points, options);
+            CHECK(test::difference(found, votess::tessellate(set.points, options)) == "");
+            CHECK(found.rows.head.options.walls.size() == options.walls.size());
+        }
+    const PointSet flat = test::on_oblique_plane(100, 1);
+    votess::Options options = stream_options(flat);
+    options.box.reset();
+    CHECK(message([&] { test::streamed(flat.points, options, little, 7, false, false, true); }) ==
+          message([&] { (void)votess::hull_walls(flat.points, options); }));
+    options.periodic = {true, false, false};
+    CHECK(message([&] { test::streamed(flat.points, options, little, 7, false, false, true); }) ==
+          "the convex hull and Options::periodic are both given: leave one out");
 }
 
 // Rows of a run in memory, damaged in one place and fed to the checker as a stream does.

@@ -31,9 +31,9 @@ bool Pieces::restart() {
 }
 
 bool Pieces::next(StreamSeeds& seeds) {
-    const std::size_t count = std::min(piece_, points_.size() / 3 - at_);
+    const std::size_t count = std::min(piece_, points_.size() / dimensions_ - at_);
     if (count == 0) return false;
-    seeds.points = points_.subspan(3 * at_, 3 * count);
+    seeds.points = points_.subspan(dimensions_ * at_, dimensions_ * count);
     if (!weights_.empty()) seeds.weights = weights_.subspan(at_, count);
     if (!radii_.empty()) seeds.radii = radii_.subspan(at_, count);
     at_ += count;
@@ -64,12 +64,13 @@ void StreamedRows::rows(const StreamRows& some) {
 }
 
 Streamed streamed(std::span<const double> points, const Options& options, std::uint64_t memory, std::size_t piece,
-                  bool once, bool verify) {
+                  bool once, bool verify, bool hull) {
     Pieces pieces(points, options, piece, once);
     Options plain = options;
     plain.weights = plain.radii = {};
     Streamed found;
-    found.result = tessellate_stream(pieces, found.rows, plain, {.memory = memory, .temporary = "", .verify = verify});
+    found.result = tessellate_stream(pieces, found.rows, plain,
+                                     {.memory = memory, .temporary = "", .verify = verify, .hull = hull});
     return found;
 }
 

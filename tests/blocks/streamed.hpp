@@ -15,13 +15,18 @@ namespace test {
 class Pieces : public votess::StreamSource {
 public:
     Pieces(std::span<const double> points, const votess::Options& options, std::size_t piece, bool once = false)
-        : points_(points), weights_(options.weights), radii_(options.radii), piece_(piece), once_(once) {}
+        : points_(points),
+          weights_(options.weights),
+          radii_(options.radii),
+          dimensions_(options.planar ? 2 : 3),
+          piece_(piece),
+          once_(once) {}
     bool restart() override;
     bool next(votess::StreamSeeds& seeds) override;
 
 private:
     std::span<const double> points_, weights_, radii_;
-    std::size_t piece_, at_ = 0;
+    std::size_t dimensions_, piece_, at_ = 0;
     bool once_;
 };
 
@@ -42,7 +47,7 @@ struct Streamed {
 };
 // piece: the number of seeds that the source gives at once.
 Streamed streamed(std::span<const double> points, const votess::Options& options, std::uint64_t memory,
-                  std::size_t piece = 777, bool once = false, bool verify = false);
+                  std::size_t piece = 777, bool once = false, bool verify = false, bool hull = false);
 
 // Returns "" when the arrays are those of t, bit for bit, else the first difference.
 std::string difference(const Streamed& found, const votess::Tessellation& t);

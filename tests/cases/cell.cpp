@@ -217,11 +217,12 @@ TEST_SUITE("cases") {
         for (const double factor : {0x1p-1060, 1e-110, 1.0, 1e103, 0x1p1000}) {
             CAPTURE(factor);
             for (const TriclinicBox& cell : {TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
-                                             TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 1}},
                                              TriclinicBox{{0, 0, 0}, {1, 2, 3}, {2, 4, 6}, {0, 0, 1}}})
                 CHECK(has(refusal({0, 0, 0}, with_cell(times(cell, factor))), "one plane"));
+            const TriclinicBox without_edge{{0, 0, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 1}};
+            CHECK(has(refusal({0, 0, 0}, with_cell(times(without_edge, factor))), "b is 0, but the cell repeats"));
         }
-        CHECK(has(refusal({}, with_cell({})), "one plane"));
+        CHECK(has(refusal({}, with_cell({})), "a is 0, but the cell repeats"));
         const double length = 1e-110, huge = 1.5e308;
         CHECK(has(refusal({1, 1, 1}, with_cell({{1, 1, 1}, {length, 0, 0}, {0, length, 0}, {0, 0, length}})),
                   "too short"));

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <map>
 
 #include "support/check.hpp"
@@ -105,6 +107,85 @@ TEST_SUITE("cases") {
             CHECK(error.code() == votess::ErrorCode::invalid_argument);
             CHECK(std::string(error.what()).find("delaunay(): faces below an area of ") == 0);
         }
+    }
+
+    TEST_CASE("delaunay in the plane: whole numbers prove each triangle and polygon") {
+        test::Random random(8);
+        std::size_t polygons = 0;
+        for (int trial = 0; trial < 40; ++trial) {
+            CAPTURE(trial);
+            constexpr std::int64_t side = 8;  // and the period
+            const bool periodic = trial % 2 == 0;
+            using Place = std::array<std::int64_t, 2>;
+            std::vector<Place> seeds;
+            for (std::uint64_t k = 3 + random.below(12); k > 0; --k)
+                seeds.push_back({random.integer(0, side - 1), random.integer(0, side - 1)});
+            std::ranges::sort(seeds);
+            seeds.erase(std::unique(seeds.begin(), seeds.end()), seeds.end());
+            test::Coordinates points;
+            for (const Place& x : seeds) points.insert(points.end(), {double(x[0]), double(x[1])});
+            votess::Options options;
+            options.planar = options.want.faces = true;
+            options.device = "cpu";
+            options.box = votess::Box{{0, 0, 0}, {side, side, 0}};
+            options.periodic = {periodic, periodic, false};
+            if (!periodic) {
+                constexpr double far = std::numeric_limits<double>::infinity();
+                options.box = votess::Box{{-far, -far, 0}, {far, far, 0}};
+            }
+            const auto dual = votess::delaunay(votess::tessellate(points, options));
+            const auto moved = [&](std::int32_t seed, const std::int8_t* shift) {
+                Place x = seeds[static_cast<std::size_t>(seed)];
+                for (std::size_t k = 0; k < 2 && shift != nullptr; ++k) x[k] += side * shift[k];
+                return x;
+            };
+            const auto cross = [](const Place& a, const Place& b, const Place& c) {
+                return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            };
+            // Positive: d lies inside the circle of a counterclockwise triangle.
+            const auto in_circle = [](const Place& a, const Place& b, const Place& c, const Place& d) {
+                std::int64_t m[3][3];
+                const Place* const rows[] = {&a, &b, &c};
+                for (std::size_t r = 0; r < 3; ++r) {
+                    m[r][0] = (*rows[r])[0] - d[0], m[r][1] = (*rows[r])[1] - d[1];
+                    m[r][2] = m[r][0] * m[r][0] + m[r][1] * m[r][1];
+                }
+                return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
+                       m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0]) +
+                       m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+            };
+            std::int64_t twice_area = 0;
+            const auto check = [&](std::span<const std::int32_t> row, const std::int8_t* shifts) {
+                std::vector<Place> x;
+                for (std::size_t k = 0; k < row.size(); ++k)
+                    x.push_back(moved(row[k], shifts == nullptr ? nullptr : shifts + 2 * k));
+                for (std::size_t k = 1; k + 1 < x.size(); ++k) {
+                    REQUIRE(cross(x[k - 1], x[k], x[k + 1]) > 0);
+                    twice_area += cross(x[0], x[k], x[k + 1]);
+                }
+                const std::int64_t reach = periodic ? 3 : 0;
+                for (const Place& seed : seeds)
+                    for (std::int64_t i = -reach; i <= reach; ++i)
+                        for (std::int64_t j = -reach; j <= reach; ++j) {
+                            const Place y{seed[0] + side * i, seed[1] + side * j};
+                            const auto inside = in_circle(x[0], x[1], x[2], y);
+                            REQUIRE(inside <= 0);
+                            REQUIRE((inside == 0) == (std::ranges::find(x, y) != x.end()));
+                        }
+            };
+            const auto part = [](const auto& shifts, std::size_t at) { return shifts.empty() ? nullptr : &shifts[at]; };
+            for (std::size_t t = 0; 3 * t < dual.tetrahedra.size(); ++t)
+                check(std::span(dual.tetrahedra).subspan(3 * t, 3), part(dual.tetrahedra_shifts, 6 * t));
+            polygons += dual.polytope_centers.size();
+            for (std::size_t p = 0; p < dual.polytope_centers.size(); ++p) {
+                const auto begin = static_cast<std::size_t>(dual.polytope_indptr[p]),
+                           end = static_cast<std::size_t>(dual.polytope_indptr[p + 1]);
+                check(std::span(dual.polytope_indices).subspan(begin, end - begin),
+                      part(dual.polytope_shifts, 2 * begin));
+            }
+            if (periodic) CHECK(twice_area == 2 * side * side);
+        }
+        CHECK(polygons > 20);
     }
 
     TEST_CASE("delaunay: refused without faces") {

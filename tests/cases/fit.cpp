@@ -149,6 +149,59 @@ TEST_SUITE("cases") {
         CHECK(largest_error(fit.tessellation.volumes(), g.targets) < 1.001e-9);
     }
 
+    // The power diagram of points p with weights w is that of t p with the weights t w - t (1 - t) |p|^2.
+    TEST_CASE("fit: points outside have the cells of points inside, moved towards the middle") {
+        const double t = 0.25;
+        Grains inside = grains(test::by_size(1000, 200), false);
+        inside.options.box = votess::Box{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
+        inside.options.want.centroids = true;
+        for (double& x : inside.points) x -= 0.5;
+        Grains outside = inside;
+        outside.options.outside = votess::Outside::keep;
+        for (double& x : outside.points) x /= t;
+        for (const bool walls : {false, true}) {
+            if (walls) outside.options.walls = {{{1, 1, 1}, 0.25}};
+            const auto fit = votess::fit_volumes(outside.points, outside.targets, outside.options, {.normalize = true});
+            CHECK(fit.residual <= 1e-9);
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < fit.weights.size(); ++i) {
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k) square += std::pow(outside.points[3 * i + k], 2);
+                weights.push_back(t * fit.weights[i] - t * (1 - t) * square);
+            }
+            Options options = outside.options;
+            options.weights = weights;
+            const votess::Tessellation moved = votess::tessellate(inside.points, options);
+            CHECK(largest_error(moved.volumes(), fit.tessellation.volumes()) < 1e-9);
+            for (std::size_t i = 0; i < inside.points.size(); ++i)
+                CHECK(std::abs(moved.centroids()[i] - fit.tessellation.centroids()[i]) < 1e-9);
+        }
+    }
+
+    TEST_CASE("fit: dropped points have no goal") {
+        Grains g = grains(300, false);
+        g.options.box = votess::Box{{0, 0, 0}, {1, 1, 0.7}};
+        g.options.outside = votess::Outside::drop;
+        Grains rest;
+        rest.options = g.options;
+        std::vector<std::size_t> kept;
+        for (std::size_t i = 0; i < g.targets.size(); ++i) {
+            if (g.points[3 * i + 2] > 0.7) {
+                g.targets[i] = -1;
+                continue;
+            }
+            kept.push_back(i);
+            rest.points.insert(rest.points.end(), &g.points[3 * i], &g.points[3 * i] + 3);
+            rest.targets.push_back(g.targets[i]);
+        }
+        const auto all = votess::fit_volumes(g.points, g.targets, g.options, {.normalize = true});
+        const auto some = votess::fit_volumes(rest.points, rest.targets, rest.options, {.normalize = true});
+        for (std::size_t k = 0; k < kept.size(); ++k) CHECK(all.weights[kept[k]] == some.weights[k]);
+        CHECK(kept.size() < all.weights.size());
+        CHECK(std::ranges::count(all.tessellation.status(), votess::CellStatus::outside) ==
+              std::ssize(g.targets) - std::ssize(kept));
+    }
+
     TEST_CASE("fit: refused input") {
         const Grains g = grains(20, false);
         const auto refusal = [&](const Grains& bad, const FitOptions& fit = {}) {
@@ -166,8 +219,11 @@ TEST_SUITE("cases") {
         bad.targets[7] *= 1.001;
         CHECK(refusal(bad).find("normalize") != std::string::npos);
         bad = g;
+        bad.points[4] = 1.5;
+        CHECK(refusal(bad).find("point 1: y = 1.5 is outside the box") != std::string::npos);
+        for (double& x : bad.points) x += 1;
         bad.options.outside = votess::Outside::drop;
-        CHECK(refusal(bad).find("points outside have no volume") != std::string::npos);
+        CHECK(refusal(bad).find("all points are outside") != std::string::npos);
         bad = g;
         std::copy_n(bad.points.begin() + 9, 3, bad.points.begin() + 30);
         CHECK(refusal(bad).find("point 10") != std::string::npos);

@@ -9,6 +9,41 @@
 #include "support/mesh.hpp"
 
 TEST_SUITE("cases") {
+    TEST_CASE("min_face: in domains without end, faces that reach infinity stay") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        for (const bool periodic : {false, true}) {
+            const auto set = test::uniform(300, 37);
+            votess::Options options;
+            options.box = votess::Box{{-inf, -inf, -inf}, {inf, inf, inf}};
+            if (periodic) options.box = votess::Box{{0, 0, -inf}, {1, 1, inf}};
+            options.periodic = {periodic, periodic, false};
+            options.list_walls = options.want.faces = options.want.areas = options.want.counts = true;
+            const auto all = votess::tessellate(set.points, options);
+            options.min_face = 0.3;
+            const auto t = votess::tessellate(set.points, options);
+            double sum = 0;
+            std::size_t faces = 0, entry = 0, infinite = 0;
+            for (std::size_t e = 0; e < all.indices().size(); ++e)
+                if (all.indices()[e] >= 0 && std::isfinite(all.face_areas()[e])) sum += all.face_areas()[e], ++faces;
+            CHECK(t.least_face() == doctest::Approx(0.3 * sum / static_cast<double>(faces)).epsilon(1e-12));
+            for (std::size_t e = 0; e < all.indices().size(); ++e) {
+                const double area = all.face_areas()[e];
+                if (all.indices()[e] >= 0 && area < t.least_face()) continue;
+                REQUIRE(t.indices()[entry] == all.indices()[e]);
+                REQUIRE(t.face_areas()[entry] == area);
+                infinite += std::isinf(area) ? 1 : 0;
+                ++entry;
+            }
+            CHECK(t.indices().size() == entry);
+            CHECK(t.stats().faces == entry);
+            CHECK(infinite > (periodic ? 5 : 100));
+            CHECK(votess::verify(t, set.points).failure == "");
+            options.min_face = 1e-9;
+            CHECK(votess::delaunay(votess::tessellate(set.points, options)).tetrahedra ==
+                  votess::delaunay(all).tetrahedra);
+        }
+    }
+
     TEST_CASE("min_face: pairs go together, and nothing else changes") {
         const auto set = test::uniform(test::by_size(5000, 1000), 31);
         const auto all = test::mesh_of(set);

@@ -47,6 +47,7 @@ TEST_SUITE("cases") {
         for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
             for (const bool weighted : {false, true})
                 for (const double far : {0.3, 5.0}) {
+                    if (test::reduced() && weighted == (far < 1)) continue;
                     CAPTURE(kind);
                     CAPTURE(weighted);
                     CAPTURE(far);
@@ -66,6 +67,7 @@ TEST_SUITE("cases") {
         enum Domain { box, walls, cell, lattice };
         for (const Domain domain : {box, walls, cell, lattice})
             for (const double s : {1.25, 2.0, 8.0}) {
+                if (test::reduced() && s != 2) continue;
                 CAPTURE(domain);
                 CAPTURE(s);
                 test::Random random(3);

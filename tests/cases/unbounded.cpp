@@ -7,6 +7,7 @@
 #include <votess/diagram.hpp>
 #include <votess/stream.hpp>
 
+#include "exact/insphere.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -22,6 +23,11 @@ using votess::Options;
 
 constexpr double inf = std::numeric_limits<double>::infinity();
 const votess::Box no_ends = test::cube(-inf, inf);
+Options in_box(const votess::Box& box) {
+    Options options;
+    options.box = box;
+    return options;
+}
 // Returns a box that ends far away, beyond all vertices of these tests.
 votess::Box far_away(const Coordinates& points) {
     double largest = 1e-300;
@@ -38,7 +44,7 @@ Options endless_options(const votess::Box& box = no_ends) {
 
 // Returns the ids with the walls of `box` that are without end as one.
 std::vector<std::int32_t> with_one_infinity(std::span<const std::int32_t> row, const votess::Box& box) {
-    const votess::EndlessSides sides(box);
+    const votess::EndlessSides sides(in_box(box));
     std::vector<std::int32_t> out;
     for (const std::int32_t id : row) {
         out.push_back(sides.has(id) ? sides.id() : id);
@@ -51,7 +57,7 @@ std::vector<std::int32_t> with_one_infinity(std::span<const std::int32_t> row, c
 // Compares with rational arithmetic in a box that ends far away.
 std::string check_cells(const votess::Tessellation& t, const Coordinates& points, Options options) {
     const votess::Box box = *options.box;
-    const votess::EndlessSides sides(box);
+    const votess::EndlessSides sides(in_box(box));
     const votess::Box far = far_away(points);
     for (std::size_t k = 0; k < 3; ++k) {
         if (sides.has(-1 - 2 * static_cast<int>(k))) options.box->lower[k] = far.lower[k];
@@ -89,6 +95,92 @@ std::string check_rows(const votess::Tessellation& t, const Coordinates& points,
         const double expected = open ? inf : far.volumes()[i];
         if (t.volumes()[i] != expected && !(std::abs(t.volumes()[i] - expected) <= 1e-10 * expected))
             return text("cell ", i, " has volume ", t.volumes()[i], ", expected is ", expected);
+    }
+    return "";
+}
+
+// An entry of a row, with all of infinity as one.
+struct Entry {
+    std::int32_t id = 0;
+    std::array<int, 3> shift{};
+    friend auto operator<=>(const Entry&, const Entry&) = default;
+};
+
+std::vector<Entry> entries_of(const votess::Tessellation& t, std::size_t row) {
+    std::vector<Entry> out;
+    for (auto e = static_cast<std::size_t>(t.indptr()[row]); e < static_cast<std::size_t>(t.indptr()[row + 1]); ++e) {
+        out.push_back({t.indices()[e], {}});
+        const std::size_t each = t.planar() ? 2 : 3;
+        for (std::size_t k = 0; k < each && !t.shifts().empty(); ++k) out.back().shift[k] = t.shifts()[each * e + k];
+    }
+    return out;
+}
+
+// Rows, shifts and volumes of a periodic domain without end, with the options of far ends, by rational arithmetic.
+std::string check_periodic(const votess::Tessellation& t, const Coordinates& points, const Options& options,
+                           const Options& far) {
+    const votess::EndlessSides sides(options);
+    for (std::size_t i = 0; i < t.size(); ++i) {
+        const auto exact = test::exact_cell(points, far, i);
+        std::vector<Entry> row;
+        bool open = false;
+        for (const auto& face : exact.faces) {
+            const bool infinite = sides.has(face.id);
+            if (!infinite || !open) row.push_back({infinite ? sides.id() : face.id, face.shift});
+            open = open || infinite;
+        }
+        std::ranges::sort(row);
+        if (entries_of(t, i) != row) return text("cell ", i, " has other neighbors than by rational arithmetic");
+        const double expected = open ? inf : exact.volume;
+        if (t.volumes()[i] != expected && !(std::abs(t.volumes()[i] - expected) <= 1e-10 * expected))
+            return text("cell ", i, " has volume ", t.volumes()[i], ", exact is ", expected);
+    }
+    return "";
+}
+
+// Compares with the cells of the seeds among their images, in the same domain without periods.
+std::string check_images(const votess::Tessellation& t, const Coordinates& points, Options options,
+                         std::array<std::array<double, 3>, 2> periods) {
+    constexpr int most = 2;
+    const std::size_t dimensions = options.planar ? 2 : 3, n = t.size();
+    const std::int32_t infinity = votess::EndlessSides(options).id();
+    const auto places = votess::wrapped_points(t, points);
+    std::vector<std::array<int, 2>> shifts{{0, 0}};
+    for (int a = -most; a <= most; ++a)
+        for (int b = -most; b <= most; ++b)
+            if ((a != 0 || b != 0) && (b == 0 || periods[1] != std::array<double, 3>{})) shifts.push_back({a, b});
+    Coordinates images;
+    std::vector<double> weights;
+    for (const auto& [a, b] : shifts) {
+        for (std::size_t x = 0; x < places.size(); ++x)
+            images.push_back(places[x] + a * periods[0][x % dimensions] + b * periods[1][x % dimensions]);
+        weights.insert(weights.end(), options.weights.begin(), options.weights.end());
+    }
+    std::vector<std::int64_t> only(n);
+    for (std::size_t i = 0; i < n; ++i) only[i] = static_cast<std::int64_t>(i);
+    options.cell.reset();
+    options.periodic = {};
+    options.box = options.planar ? votess::Box{{-inf, -inf, 0}, {inf, inf, 0}} : no_ends;
+    options.weights = weights;
+    options.only = only;
+    const auto all = votess::tessellate(images, options);
+    for (std::size_t i = 0; i < n; ++i) {
+        std::vector<Entry> row, expected;
+        for (const Entry& e : entries_of(t, i)) row.push_back(e.id == infinity ? Entry{-1, {}} : e);
+        for (const std::int32_t id : all.neighbors(i)) {
+            const auto& [a, b] = shifts[id < 0 ? 0 : static_cast<std::size_t>(id) / n];
+            expected.push_back({id < 0 ? -1 : id % static_cast<std::int32_t>(n), {a, b, 0}});
+        }
+        std::ranges::sort(row);
+        std::ranges::sort(expected);
+        if (row != expected) return text("cell ", i, " has other neighbors than among images");
+        const double volume = all.volumes()[i];
+        if (t.volumes()[i] != volume && !(std::abs(t.volumes()[i] - volume) <= 1e-10 * volume))
+            return text("cell ", i, " has volume ", t.volumes()[i], ", among images ", volume);
+        if (std::isinf(t.surface_areas()[i]) != std::isinf(all.surface_areas()[i]))
+            return text("cell ", i, " has another surface than among images");
+        if (t.vertex_counts()[i] != all.vertex_counts()[i] || t.edge_counts()[i] != all.edge_counts()[i])
+            return text("cell ", i, " has other counts than among images");
     }
     return "";
 }
@@ -179,6 +271,98 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("unbounded: periodic along some axes, few seeds") {
+        test::Random random(7);
+        for (int trial = 0; trial < 36; ++trial) {
+            CAPTURE(trial);
+            const std::size_t n = random.below(trial % 4 == 0 ? 3 : 9);
+            const double grid = trial % 3 == 0 ? 4 : 0x1p20;
+            Coordinates points;
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < n; ++i) {
+                for (std::size_t k = 0; k < 3; ++k)
+                    points.push_back(trial % 5 == 0 && k == 2
+                                         ? 0.5
+                                         : static_cast<double>(random.below(static_cast<std::size_t>(grid))) / grid +
+                                               static_cast<double>(i) / 64);
+                weights.push_back(random.uniform(0, 0.2));
+            }
+            Options options = endless_options(votess::Box{{0, 0, -inf}, {1, 1.5, inf}});
+            if (trial % 2 == 0) options.weights = weights;
+            options.periodic = {true, trial % 3 != 1, false};
+            if (trial % 3 == 2) {  // one of the sides has an end
+                (trial % 2 == 0 ? options.box->lower[2] : options.box->upper[2]) = trial % 2 == 0 ? -0.25 : 1.75;
+                options.outside = votess::Outside::keep;
+            }
+            Options far = options;
+            far.box->lower[2] = std::max(far.box->lower[2], -0x1p200);
+            far.box->upper[2] = std::min(far.box->upper[2], 0x1p200);
+            if (trial % 3 == 0) {
+                options.periodic = {};
+                options.box.reset();
+                options.cell = votess::TriclinicBox{{0.125, 0, 0.5}, {1, 0, 0}, {0.5, 0.875, 0.25}, {}, {}};
+                options.cell->periodic = {true, trial % 2 == 0, false};
+                if (trial % 2 == 1) options.cell->b = {};
+                far = options;
+                far.cell->origin[2] = -0x1p150;
+                far.cell->c = {0, 0, 0x1p151};
+                if (trial % 2 == 1) far.cell->origin[1] = -0x1p150, far.cell->b = {0, 0x1p151, 0};
+            }
+            const auto t = votess::tessellate(points, options);
+            CHECK(check_periodic(t, points, options, far) == "");
+            CHECK(votess::verify(t, points).failure == "");
+        }
+    }
+
+    TEST_CASE("unbounded: periodic along some axes, many seeds, among their images") {
+        using Vector = std::array<double, 3>;
+        for (int trial = 0; trial < 6; ++trial) {
+            CAPTURE(trial);
+            const bool planar = trial % 3 == 2, skewed = trial >= 3;
+            const auto set = test::uniform(test::by_size(400, 90), static_cast<std::uint64_t>(trial));
+            Coordinates points;
+            std::vector<double> weights;
+            for (std::size_t x = 0; x < set.points.size(); ++x)  // images of these are doubles
+                if (!planar || x % 3 != 2) points.push_back(std::floor(set.points[x] * 0x1p30) * 0x1p-30);
+            for (std::size_t i = 0; i < set.size(); ++i) weights.push_back(0.001 * static_cast<double>(i % 7));
+            Options options = endless_options(votess::Box{{0, -inf, planar ? 0 : -inf}, {1, inf, planar ? 0 : inf}});
+            options.planar = planar;
+            options.want.faces = options.want.counts = true;
+            std::array<Vector, 2> periods{{{1, 0, 0}, {}}};
+            options.periodic[0] = true;
+            if (trial % 3 == 0) options.box->lower[1] = 0, options.box->upper[1] = 1, periods[1] = {0, 1, 0};
+            options.periodic[1] = trial % 3 == 0;
+            if (skewed) {
+                periods[0][1] = 0.25;
+                if (trial == 3) periods[1] = {0.5, 1, 0.125};
+                options.box.reset();
+                options.periodic = {};
+                options.cell = votess::TriclinicBox{{}, periods[0], periods[1], {}, {true, trial == 3, false}};
+                options.weights = weights;
+            }
+            const auto t = votess::tessellate(points, options);
+            CHECK(check_images(t, points, options, periods) == "");
+            CHECK(votess::verify(t, points).failure == "");
+            CHECK(t.periodic()[0]);
+            CHECK(t.cell().has_value() == skewed);
+            if (planar) continue;
+            // All tetrahedra turn alike.
+            const auto dual = votess::delaunay(t);
+            const auto places = votess::wrapped_points(t, points);
+            CHECK(dual.tetrahedra_centers.size() > set.size());
+            for (std::size_t k = 0; k < dual.tetrahedra.size(); k += 4) {
+                std::array<Vector, 4> x;
+                for (std::size_t c = 0; c < 4; ++c)
+                    for (std::size_t axis = 0; axis < 3; ++axis) {
+                        x[c][axis] = places[3 * static_cast<std::size_t>(dual.tetrahedra[k + c]) + axis];
+                        for (std::size_t j = 0; j < 2; ++j)
+                            x[c][axis] += dual.tetrahedra_shifts[3 * (k + c) + j] * periods[j][axis];
+                    }
+                CHECK(votess::exact::orient(x[1], x[2], x[3], x[0]) > 0);
+            }
+        }
+    }
+
     TEST_CASE("unbounded: many seeds, with all arrays") {
         const std::size_t n = test::by_size(2000, 500);
         for (test::PointSet set : {test::uniform(n, 1), test::with_duplicates(n, 40, 3), test::cubic(12),
@@ -208,7 +392,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("unbounded: the far box lies beyond all vertices") {
         test::Random random(9);
-        for (int trial = 0; trial < 200; ++trial) {
+        for (std::size_t trial = 0; trial < test::by_size(200, 40); ++trial) {
             // Four points near a plane, in few bits.
             const std::size_t grid = std::size_t{1} << (1 + random.below(20));
             Coordinates points;
@@ -218,7 +402,10 @@ TEST_SUITE("cases") {
             Options options = endless_options();
             options.want.faces = true;
             const auto t = votess::tessellate(points, options);
-            const votess::Box box = votess::far_box({points, {}}, {}, no_ends);
+            Options far;
+            far.box = no_ends;
+            votess::end_far(far, {points, {}});
+            const votess::Box box = *far.box;
             double farthest = 0;
             for (const double x : t.vertices()) farthest = std::max(farthest, std::abs(x));
             CHECK(farthest < box.upper[0]);
@@ -229,7 +416,7 @@ TEST_SUITE("cases") {
 
     TEST_CASE("unbounded: Delaunay tetrahedra of few points turn the right way") {
         test::Random random(21);
-        for (int trial = 0; trial < 300; ++trial) {
+        for (std::size_t trial = 0; trial < test::by_size(300, 60); ++trial) {
             Coordinates points;
             const std::size_t n = 4 + random.below(4);
             for (std::size_t i = 0; i < 3 * n; ++i) points.push_back(random.uniform(-1, 1));
@@ -272,9 +459,9 @@ TEST_SUITE("cases") {
     // By rows in a box that ends far away: seeds in one plane or on one line have prisms and slabs as cells.
     TEST_CASE("unbounded: seeds in a plane or on a line") {
         test::Random random(14);
-        for (int trial = 0; trial < 48; ++trial) {
+        for (std::size_t trial = 0; trial < 26; trial += test::by_size(1, 5)) {
             CAPTURE(trial);
-            const auto n = static_cast<std::size_t>(trial % 4 == 0 ? 2 + trial / 4 : 40);
+            const std::size_t n = trial % 4 == 0 ? 2 + trial / 2 : 40;
             Coordinates points;
             for (std::size_t i = 0; i < n; ++i) {
                 const double whole = std::ldexp(1.0, static_cast<int>(random.below(30)));
@@ -319,7 +506,7 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: many seeds in a plane or on a line take as long as in space") {
-        const std::size_t n = 20000;  // took a millisecond each
+        const std::size_t n = test::by_size(20000, 3000);  // took a millisecond each
         test::Random random(15);
         for (const int kind : {0, 1, 2}) {
             Coordinates points;
@@ -340,11 +527,11 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("unbounded: the digits of some cells are those of the full run") {
-        for (int trial = 0; trial < 12; ++trial) {
+        for (std::size_t trial = 0; trial < 12; trial += test::by_size(1, 5)) {
             CAPTURE(trial);
             const std::size_t n = trial % 3 == 0 ? 20 : 120;
-            const auto set = test::uniform(n, 100 + static_cast<std::uint64_t>(trial));
-            test::Random random(static_cast<std::uint64_t>(trial));
+            const auto set = test::uniform(n, 100 + trial);
+            test::Random random(trial);
             std::vector<double> weights;
             for (std::size_t i = 0; i < n; ++i) weights.push_back(random.uniform(0, 1) * 0.1);
             Options options = endless_options();
@@ -459,15 +646,19 @@ TEST_SUITE("cases") {
             change(options);
             return test::refusal(set.points, options);
         };
-        CHECK(has(refused([](Options& o) { o.periodic = {true, false, false}; }), "without end"));
+        CHECK(has(refused([](Options& o) { o.periodic = {true, false, false}; }), "no end along it"));
+        CHECK(has(refused([](Options& o) {
+                      o.box.reset();
+                      o.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0, 1, 0}, {}, {true, true, true}};
+                  }),
+                  "Options::cell: c is 0"));
         CHECK(has(refused([](Options& o) { o.walls = {{{1, 0, 0}, 1}}; }), "without end"));
-        CHECK(has(refused([](Options& o) { o.min_face = 1e-3; }), "min_face"));
         CHECK(has(refused([](Options& o) { o.box->lower[0] = inf; }), "box"));
         CHECK(has(refused([](Options& o) { o.box->upper[1] = std::nan(""); }), "box"));
         CHECK(has(test::refusal({0, 0, 0, 1, 1, 1, 1e-300, 0, 0}, endless_options(), votess::ErrorCode::unsupported),
                   "too small"));
-        Options half = endless_options();
-        half.box->lower[2] = 0;
-        CHECK(test::error_of([&] { (void)votess::Diagram(set.points, half); }) == votess::ErrorCode::unsupported);
+        Options cell;
+        cell.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0, 1, 0}, {}, {true, true, false}};
+        CHECK(test::error_of([&] { (void)votess::Diagram(set.points, cell); }) == votess::ErrorCode::unsupported);
     }
 }

@@ -77,7 +77,6 @@ class Volumes(CliTest):
             (("grains.csv", *BOX, "--normalize"), "--normalize goes with --volumes", 2),
             (("--random", 10, "--volumes", 1), "--volumes goes with INPUT", 2),
             ((*volumes, "--locate", "grains.csv", "-o", "x.npy"), "--volumes is for cells", 2),
-            ((*volumes, "--outside", "drop"), "outside have no volume", 2),
         ]:
             with self.subTest(arguments=arguments):
                 self.assertRegex(self.run_cli(*arguments, code=code).stderr, says)

@@ -355,6 +355,21 @@ class Streamed(Hdf5Test):
         self.put("fortran.npy", np.asfortranarray(points))
         self.refuse("fortran.npy", "-o", "out.h5", "--memory", "400M", says="np.ascontiguousarray(points)")
 
+    def test_domains_of_points(self):
+        """The plane, the hull, and all of space."""
+        points = random_points(15000)
+        self.put("a.npy", points)
+        self.put("flat.npy", points[:, :2])
+        self.put("a.csv", "x,y,m\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points.tolist()))
+        everything = "centroids,counts,areas,normals,surfaces,radii"
+        told = self.assertSame("flat.npy", "--want", everything, "--box", "0,0,1,1", "--periodic", "--verify")
+        self.assertEqual((told["dimensions"], told["verified"]), (2, True))
+        self.assertSame("a.csv", "--2d", "--density", "m", "--copy", "m", "--box", "hull")
+        self.assertSame("a.npy", "--box", "hull")
+        points[:, 2] = 0.5
+        self.put("level.npy", points)
+        self.assertSame("level.npy", "--2d", "--box", "none", "--want", everything)
+
     def test_text(self):
         """A catalogue with clusters, ids and carried columns."""
         rng = np.random.default_rng(4)

@@ -46,8 +46,9 @@ class Source(CliTest):
                            ("absent.npy", "No such file")):
             self.refuse("a.npy", "--only", name, "-o", "out.csv", says=says)
         for arguments, says in ((["--only", "60"], "seed 60"), (["--only", "1:2:0"], "step"), (["--only", "no.txt"], "no.txt"),
-                                (["--only", "1", "--verify"], "--verify"), (["--only", "1", "-o", "a.ply"], "a.ply")):
+                                (["--only", "1", "--watershed", "volumes"], "--watershed"), (["--only", "1", "-o", "a.ply"], "a.ply")):
             self.refuse("a.npy", *arguments, says=says)
+        self.assertIn("yes, without volumes", self.run_cli("a.npy", "--only", "1:9", "--verify", "-o", "some.npz").stdout)
 
     def test_only_keeps_words_and_species(self):
         atoms = "".join(f"{name} {k} {k % 2} 0.5\n" for k, name in enumerate(("Cu", "Zr", "Al", "Ni")))

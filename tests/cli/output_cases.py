@@ -274,6 +274,14 @@ class TextOutput(CliTest):
             self.assertEqual(row["E"] == "inf", "-1" in numbers["n"])
         self.assertGreater(open_cells, 10)
         self.assertGreater(open_faces, 3 * open_cells)
+        # Cells that reach infinity are left out of meshes and pictures.
+        for domain in (["--box", "none"], ["--box", "0,0,-inf,1,1,inf", "--periodic", "xy"]):
+            volumes = [float(row) for row in self.rows("a.txt", *domain, "--format", "%v")]
+            done = self.run_cli("a.txt", *domain, "--open", "skip", "-o", "a.vtu", "--image", "a.png")
+            left_out = sum(np.isinf(volumes))
+            for name in ("a.vtu", "a.png"):
+                self.assertIn(f"'{name}' leaves out {left_out} cells that reach infinity", done.stderr)
+            self.assertIn(f'NumberOfCells="{len(volumes) - left_out}"'.encode(), (self.folder / "a.vtu").read_bytes())
         self.run_cli("a.txt", "-q", "--box", "none", "-o", "a.csv")
         self.assertEqual((self.folder / "a.csv").read_text().split("\n")[0], "id,x,y,z,volume,neighbors")
 

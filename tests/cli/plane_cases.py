@@ -184,6 +184,123 @@ class Plane(CliTest):
                     np.testing.assert_array_equal(last["volumes"], np.array(singles[2], float))
                     self.assertEqual((last["centroids"].shape, last.attrs["box"].shape), ((40, 2), (2, 2)))
 
+    def test_areas_that_the_file_gives(self):
+        points = plane_points(50)
+        areas = np.random.default_rng(4).random(50) + 0.5
+        areas /= areas.sum()
+        self.put("a.csv", "x,y,part\n" + text_of(np.column_stack((points, areas)), ","))
+        done = self.json("a.csv", "--volumes", "part", "--box", SQUARE, "--periodic", "-o", "a.npz", "--verify")
+        self.assertLess(done["fit"]["residual"], 1e-9)
+        with np.load(self.folder / "a.npz") as arrays:
+            np.testing.assert_allclose(arrays["volumes"], areas, rtol=1.001e-9)
+            weights = arrays["weights"]
+        self.put("w.txt", text_of(np.column_stack((points, weights))))
+        again = self.areas("w.txt", "--2d", "--weights", "3", "--box", SQUARE, "--periodic")
+        np.testing.assert_allclose(np.array(again, float), areas, rtol=1.01e-9)
+
+    def test_alpha_and_vtu(self):
+        points = plane_points(50)
+        self.put("a.txt", text_of(points))
+        self.run_cli("a.txt", "--box", SQUARE, "--periodic", "--alpha", "1", "-o", "a.npz", "-o", "a.vtu", "-q")
+        with np.load(self.folder / "a.npz") as arrays:
+            counts = [len(arrays[f"alpha_values_{k}"]) for k in range(3)]
+            self.assertEqual(counts, [50, 150, 100])
+            self.assertEqual((arrays["alpha_seeds_2"].shape, arrays["alpha_shifts_2"].shape), ((100, 3), (100, 6)))
+            self.assertNotIn("alpha_values_3", arrays)
+        content = (self.folder / "a.vtu").read_bytes()
+        self.assertIn(b'NumberOfCells="50"', content)
+        self.assertNotIn(b"faceoffsets", content)
+
+    def test_pictures(self):
+        """Each pixel between the axes has the color of the nearest point's cell."""
+        from picture_cases import colored, read_png
+
+        points = plane_points(12)
+        self.put("a.txt", text_of(points))
+        for options in (["--box", SQUARE, "--periodic"], ["--box", SQUARE]):
+            self.run_cli("a.txt", *options, "--image", "a.png", "--color", "index", "--image-size", "640x480", "-q")
+            image = read_png(self.folder / "a.png").astype(int)
+            wide = colored(image)
+            wide[:, 520:] = False  # the color bar
+            rows, columns = np.nonzero(wide)
+            top, bottom, left, right = rows.min(), rows.max(), columns.min(), columns.max()
+            self.assertLess(abs((bottom - top) - (right - left)), 4)
+            colors, agree = {}, []
+            for y in range(top + 5, bottom - 5, 7):
+                for x in range(left + 5, right - 5, 7):
+                    place = np.array([(x + 0.5 - left) / (right + 1 - left), (bottom + 0.5 - y) / (bottom + 1 - top)])
+                    away = place - points
+                    if "--periodic" in options:
+                        away -= np.round(away)
+                    distance = np.sort(np.hypot(*away.T))
+                    if distance[1] - distance[0] < 0.02:  # near a line
+                        continue
+                    cell = int(np.argmin(np.hypot(*away.T)))
+                    agree.append(np.abs(image[y, x] - colors.setdefault(cell, image[y, x])).max() < 3)
+            self.assertEqual(len(colors), 12)
+            self.assertEqual(len({tuple(color) for color in colors.values()}), 12)
+            self.assertTrue(all(agree))
+        self.run_cli("a.txt", "--image", "seeds.png", "--seeds", "--color", "area", "-q")
+        self.refuse("--random", 9, "--image", "seeds.png", "--seeds", says="add --slice")
+
+    def test_queries(self):
+        points, queries = plane_points(), plane_points(30, seed=4)
+        self.put("a.txt", text_of(points))
+        self.put("q.txt", text_of(queries))
+        self.put("flat.npy", np.column_stack((queries, np.full(30, 2.5))))
+        away = queries[:, None] - points
+        nearest = (away**2).sum(axis=2).argmin(axis=1)
+        for asked in (["a.txt", "--locate", "q.txt"], ["a.txt", "--2d", "--locate", "flat.npy"], ["a.txt", "--box", SQUARE, "--locate", "q.txt"]):
+            np.testing.assert_array_equal(np.array(self.rows(*asked), int), nearest)
+        # The cell of a probe is that of the last of the points.
+        domain = ["--box", SQUARE, "--periodic", "y", "--list-walls", "--format", "%v;%F;%s;%n;%P;%c"]
+        probed = self.rows("a.txt", "--probe", "q.txt", *domain)
+        for q in range(3):
+            self.put("more.txt", text_of(np.vstack((points, queries[q]))))
+            expected = self.rows("more.txt", *domain)[-1].split(";")
+            row = probed[q].split(";")
+            self.assertEqual(row[2:4], expected[2:4])
+            for k in (0, 1, 4, 5):
+                numbers = [np.array(text[k].replace("(", " ").replace(")", " ").replace(",", " ").split(), float) for text in (row, expected)]
+                np.testing.assert_allclose(*numbers, rtol=1e-9, atol=1e-12)
+        self.put("v.csv", "x,y,f\n" + text_of(np.column_stack((points, 1 + points @ [2, -3])), ","))
+        field = np.array(self.rows("v.csv", "--columns", "x,y", "--values", "f", "--interpolate", "q.txt"), float)
+        known = ~np.isnan(field)
+        self.assertGreater(known.sum(), 20)
+        np.testing.assert_allclose(field[known], (1 + queries @ [2, -3])[known], rtol=1e-10)
+        rays = np.column_stack((queries, np.ones((30, 2)), np.full(30, 0.5)))
+        self.put("rays.txt", text_of(rays))
+        self.put("rays.npy", rays)
+        rows = self.rows("a.txt", "--trace", "rays.txt", "--box", SQUARE, "--periodic")
+        self.assertEqual(rows, self.rows("a.txt", "--trace", "rays.npy", "--box", SQUARE, "--periodic"))
+        for q, row in enumerate(rows):
+            self.assertAlmostEqual(sum(map(float, row.split()[1::2])), 0.5, 12)
+            self.assertEqual(int(row.split()[0]), ((away[q] - np.round(away[q]))**2).sum(axis=1).argmin())
+        self.refuse("a.txt", "--trace", "q.txt", "-o", "r.txt", says="no column '3'")
+
+    def test_grids(self):
+        points = plane_points()
+        self.put("v.csv", "x,y,f\n" + text_of(np.column_stack((points, np.arange(200.0))), ","))
+        asked = ["v.csv", "--2d", "--box", "0,0,1,2", "--values", "f", "--to-grid", "mean", "--shape", "4,3"]
+        done = self.run_cli(*asked, "-o", "g.npy", "-o", "g.vti", "--image", "g.png")
+        self.assertEqual(done.stdout, "a grid of 4, 3 cells by mean from 200 seeds\n")
+        grid = np.load(self.folder / "g.npy")
+        self.assertEqual(grid.shape, (4, 3))
+        areas = np.array(self.rows("v.csv", "--2d", "--box", "0,0,1,2", "--format", "%v"), float)
+        self.assertAlmostEqual(grid.sum() * (2 / 12), areas @ np.arange(200.0), places=9)
+        data = (self.folder / "g.vti").read_bytes()
+        self.assertIn(b'WholeExtent="0 4 0 3 0 0" Origin="0 0 0" Spacing="0.25 0.6666666666666666 1"', data)
+        np.testing.assert_array_equal(np.frombuffer(data[data.index(b"\n_") + 10:][:96]).reshape(3, 4).T, grid)
+        self.assertEqual((self.folder / "g.png").read_bytes()[16:24], (4).to_bytes(4, "big") + (3).to_bytes(4, "big"))
+        # Without a box the grid covers the default one.
+        self.run_cli("v.csv", "--2d", "--values", "f", "--to-grid", "nearest", "--shape", "2", "-o", "d.vti")
+        lower, upper = points.min(0) - 0.5 * np.ptp(points, axis=0).max() / 200**0.5, points.max(0) + 0.5 * np.ptp(points, axis=0).max() / 200**0.5
+        head = (self.folder / "d.vti").read_bytes().split(b'"')
+        np.testing.assert_allclose(np.array(head[13].split(), float), (*lower, 0), rtol=1e-12)
+        np.testing.assert_allclose(np.array(head[15].split(), float), (*(upper - lower) / 2, 1), rtol=1e-12)
+        self.run_cli(*asked, "--project", "y", "-o", "p.npy")
+        np.testing.assert_allclose(np.load(self.folder / "p.npy"), grid.sum(1) * (2 / 3), rtol=1e-12)
+
     def test_refusals(self):
         self.put("a.txt", text_of(plane_points(20)))
         self.put("solid.txt", "1 0 0\n0 1 0\n0 0 1\n")
@@ -203,12 +320,18 @@ class Plane(CliTest):
                 (["z.npy", "--columns", "1,2"], "--columns goes with"),
                 (["a.csv"], ["lacks 'z'", "--2d"]), (["solid.txt", "--radii", "3"], ["in addition to the named ones", "--2d"]), (["a.csv", "--2d", "--columns", "x,y,m"], "--columns x,y,m needs three dimensions"),
                 (["a.txt", "--columns", "1"], "X,Y in two dimensions"), (["--random", 9, "--box", SQUARE], "for two dimensions add --2d"),
-                (["--random", 9, "--2d", "--image", "a.png"], "--image needs three dimensions, but --2d means two: leave one of them out"),
-                (["a.txt", "--box", SQUARE, "-o", "a.vtu"], ["'a.vtu' needs three dimensions", "--box 0,0,1,1"]),
+                (["--random", 9, "--2d", "--image", "a.png", "--slice", "z=0"], "--slice needs three dimensions, but --2d means two: leave one of them out"),
+                (["--random", 9, "--2d", "--image", "a.png", "--cut", "none"], "--cut needs three"), (["--random", 9, "--2d", "--image", "a.png", "--color", "z"], "--color z: points of the plane have no z"),
+                (["a.txt", "--box", SQUARE, "-o", "a.ply"], ["'a.ply' needs three dimensions", "--box 0,0,1,1"]),
                 (["a.txt", "--2d", "-o", "a.txt.txt", "--format", "%i %t"], "--format with %t needs three"),
-                (["a.txt", "--2d", "--memory", "1G", "-o", "a.h5"], "--memory needs three"),
-                (["a.txt", "--2d", "--locate", "a.txt"], "--locate needs three"), (["a.txt", "--2d", "--to-grid", "mean"], "--to-grid needs"),
+                (["a.txt", "--locate", "solid.txt", "-o", "q.txt"], "three coordinates, but the points of a.txt two: add --2d"),
+                (["solid.txt", "--locate", "a.txt", "-o", "q.txt"], "expected 3 (x y z)"),
+                (["a.csv", "--2d", "--to-grid", "mean", "--values", "m", "--shape", "2,2,2", "-o", "g.npy"], "--shape has 3 numbers, but the points 2"),
+                (["solid.txt", "--to-grid", "dtfe", "--shape", "2,2", "-o", "g.npy"], "give NX,NY,NZ or N"),
+                (["a.csv", "--2d", "--to-grid", "mean", "--values", "m", "--shape", "2", "--project", "z", "-o", "g.npy"], "--project z needs three"),
+                (["z.npy", "--2d", "--memory", "1G", "-o", "a.h5"], ["point 1 has z", "leave --2d out"]),
+                (["solid.txt", "--box", SQUARE, "--memory", "1G", "-o", "a.h5"], "the points have three coordinates: add --2d"),
                 (["a.txt", "--2d", "--wall-sphere", "0,0,0,1,9"], "--wall-sphere needs three"),
-                (["a.txt", "--2d", "--volumes", "2"], "--volumes needs three")]:
+                (["a.txt", "--2d", "--box", "none", "-o", "a.vtu"], "leave out cells that reach infinity by --open skip")]:
             with self.subTest(arguments):
                 self.refuse(*arguments, says=says)

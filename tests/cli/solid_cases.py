@@ -1,6 +1,7 @@
 """--mesh: a closed triangle mesh as the domain, from each format."""
 
 import json
+import re
 import struct
 import zipfile
 
@@ -239,11 +240,55 @@ class Mesh(CliTest):
         np.testing.assert_allclose(cells["face_areas"], 1, rtol=1e-14)
         self.assertEqual(cells["shifts"].tolist(), [[-1, 0, 0], [0, 0, 0], [0, 0, 0], [1, 0, 0]])
 
+    def test_min_face(self):
+        """Two of three cells share a small face."""
+        self.put("a.off", OFF)
+        points = self.put("a.csv", "0.25,0.25,0.5\n0.75,0.25,0.5\n0.45,0.9,0.5\n")
+        run = [points, "--mesh", "a.off", "--want", "neighbors"]
+        areas = self.arrays(points, "--mesh", "a.off", "--want", "areas")["face_areas"]
+        self.assertEqual(len(areas), 6)
+        self.assertEqual(len(self.arrays(*run, "--min-area", repr(1.001 * areas.min()))["indices"]), 4)
+
+    def test_vtu(self):
+        """Each piece is a polyhedron with the numbers of its row."""
+        self.put("a.off", OFF)
+        points = self.put("points.csv", "id,x,y,z,m\n7,0.25,0.5,0.5,2.5\n9,0.75,0.5,0.5,3.5\n8,3,0.5,0.5,4.5\n")
+        self.run_cli(points, "--mesh", "a.off", "--gap", "0.25", "--copy", "m", "-o", "p.vtu", "-q")
+        data = (self.folder / "p.vtu").read_bytes()
+        self.assertIn(b'NumberOfCells="2"', data)
+        body = data[data.index(b"_", data.index(b"<AppendedData")) + 1:]
+        arrays = dict(re.findall(rb'Name="(\w+)".*? offset="(\d+)"', data))
+        for name, kind, expected in [(b"id", "<i8", [7, 9]), (b"volume", "<f8", [0.375, 0.375]), (b"types", "u1", [42, 42]),
+                                     (b"neighbors", "<i4", [1, 1]), (b"centroid", "<f8", [0.1875, 0.5, 0.5, 0.8125, 0.5, 0.5]),
+                                     (b"m", "<f8", [2.5, 3.5])]:
+            at = int(arrays[name])
+            size = struct.unpack_from("<Q", body, at)[0]
+            np.testing.assert_allclose(np.frombuffer(body[at + 8:at + 8 + size], kind), expected, rtol=1e-14)
+
+    def test_queries(self):
+        """Answers inside; none outside. The first seed lies outside of the cube."""
+        self.put("a.off", OFF)
+        points = self.put("points.csv", "x,y,z,v\n-0.25,0.5,0.5,1\n0.75,0.5,0.5,2\n0.75,0.5,1.5,3\n")
+        queries = self.put("queries.csv", "0,0.5,0.5\n-0.25,0.5,0.5\n0.9,0.5,0.25\n0.75,0.5,1\n")
+        run = [points, "--mesh", "a.off"]
+        self.assertEqual(self.run_cli(*run, "--locate", queries, "-o", "-").stdout.split(), ["0", "-1", "1", "1"])
+        self.run_cli(*run, "--probe", queries, "-o", "q.npz", "-o", "q.vtu", "--want", "neighbors,volumes", "-q")
+        with np.load(self.folder / "q.npz") as cells:
+            self.assertAlmostEqual(cells["volumes"][0], 0.375, places=12)
+        rays = self.put("rays.csv", "-1,0.5,0.5,1,0,0,9\n")
+        traced = self.run_cli(*run, "--trace", rays, "-o", "-").stdout.split()
+        self.assertEqual([traced[0], traced[2]], ["0", "1"])
+        np.testing.assert_allclose([float(traced[1]), float(traced[3])], [0.25, 0.75], rtol=1e-14)
+        self.run_cli(*run, "--box=-1,-1,-1,2,2,2", "--to-grid", "mean", "--grid", "3", "--values", "v", "-o", "g.npy", "-q")
+        grid = np.load(self.folder / "g.npy")
+        self.assertAlmostEqual(grid[1, 1, 1], 1.75, places=12)
+        self.assertAlmostEqual(grid.sum(), 1.75, places=12)
+
     def test_refusals(self):
         self.put("a.off", OFF)
         run = ["--random", 9, "--mesh"]
-        for more, says in [(["-o", "a.vtu"], "whole cells"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
-                           (["-o", "a.csv", "--want", "faces"], "faces"), (["--locate", "a.off"], "--mesh"),
+        for more, says in [(["-o", "a.ply"], "whole cells"), (["--image", "a.png", "--slice", "z=0.5"], "--slice"),
+                           (["-o", "a.csv", "--want", "faces"], "faces"),
                            (["--memory", "1G", "-o", "a.h5"], "--mesh"), (["--2d"], "--mesh"), (["--box", "0,0,0,1,1,1"], "strictly inside"),
                            (["--mesh-repair", "holes"], "'holes': give merge"),
                            (["--wall", "1,0,0,1"], "replaces --wall"), (["--outside", "keep"], "outside")]:

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 #include <votess/votess.hpp>
 
 #include "support/generators.hpp"
+#include "support/in_plane.hpp"
 #include "support/random.hpp"
 
 namespace test {
@@ -17,7 +19,9 @@ struct Input {
     std::vector<double> points;
     votess::Options options;
     std::vector<double> radii;
-    [[nodiscard]] std::size_t size() const { return points.size() / 3; }
+    bool hull = false;  // the domain is that of the points
+    [[nodiscard]] std::size_t dimensions() const { return options.planar ? 2 : 3; }
+    [[nodiscard]] std::size_t size() const { return points.size() / dimensions(); }
 };
 
 inline votess::Options usual_options() {
@@ -89,6 +93,31 @@ inline std::vector<Input> all_inputs() {
         all.push_back(kept);
         for (std::size_t i = 0; i < kept.size(); ++i) kept.radii.push_back(random.uniform(0, 0.15));
         all.push_back(kept);
+    }
+    for (const bool planar : {false, true}) {
+        constexpr double end = std::numeric_limits<double>::infinity();
+        Input endless = input_of(planar ? in_plane(clustered(1000, 15)) : clustered(1000, 15), ", without end");
+        endless.options.planar = planar;
+        endless.options.box = votess::Box{{-end, -end, planar ? 0 : -end}, {end, end, planar ? 0 : end}};
+        all.push_back(endless);
+    }
+    for (const bool planar : {false, true}) {
+        Input hull = input_of(planar ? in_plane(on_walls(1000, 14)) : on_walls(1000, 14), ", in its hull");
+        hull.options.planar = planar;
+        hull.options.box.reset();
+        hull.hull = true;
+        all.push_back(hull);
+    }
+    for (const bool periodic : {false, true}) {
+        Input plane = input_of(in_plane(clustered(1000, 13)), periodic ? ", periodic plane" : ", plane");
+        plane.options.planar = true;
+        plane.options.periodic = {periodic, periodic, false};
+        plane.options.want.surfaces = plane.options.want.radii = true;
+        all.push_back(plane);
+        for (std::size_t i = 0; i < plane.size(); ++i) plane.radii.push_back(random.uniform(0, 0.05));
+        plane.options.box.reset();
+        plane.options.periodic = {};
+        if (!periodic) all.push_back(plane);
     }
     return all;
 }

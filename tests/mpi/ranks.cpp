@@ -60,12 +60,13 @@ std::vector<int> owners_of(const Input& input, Share share, int ranks) {
 std::string difference(const votess::mpi::Result& result, const votess::Tessellation& t,
                        const std::vector<int>& owners) {
     const votess::BlockCells& cells = result.cells;
+    const std::size_t each = t.planar() ? 2 : 3;
     if (cells.indptr.size() != result.ids.size() + 1) return "indptr has another length";
     const auto fits = [&](const auto& some, const auto& of_whole, std::size_t each) {
         return some.size() == (of_whole.empty() ? 0 : each * result.ids.size());
     };
     if (!fits(cells.status, t.status(), 1) || !fits(cells.volumes, t.volumes(), 1) ||
-        !fits(cells.centroids, t.centroids(), 3) || !fits(cells.surface_areas, t.surface_areas(), 1) ||
+        !fits(cells.centroids, t.centroids(), each) || !fits(cells.surface_areas, t.surface_areas(), 1) ||
         !fits(cells.security_radii, t.security_radii(), 1) || !fits(cells.face_counts, t.face_counts(), 1) ||
         !fits(cells.edge_counts, t.edge_counts(), 1) || !fits(cells.vertex_counts, t.vertex_counts(), 1))
         return "an array of cells has another length";
@@ -86,8 +87,9 @@ std::string difference(const votess::mpi::Result& result, const votess::Tessella
             if (cells.owners[e] != (id < 0 ? -1 : owners[static_cast<std::size_t>(id)])) return cell + "a wrong owner";
             if (cells.face_areas[e] != areas[e - begin]) return cell + "an area differs";
         }
-        if (!t.shifts().empty() && !std::ranges::equal(std::span(cells.shifts).subspan(3 * begin, 3 * (end - begin)),
-                                                       t.shifts().subspan(3 * first, 3 * (end - begin))))
+        if (!t.shifts().empty() &&
+            !std::ranges::equal(std::span(cells.shifts).subspan(each * begin, each * (end - begin)),
+                                t.shifts().subspan(each * first, each * (end - begin))))
             return cell + "the shifts differ";
         if (cells.face_counts[k] != t.face_counts()[i]) return cell + "the number of faces differs";
         if (cells.volumes[k] != t.volumes()[i]) return cell + "the volume differs";
@@ -95,8 +97,8 @@ std::string difference(const votess::mpi::Result& result, const votess::Tessella
             return cell + "the surface area differs";
         if (!cells.security_radii.empty() && cells.security_radii[k] != t.security_radii()[i])
             return cell + "the security radius differs";
-        for (std::size_t d = 0; d < 3; ++d) {
-            const double a = cells.centroids[3 * k + d], b = t.centroids()[3 * i + d];
+        for (std::size_t d = 0; d < each; ++d) {
+            const double a = cells.centroids[each * k + d], b = t.centroids()[each * i + d];
             if (a != b && !(std::isnan(a) && std::isnan(b))) return cell + "the centroid differs";
         }
     }
@@ -130,16 +132,24 @@ std::string wrong_exchange(const votess::mpi::Result& result, const votess::Tess
 void compare(MPI_Comm comm, const Input& input, Share share) {
     const int rank = rank_in(comm), ranks = size_of(comm);
     const std::vector<int> owners = owners_of(input, share, ranks);
+    const std::size_t each = input.dimensions();
     std::vector<double> points, radii;
     std::vector<std::int64_t> ids;
     for (std::size_t i = 0; i < input.size(); ++i) {
         if (owners[i] != rank) continue;
         ids.push_back(static_cast<std::int64_t>(i));
-        points.insert(points.end(), input.points.begin() + static_cast<std::ptrdiff_t>(3 * i),
-                      input.points.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+        points.insert(points.end(), input.points.begin() + static_cast<std::ptrdiff_t>(each * i),
+                      input.points.begin() + static_cast<std::ptrdiff_t>(each * (i + 1)));
         if (!input.radii.empty()) radii.push_back(input.radii[i]);
     }
     votess::Options options = input.options;
+    if (input.hull) {
+        const auto walls = votess::mpi::hull_walls(comm, points, options);
+        options.walls = votess::hull_walls(input.points, options);
+        const auto numbers = [](const votess::Wall& wall) { return std::pair(wall.normal, wall.offset); };
+        if (!std::ranges::equal(walls, options.walls, {}, numbers, numbers))
+            wrong(comm, input.name + ": the hulls differ");
+    }
     options.radii = input.radii;
     const votess::Tessellation whole = votess::tessellate(input.points, options);
     options.radii = radii;
@@ -154,17 +164,19 @@ void compare(MPI_Comm comm, const Input& input, Share share) {
         if (what.empty()) what = wrong_exchange(back, whole, owners, rank, ranks);
         if (!what.empty()) wrong(comm, name + what);
         if (back.counts.seeds != input.size()) wrong(comm, name + "another number of seeds");
-        if (std::abs(back.counts.volume_sum - whole.stats().volume_sum) > 1e-10 * whole.stats().volume_sum)
+        const auto differ = [](double a, double b, double tolerance) {
+            return a != b && !(std::abs(a - b) <= tolerance * b);
+        };
+        if (differ(back.counts.volume_sum, whole.stats().volume_sum, 1e-10))
             wrong(comm, name + "another sum of volumes");
-        if (input.size() > 0 &&
-            std::abs(back.counts.box_volume - whole.stats().box_volume) > 1e-12 * whole.stats().box_volume)
+        if (input.size() > 0 && differ(back.counts.box_volume, whole.stats().box_volume, 1e-12))
             wrong(comm, name + "another volume of the domain");
 
         const auto made = votess::mpi::tessellate(comm, points, given, options, Cells::made);
         what = difference(made, whole, owners);
         if (!what.empty()) wrong(comm, name + "made: " + what);
         for (std::size_t k = 0; k < made.points.size(); ++k)
-            if (made.points[k] != input.points[3 * static_cast<std::size_t>(made.ids[k / 3]) + k % 3])
+            if (made.points[k] != input.points[each * static_cast<std::size_t>(made.ids[k / each]) + k % each])
                 wrong(comm, name + "made: a point is another");
         const std::uint64_t own = made.ids.size();
         std::uint64_t all = 0;
@@ -218,7 +230,8 @@ void check_agreement(MPI_Comm comm, const std::vector<double>& points, const vot
         {"want", [](votess::Options& o) { o.want.volumes = false; }},
         {"list_walls", [](votess::Options& o) { o.list_walls = true; }},
         {"min_face", [](votess::Options& o) { o.min_face = 0.1; }},
-        {"min_area", [](votess::Options& o) { o.min_area = 0.1; }}};
+        {"min_area", [](votess::Options& o) { o.min_area = 0.1; }},
+        {"the number of dimensions", [](votess::Options& o) { o.planar = true; }}};
     for (const auto& [name, change] : changes) {
         votess::Options other = options;
         if (is_last) change(other);

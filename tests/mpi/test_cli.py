@@ -143,6 +143,25 @@ class SameFile(RanksTest):
         arrays = self.assert_same("a.npy", *walls, "--outside", "drop", "--list-walls", "--want", ALL, "--verify")
         self.assertGreater(int(np.sum(arrays["status"] == 7)), 100)
 
+    def test_points_without_a_box(self):
+        """The hull, all of space, and the plane."""
+        points = random_points(600)
+        self.put("a.npy", points)
+        for box in ("hull", "none"):
+            self.assert_same("a.npy", "--box", box, "--want", ALL, "--list-walls", "--verify")
+        self.put("flat.npy", points[:, :2])
+        self.assert_same("flat.npy", "--box", "hull", "--want", ALL, "--verify")
+        self.assert_same("flat.npy", "--box", "0,0,1,1", "--periodic", "--want", ALL, ranks=(2,))
+        self.put("flat.csv", "x,y,m\n" + "".join(f"{x!r},{y!r},{z!r}\n" for x, y, z in points.tolist()))
+        self.assert_same("flat.csv", "--2d", "--copy", "m", ranks=(2,))
+        points[:, 2] = 0.5
+        self.put("level.npy", points)
+        self.assert_same("level.npy", "--2d", ranks=(2,))
+        points[400:, 2] = 0.25
+        self.put("levels.npy", points)
+        done = self.on_ranks(2, "levels.npy", "--2d", "-o", "out.h5", code=2)
+        self.assertIn("levels.npy: a point has z = 0.25, another has 0.5", done.stderr)
+
     def test_several_threads(self):
         self.put("a.npy", random_points(5000))
         self.assert_same("a.npy", "--threads", 2, ranks=(2,))

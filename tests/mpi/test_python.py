@@ -92,12 +92,13 @@ def wrong_on_one_rank(comm, points):
     on_last(t.verify, "points", None, comm, points=points, text=f"rank {last}: verify: points ")
     for name, value in (
         ("ids", np.zeros(2)), ("ids", np.ma.masked_array(np.arange(len(points)), np.arange(len(points)) == 1)),
-        ("box", "hull"), ("box", (0, 0, 0, 2, 2, 2)), ("periodic", "w"), ("periodic", "x"), ("weights", np.zeros(2)),
+        ("box", (0, 0, 0, 2, 2, 2)), ("periodic", "w"), ("periodic", "x"), ("weights", np.zeros(2)),
         ("want", "else"), ("want", "volumes,radii"), ("cell", 3), ("walls", 3), ("walls", ((1, 0, 0, 2),)),
         ("list_walls", True), ("threads", -1), ("duplicates", "x"), ("origin", (0, 0, 0)), ("outside", "keep"),
         ("cells", "made"), ("progress", 3),
     ):  # fmt: skip
         on_last(pyvotess.mpi.tessellate, name, value, points, comm, box=box)
+    on_last(pyvotess.mpi.tessellate, "box", "hull", points, comm, box=box, text="the call of ")
     each = np.ones(len(points))
     on_last(pyvotess.mpi.tessellate, "radii", each, points, comm, box=box, text="it has 0 radii")
     by_rank = {"weights" if comm.rank == last else "radii": each}
@@ -156,6 +157,10 @@ def main():
     with_one_machine(WORLD, points, box=(0, 0, 0, 1, 1, 1), periodic="xz", each={"radii": 0.02 * random.random(3000)})
     with_one_machine(WORLD, points[:3], cell=((1, 0, 0), (0.3, 1, 0), (0, 0.2, 1)))
 
+    with_one_machine(WORLD, points[:300], box="hull", list_walls=True)
+    with_one_machine(WORLD, points[:500, :2], box="hull")
+    with_one_machine(WORLD, points[:500, :2], box=(0, 0, 1, 1), periodic="xy", each={"weights": 0.0001 * random.random(500)})
+
     part = WORLD.Split(WORLD.rank % 2)
     with_one_machine(part, points[:500] + WORLD.rank % 2, list_walls=True)
     part.Free()
@@ -172,7 +177,7 @@ def main():
     refused(WORLD, ValueError, f"rank {last}: point {sixth}: y = nan", bad, WORLD)
     refused(WORLD, ValueError, f"rank {last}: point 5: y = nan", bad, WORLD, ids=numbered.ids)
     shape = own if WORLD.rank != last else own[:, :2]
-    refused(WORLD, ValueError, f"rank {last}: points has shape", shape, WORLD)
+    refused(WORLD, ValueError, f"rank {last}: the number of dimensions differs", shape, WORLD)
     refused(WORLD, ValueError, "ids has shape", own, WORLD, ids=np.arange(2))
     refused(WORLD, ValueError, "id 4 is given twice", own, WORLD, ids=np.full(len(own), 4))
     refused(WORLD, ValueError, "cells is 'mine'", own, WORLD, cells="mine")

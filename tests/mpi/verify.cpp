@@ -34,7 +34,8 @@ Part part_of(const World& world, const Input& input, Cells cells) {
     for (std::size_t i = 0; i < input.size(); ++i) {
         if (static_cast<int>(i % static_cast<std::size_t>(world.size)) != world.rank) continue;
         ids.push_back(static_cast<std::int64_t>(i));
-        part.points.insert(part.points.end(), &input.points[3 * i], &input.points[3 * i] + 3);
+        const std::size_t each = input.dimensions();
+        part.points.insert(part.points.end(), &input.points[each * i], &input.points[each * i] + each);
         if (!input.radii.empty()) part.radii.push_back(input.radii[i]);
     }
     votess::Options options = input.options;

@@ -76,15 +76,15 @@ def as_axis(value: Any, name: str) -> int:
     return int(number)
 
 
-def as_each_axis(value: Any, name: str) -> List[int]:
-    """Returns three whole numbers of at least 1, below 2**31, also from one for all axes."""
+def as_each_axis(value: Any, name: str, axes: int = 3) -> List[int]:
+    """Returns a whole number of at least 1, below 2**31, for each axis, also from one for all."""
     try:
-        given = [value] * 3 if _without_dimensions(value) is not value or not hasattr(value, "__len__") else list(value)
+        given = [value] * axes if _without_dimensions(value) is not value or not hasattr(value, "__len__") else list(value)
         counts = [as_count(number, name, 31) for number in given]
     except (TypeError, ValueError):
         counts = []
-    if len(counts) != 3 or min(counts) < 1:
-        raise ValueError(f"{name} is {shown(value)}: give three whole numbers of at least 1, or one for all")
+    if len(counts) != axes or min(counts) < 1:
+        raise ValueError(f"{name} is {shown(value)}: give {'three' if axes == 3 else 'two'} whole numbers of at least 1, or one for all")
     return counts
 
 

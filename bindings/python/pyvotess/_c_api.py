@@ -239,6 +239,9 @@ class Mesh(ctypes.Structure):
         ("columns", POINTER(Column)),
         ("box_lower", c_double * 3),
         ("box_upper", c_double * 3),
+        ("planar", c_int32),
+        ("skip_open", c_int32),
+        ("left_out", c_void_p),
     ]  # fmt: skip
 
 
@@ -332,6 +335,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_diagram_view": (c_int, (_HANDLE, POINTER(Options), POINTER(_HANDLE))),
     "votess_diagram_free": (None, (_HANDLE,)),
     "votess_diagram_size": (c_size_t, (_HANDLE,)),
+    "votess_diagram_planar": (c_int, (_HANDLE,)),
     "votess_diagram_locate": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_diagram_probe": (
         c_int,

@@ -251,6 +251,10 @@ class Domain:
     mesh_tolerance: float = 0.0
 
     @property
+    def is_hull(self) -> bool:
+        return isinstance(self.box, str) and self.box == "hull"
+
+    @property
     def is_given(self) -> bool:
         """Whether there is a box or a cell; else the box is the default one around the points."""
         return self.box is not None or self.cell is not None
@@ -258,14 +262,12 @@ class Domain:
     def fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> List[Any]:
         """Sets the domain in the options. Returns arrays that must live as long as the options are used.
 
-        ``points``: all of them, None if they come in parts. ``options.planar`` is set.
+        ``points``: all of them, None if they come in parts. Then the caller makes the walls of a hull. ``options.planar``
+        is set.
         """
         planar = bool(options.planar)
         count = 0 if points is None else len(points)
-        is_hull = isinstance(self.box, str) and self.box == "hull"
-        if is_hull and points is None:
-            raise ValueError("box is 'hull', which needs all points at once: give numbers")
-        if self.box is not None and not is_hull:
+        if self.box is not None and not self.is_hull:
             lower, upper = as_box(self.box, planar)
             options.has_box = 1
             options.box_lower[:] = lower.tolist()
@@ -280,7 +282,7 @@ class Domain:
             else:
                 rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
             options.has_cell = 1
-            options.cell_periodic[:] = axes or (True, True, True)
+            options.cell_periodic[:] = axes or tuple(bool(edge.any()) for edge in rows)
             options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
         if self.origin is not None:
             if self.cell is None:
@@ -311,7 +313,7 @@ class Domain:
             options.mesh_merge = int(self.mesh_repair is not None)
             options.mesh_tolerance = tolerance
             kept += [vertices, triangles]
-        if is_hull and points is not None:
+        if self.is_hull and points is not None:
             walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)
             options.walls, options.wall_count = walls.ctypes.data, len(walls)
             kept.append(walls)

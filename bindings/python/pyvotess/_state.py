@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 
 import numpy as np
 
-from ._arguments import as_number
+from ._arguments import as_number, require_one_of
 from ._call import Handle, array_of, raise_on_failure, watched
 from ._library import lib
 from .mesh import Faces, Lists, Neighbors, Rows, count_edges
@@ -178,7 +178,7 @@ class Cells:
         if self.cell is not None and self.origin is not None:
             where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
         else:
-            endless = np.isinf(self.box).all()
+            endless = np.isinf(self.box[:, : 2 if self.planar else 3]).all()
             where = "domain without end" if endless else f"box {text(self.box[0])} to {text(self.box[1])}"
         if self.in_mesh:
             where = f"mesh of volume {self.stats.box_volume:g} in a " + where
@@ -371,8 +371,39 @@ class Cells:
         if self.planar:
             raise ValueError(f"{what} works in three dimensions only")
 
+    @property
+    def open_cells(self) -> npt.NDArray[np.bool_]:
+        """(N,) True for a cell that reaches infinity. Needs "volumes", "areas" or "faces" in want."""
+        if not self._is_endless:
+            return np.zeros(len(self), bool)
+        if "volumes" in self._wanted:
+            return np.isinf(self.volumes)
+        if "areas" in self._wanted:
+            infinite = np.isinf(self.face_areas)
+        elif self.planar:
+            infinite = np.all(self.faces.indices.reshape(-1, 2) == -1, axis=1)
+        else:
+            infinite = np.diff(self.faces.indptr) == 0
+        found: npt.NDArray[np.bool_] = np.zeros(len(self), bool)
+        found[np.repeat(np.arange(len(self)), np.diff(self.neighbors.indptr))[infinite]] = True
+        return found
+
+    @property
+    def _is_endless(self) -> bool:
+        return bool(np.isinf(self.box).any())
+
+    def _closed_cells(self, what: str, open: Optional[str]) -> Optional[npt.NDArray[np.bool_]]:
+        """Returns the cells that do not reach infinity, None for all. Refuses others unless ``open`` is "skip"."""
+        require_one_of(open, "open", ("skip",))
+        if not self._is_endless:
+            return None
+        reach = self.open_cells
+        if open is None and reach.any():
+            raise ValueError(f"{what}: {int(reach.sum())} cells reach infinity: leave them out by open='skip', or give a box")
+        return ~reach
+
     def _require_end(self, what: str) -> None:
-        if np.isinf(self.box).any():
+        if self._is_endless:
             raise ValueError(f"{what} needs a box with ends: some cells reach infinity")
 
     @property

@@ -28,25 +28,25 @@ if TYPE_CHECKING:
 class AlphaComplex:
     """Vertices, edges, triangles and tetrahedra of a Delaunay triangulation, with the values at which they appear.
 
-    Each attribute is a tuple of four arrays, one for each dimension k from 0 to 3.
+    Each attribute is a tuple of four arrays, one for each dimension k from 0 to 3. In the plane they are three.
     """
 
     simplices: Tuple[Int32Array, ...]  #: (M, k + 1) seeds, ascending in each row; rows ascend too
     values: Tuple[Float64Array, ...]  #: (M,) squared radii, as in GUDHI; never less than that of a face
     gabriel: Tuple[BoolArray, ...]  #: (M,) True if no seed lies inside the smallest sphere around the simplex
     shifts: Optional[Tuple[Int8Array, ...]]  #: (M, k + 1, 3) box vectors, 0 for the first seed; None unless periodic
-    replicate: Tuple[int, int, int]  #: copies of the box along its vectors
+    replicate: Tuple[int, ...]  #: copies of the box along its vectors
 
     def __repr__(self) -> str:
         counts = ", ".join(str(len(rows)) for rows in self.simplices)
-        return f"<pyvotess.AlphaComplex: {counts} simplices of dimension 0 to 3>"
+        return f"<pyvotess.AlphaComplex: {counts} simplices of dimension 0 to {len(self.simplices) - 1}>"
 
     def filtration(self) -> Tuple[Int64Array, Int64Array]:
         """Returns the dimension and the row of each simplex, in the order in which they appear.
 
         Faces come before the simplices around them. Simplices of equal values are ordered by dimension, then by row.
         """
-        dimensions = np.repeat(np.arange(4), [len(rows) for rows in self.simplices])
+        dimensions = np.repeat(np.arange(len(self.simplices)), [len(rows) for rows in self.simplices])
         rows = np.concatenate([np.arange(len(rows)) for rows in self.simplices])
         order = np.argsort(np.concatenate(self.values), kind="stable")
         return dimensions[order], rows[order]
@@ -60,23 +60,28 @@ class AlphaComplex:
 
 def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]]) -> AlphaComplex:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    copies = np.array(as_each_axis(replicate, "replicate"), np.int32)
+    dimensions = t.box.shape[1]
+    copies = np.ones(3, np.int32)
+    copies[:dimensions] = as_each_axis(replicate, "replicate", dimensions)
+    if np.ndim(replicate) == 0 and any(t.periodic):
+        copies[:dimensions][~np.array(t.periodic[:dimensions])] = 1
     handle = Handle(lib.votess_alpha_free)
     arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
     raise_on_failure(watched(lib.votess_alpha_new, result.pointer, *arguments))
 
     def arrays(name: str, dtype: Any, columns: Sequence[int] = (0, 0, 0, 0)) -> Tuple[npt.NDArray[Any], ...]:
         return tuple(
-            array_of(handle, name, dtype, columns[k], prefix="votess_alpha_", arguments=(k,)) for k in range(4)
+            array_of(handle, name, dtype, columns[k], prefix="votess_alpha_", arguments=(k,))
+            for k in range(dimensions + 1)
         )
 
     shifts = None
     if any(t.periodic):
-        shifts = tuple(rows.reshape(-1, k + 1, 3) for k, rows in enumerate(arrays("shifts", np.int8)))
+        shifts = tuple(rows.reshape(-1, k + 1, dimensions) for k, rows in enumerate(arrays("shifts", np.int8)))
     return AlphaComplex(
         simplices=arrays("seeds", np.int32, (1, 2, 3, 4)),
         values=arrays("values", np.float64),
         gabriel=tuple(flags.view(np.bool_) for flags in arrays("gabriel", np.uint8)),
         shifts=shifts,
-        replicate=tuple(copies.tolist()),
+        replicate=tuple(copies[:dimensions].tolist()),
     )

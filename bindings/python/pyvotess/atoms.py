@@ -41,14 +41,6 @@ def _corner_of_ase(atoms: Any) -> Float64Array:
     return corner
 
 
-def require_edges(edges: Any, of: str) -> None:
-    missing = [name for name, edge in zip("abc", edges) if not np.any(edge)]
-    if missing:
-        raise ValueError(
-            f"the cell of {of} has no edge {missing[0]}: set it, in ASE by atoms.center(vacuum=...), or give box"
-        )
-
-
 def _parts_of(atoms: Any) -> _Parts:
     zero = np.zeros(3)
     if hasattr(atoms, "get_positions") and hasattr(atoms, "pbc"):  # ASE
@@ -77,7 +69,6 @@ def _cells_of(atoms: Any, options: Dict[str, Any], tessellator: Optional[Tessell
     repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
     given = dict(options)
     if given.get("box") is None and np.any(edges):
-        require_edges(edges, "the atoms")
         given.update(cell=edges, origin=origin)
     given.setdefault("periodic", repeats)
     return (tessellator.tessellate if tessellator else tessellate)(positions, **given)
@@ -116,7 +107,8 @@ def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellatio
     Atoms without a cell get the default box of :func:`tessellate`. An atom outside of the cell along an edge without
     period is an error, or dropped with ``outside="drop"``.
 
-    Raises TypeError for objects of an unknown type, and ValueError for a cell that lacks an edge.
+    Raises TypeError for objects of an unknown type, and ValueError for a cell that repeats along an edge of length 0.
+    Along other edges of length 0, as those of ASE's surfaces, the domain has no end.
     """
     for name in ("cell", "origin"):
         if name in options:

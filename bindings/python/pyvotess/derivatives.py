@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, List
+from typing import TYPE_CHECKING, Any, List, Optional
 
 import numpy as np
 
@@ -13,24 +13,56 @@ if TYPE_CHECKING:
     from ._state import SeedCells
 
 
-def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
+def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
+    """Returns the derivatives of volumes of parts in a mesh, from the triangles of pieces between two cells.
+
+    The surface stays where it is, so that it adds nothing.
+    """
+    from scipy.sparse import coo_matrix
+
+    if of != "volumes":
+        raise ValueError("of is 'areas': in a mesh give 'volumes', or tessellate without mesh=")
+    if t.shifts is not None:
+        raise ValueError("derivatives() in a mesh need a domain that does not repeat: leave out periodic= or mesh=")
+    pieces = t.pieces()
+    piece = np.repeat(np.arange(len(pieces)), np.diff(pieces.triangle_offsets))
+    inner = ~pieces.on_surface
+    i, j = pieces.cells[piece[inner]], pieces.sources[inner].astype(np.int64)
+    corners = pieces.vertices[pieces.triangles[inner] + pieces.vertex_offsets[piece[inner], None]]
+    area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    at, vector = corners.mean(axis=1) - places[i], places[j] - places[i]
+    scale = area / np.linalg.norm(vector, axis=1)
+    row, seed = np.tile(i, 2), np.concatenate((i, j))
+    if by == "weights":
+        value = 0.5 * np.concatenate((scale, -scale))
+        return coo_matrix((value, (row, seed)), shape=(len(t), len(t))).tocsr()
+    value = np.concatenate((scale[:, None] * at, scale[:, None] * (vector - at))).ravel()
+    column = (3 * seed[:, None] + np.arange(3)).ravel()
+    return coo_matrix((value, (np.repeat(row, 3), column)), shape=(len(t), 3 * len(t))).tocsr()
+
+
+def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any:
     """See :meth:`Tessellation.derivatives`.
 
     The change of a volume is the integral of the motion of its faces.
     """
     as_word(of, "of", dict.fromkeys(("volumes", "areas")))
     as_word(by, "by", dict.fromkeys(("points", "weights")))
-    t._require_end("derivatives()")
+    closed = t._closed_cells("derivatives()", open)
     t._require_whole_faces("derivatives()")
     from scipy.sparse import coo_matrix, csr_matrix
 
     places = t.wrapped_points
     size = places.shape[1]
     columns = len(t) if by == "weights" else size * len(t)
+    by_areas = of == "volumes" and by == "weights" and "areas" in t.wanted
+    if t.in_mesh and not by_areas:
+        return _volumes_in_mesh(t, places, of, by)
     motion = motion_of(t, places)
     i, j = motion.i, motion.j
-    if of == "volumes" and by == "weights" and "areas" in t.wanted:
-        is_seed = j >= 0
+    chosen = np.arange(len(i)) if closed is None else np.flatnonzero(closed[i])
+    if by_areas:
+        is_seed = chosen[j[chosen] >= 0]
         value = 0.5 * t.face_areas[is_seed] * motion.per_distance[is_seed]
         cell, neighbor = i[is_seed], j[is_seed]
         entry = (np.concatenate((value, -value)), (np.tile(cell, 2), np.concatenate((cell, neighbor))))
@@ -39,11 +71,12 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
     lengths = np.zeros(len(t) if of == "volumes" else len(i), np.int64)
     indices: List[Any] = []
     values: List[Any] = []
-    for part, faces in blocks(t, places, motion, np.arange(len(i))):
+    for taken, faces in blocks(t, places, motion, chosen):
+        part = chosen[taken]
         i_of, j_of, vector, per_distance = i[part], j[part], motion.vector[:, part], motion.per_distance[part]
         every = np.arange(len(i_of))
-        first = int(i_of[0]) if of == "volumes" else part.start
-        count = int(i_of[-1]) + 1 - first if of == "volumes" else len(i_of)
+        first = int(i_of[0])
+        rows = np.arange(first, int(i_of[-1]) + 1) if of == "volumes" else part
         terms = [(i_of - first, every, faces.centroids(), faces.size)] if of == "volumes" else faces.rims()
         entries: List[Any] = []  # row, seed, value: a number for weights, a vector for points
         for row, face, at, much in terms:
@@ -60,8 +93,8 @@ def make_derivatives(t: SeedCells, of: str, by: str) -> Any:
         if by == "points":
             row, value = np.repeat(row, size), value.ravel()
             column = (size * column.astype(np.int64)[:, None] + np.arange(size)).ravel()
-        block = coo_matrix((value, (row, column)), shape=(count, columns)).tocsr()
-        lengths[first : first + count] = np.diff(block.indptr)
+        block = coo_matrix((value, (row, column)), shape=(len(rows), columns)).tocsr()
+        lengths[rows] = np.diff(block.indptr)
         indices.append(block.indices)
         values.append(block.data)
     indptr = np.concatenate(([0], np.cumsum(lengths)))

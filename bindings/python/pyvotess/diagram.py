@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word
-from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, WantName
+from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, RepairWord, WantName
 from ._call import Handle, Progress, array_of, run, showing
 from ._input import Domain, as_float64_or_float32, as_one_each, as_points
 from ._library import lib
@@ -21,10 +21,6 @@ from .rays import RayCells
 
 if TYPE_CHECKING:
     import numpy.typing as npt
-
-
-def _as_queries(queries: Any, name: str = "queries") -> npt.NDArray[np.float64]:
-    return np.require(as_points(queries, name), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
 
 
 def _as_weights(weights: Optional[npt.ArrayLike], queries: int) -> Optional[npt.NDArray[np.float64]]:
@@ -52,10 +48,14 @@ class Diagram:
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, as for :func:`tessellate`; copied.
-    box : as for :func:`tessellate`, with all of its ends or "none". Default: none, if no other argument gives a domain.
+    points : (N, 3) array of real numbers, as for :func:`tessellate`; copied. Or (N, 2): then queries, rays and gradients
+        have two components too, the cells of probes are polygons, and grids have two axes.
+    box : as for :func:`tessellate`. Default: none, if no other argument gives a domain.
     periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
         progress : as for :func:`tessellate`. Queries run on the CPU.
+    mesh, mesh_repair, mesh_tolerance : as for :func:`tessellate`. A closed triangle mesh cuts the domain: places outside
+        have no answers, rays have their parts inside, and a cell of :meth:`probe` is its part inside. The surface is
+        inside. :meth:`natural_neighbors` and :meth:`interpolate` answer as without the mesh, and grids are 0 outside.
 
     Each query has a ``progress`` too, and Ctrl-C stops it. A Diagram stays usable after a stopped query. A progress
     callback must not query the Diagram that calls it.
@@ -81,13 +81,17 @@ class Diagram:
         grid_resolution: int = 0,
         instructions: str = "",
         progress: Union[None, bool, Progress] = None,
+        mesh: Any = None,
+        mesh_repair: Optional[RepairWord] = None,
+        mesh_tolerance: float = 0.0,
     ) -> None:
-        array = np.require(as_points(points), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
+        array = np.require(as_points(points, planar=True), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
         options = new_options(
             device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
-            duplicates=duplicates, outside=outside,
+            duplicates=duplicates, outside=outside, planar=array.shape[1] == 2,
         )  # fmt: skip
-        kept = Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, array)
+        domain = Domain(box, periodic, weights, radii, cell, origin, walls, mesh, mesh_repair, mesh_tolerance)
+        kept = domain.fill(options, array)
         self._handle = Handle(lib.votess_diagram_free)
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))
@@ -97,6 +101,22 @@ class Diagram:
     def __len__(self) -> int:
         """N, the number of seeds."""
         return int(lib.votess_diagram_size(self._handle.pointer))
+
+    @property
+    def planar(self) -> bool:
+        """Whether seeds and queries have two components."""
+        return bool(lib.votess_diagram_planar(self._handle.pointer))
+
+    @property
+    def _dimensions(self) -> int:
+        return 2 if self.planar else 3
+
+    def _as_queries(self, queries: Any, name: str = "queries") -> npt.NDArray[np.float64]:
+        array = as_points(queries, name, planar=True)
+        if array.shape[1] != self._dimensions:
+            count = "Q" if name == "queries" else "R"
+            raise ValueError(f"{name} has shape {array.shape}: the seeds need ({count}, {self._dimensions})")
+        return np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED"])
 
     def _ask(self, query: Any, progress: Union[None, bool, Progress], *arguments: Any) -> None:
         """Runs a query of the library, which calls ``progress``."""
@@ -120,7 +140,7 @@ class Diagram:
         queries : (Q, 3) array of finite numbers. In a periodic domain they are wrapped without rounding.
         progress : as for :func:`tessellate`.
         """
-        array = _as_queries(queries)
+        array = self._as_queries(queries)
         seeds = np.empty(len(array), np.int32)
         self._ask(lib.votess_diagram_locate, progress, array.ctypes.data, len(array), seeds.ctypes.data)
         return seeds
@@ -155,7 +175,7 @@ class Diagram:
         ------
         ValueError : bad input; a direction of length 0; an infinite ray that no wall ends.
         """
-        start, along = _as_queries(origins, "origins"), _as_queries(directions, "directions")
+        start, along = self._as_queries(origins, "origins"), self._as_queries(directions, "directions")
         if len(along) != len(start):
             raise ValueError(f"{len(start)} origins, but {len(along)} directions: give one for each ray")
         given = np.linalg.norm(along, axis=1) if lengths is None else as_float64_or_float32(lengths, "lengths")
@@ -178,7 +198,7 @@ class Diagram:
             array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
             array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
             array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
-            array_of(rays, "middles", np.float64, 3, "votess_rays_") if with_middles else None,
+            array_of(rays, "middles", np.float64, self._dimensions, "votess_rays_") if with_middles else None,
             len(self),
         )
 
@@ -210,7 +230,7 @@ class Diagram:
         ------
         ValueError : bad input, or weights where the seeds have none.
         """
-        array = _as_queries(queries)
+        array = self._as_queries(queries)
         options = new_options(device="cpu", want=want, list_walls=list_walls)
         numbers = _as_weights(weights, len(array))
         result = Handle(lib.votess_result_free)
@@ -259,7 +279,7 @@ class Diagram:
         ValueError : bad input.
         VotessError : UNSUPPORTED in a periodic domain with so few seeds that the cell of a query meets its own image.
         """
-        array = _as_queries(queries)
+        array = self._as_queries(queries)
         numbers = _as_weights(weights, len(array))
         with_gradient = as_flag(gradient, "gradient")
         natural = Handle(lib.votess_natural_free)
@@ -281,7 +301,7 @@ class Diagram:
         return NaturalCoordinates(
             Neighbors(read("indptr", np.int64), read("indices", np.int32)),
             read("weights", np.float64),
-            read("gradients", np.float64, 3) if with_gradient else None,
+            read("gradients", np.float64, self._dimensions) if with_gradient else None,
         )
 
     @overload
@@ -326,11 +346,12 @@ class Diagram:
 
         The result is (Q,) or (Q, m) float64, NaN without coordinates: without a box outside of the convex hull of the
         seeds. ``beyond="nearest"`` takes the value of the nearest seed there, with gradient 0. Values that are NaN stay NaN.
-        With ``gradient`` the gradient follows, (Q, 3) or (Q, m, 3), per length unit, also NaN on seeds.
+        With ``gradient`` the gradient follows, (Q, 3) or (Q, m, 3), per length unit, also NaN on seeds; 2 instead of 3 in
+        two dimensions.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
         """
-        array = _as_queries(queries)
+        array = self._as_queries(queries)
         of_seeds = self._as_values(values)
         as_word(beyond, "beyond", dict.fromkeys(("nan", "nearest")))
         numbers = _as_weights(weights, len(array))
@@ -338,7 +359,7 @@ class Diagram:
         if beyond == "nearest":  # a column of ones is NaN exactly where there are no coordinates
             asked = np.column_stack((of_seeds, np.ones(len(of_seeds))))
         field = np.empty((len(array), *asked.shape[1:]))
-        slopes = np.empty((*field.shape, 3)) if as_flag(gradient, "gradient") else None
+        slopes = np.empty((*field.shape, self._dimensions)) if as_flag(gradient, "gradient") else None
         self._ask(
             lib.votess_diagram_interpolate,
             progress,
@@ -359,7 +380,8 @@ class Diagram:
             field[unknown] = asked[nearest]
             if slopes is not None:
                 slopes[unknown] = 0
-                slopes = np.ascontiguousarray(slopes[:, :-1]).reshape(*field.shape[:1], *of_seeds.shape[1:], 3)
+                shape = (len(field), *of_seeds.shape[1:], self._dimensions)
+                slopes = np.ascontiguousarray(slopes[:, :-1]).reshape(shape)
             field = np.ascontiguousarray(field[:, :-1]).reshape(len(field), *of_seeds.shape[1:])
         return field if slopes is None else (field, slopes)
 
@@ -381,11 +403,11 @@ class Diagram:
         Parameters
         ----------
         values : (N,) or (N, m) real numbers of the seeds.
-        shape : (nx, ny, nz), or one number for all.
+        shape : (nx, ny, nz), in two dimensions (nx, ny), or one number for all.
         method : ``"mean"``: exact average over each grid cell of a field that is constant in the cells of the seeds.
             The field is 0 beyond walls. ``"dtfe"``: values are masses, and the field is their density by the Delaunay
-            tessellation field estimator (Schaap, van de Weygaert 2000), linear in the tetrahedra of
-            :meth:`Tessellation.delaunay` and averaged exactly. Duplicates add their mass to the seed that keeps the
+            tessellation field estimator (Schaap, van de Weygaert 2000), linear in the tetrahedra or triangles
+            of :meth:`Tessellation.delaunay` and averaged exactly. Duplicates add their mass to the seed that keeps the
             cell. ``"nearest"``, ``"sibson"``: the value of the nearest seed, or that of :meth:`interpolate`, at the
             center of the grid cell; 0 outside of the domain.
         project : 0, 1 or 2: sum along this axis times the length of a grid cell, a column density.
@@ -393,7 +415,7 @@ class Diagram:
 
         Returns
         -------
-        (nx, ny, nz) or (nx, ny, nz, m) float64, without the projected axis.
+        (nx, ny, nz) or (nx, ny, nz, m) float64, without the projected axis. In two dimensions without nz.
 
         Warns
         -----
@@ -405,7 +427,7 @@ class Diagram:
         ValueError : bad input.
         """
         of_seeds = self._as_values(values)
-        numbers = as_each_axis(shape, "shape")
+        numbers = as_each_axis(shape, "shape", self._dimensions)
         axis_of_sum = as_axis(project, "project")
         left = [n for axis, n in enumerate(numbers) if axis != axis_of_sum]
         grid = np.empty((*left, *of_seeds.shape[1:]))
@@ -415,14 +437,14 @@ class Diagram:
             progress,
             of_seeds.ctypes.data,
             of_seeds.shape[1] if of_seeds.ndim == 2 else 1,
-            (ctypes.c_size_t * 3)(*numbers),
+            (ctypes.c_size_t * 3)(*numbers, *[1] * (3 - len(numbers))),
             as_word(method, "method", _c_api.GRID_METHODS),
             axis_of_sum,
             grid.ctypes.data,
             ctypes.byref(without),
         )
         if without.value:
-            warnings.warn(f"dtfe omitted the mass of {without.value} of {len(self)} seeds, which are in no tetrahedron", stacklevel=2)
+            warnings.warn(f"dtfe omitted the mass of {without.value} of {len(self)} seeds, which are in no {'triangle' if self._dimensions == 2 else 'tetrahedron'}", stacklevel=2)
         return grid
 
     def _as_values(self, values: npt.ArrayLike) -> npt.NDArray[np.float64]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number
-from ._c_api import ErrorCode, PrecisionWord, RepairWord, WantName
+from ._c_api import ErrorCode, OutsideWord, PrecisionWord, RepairWord, WantName
 from ._call import Callbacks, Handle, Progress, VotessError, array_of, last_error, raise_on_failure, showing
 from ._input import Domain, as_one_each, as_points
 from ._library import lib
@@ -82,6 +82,7 @@ def fit_volumes(
     precision: PrecisionWord = "single",
     progress: Union[None, bool, Progress] = None,
     mesh_tolerance: float = 0.0,
+    outside: OutsideWord = "error",
 ) -> VolumeFit:
     """Returns the power diagram in which the cell of point i has the volume ``volumes[i]``, and its weights.
 
@@ -90,13 +91,17 @@ def fit_volumes(
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, as for :func:`tessellate`; no two are equal, and none is outside the domain.
+    points : (N, 3) array of real numbers, as for :func:`tessellate`; no two are equal. (N, 2) in the plane, whose volumes
+        are areas.
     volumes : (N,) positive numbers that sum to the volume of the domain, or of the mesh, to a relative 1e-9.
     normalize : scale ``volumes`` to that sum: they are shares of the domain.
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
     mesh, mesh_repair, mesh_tolerance : as for :func:`tessellate`. Without weights each point must have a cell in the mesh.
+    outside : as for :func:`tessellate`. "keep": points outside have cells of their volumes inside; in a periodic domain
+        each must have a cell without weights. "drop": they have no cell, their volumes do not count, and their weights
+        are 0.
     box, periodic, cell, walls, origin, want, list_walls, device, threads, precision : as for :func:`tessellate`, for the
         tessellation that is returned. The steps use double precision.
     progress : as for :func:`tessellate`; the fraction is the share of the digits.
@@ -109,11 +114,14 @@ def fit_volumes(
     FitError : the steps ended before the tolerance; it has the best weights so far.
     MemoryError, VotessError : as for :func:`tessellate`.
     """
-    array = as_points(points).astype(np.float64, order="C", copy=False)
+    array = as_points(points, planar=True).astype(np.float64, order="C", copy=False)
     count = len(array)
     targets = as_one_each(volumes, "volumes", count, "points")
     domain = Domain(box, periodic, weights, None, cell, origin, walls, mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
-    options = new_options(want=want, list_walls=list_walls, device=device, threads=threads, precision=precision)
+    options = new_options(
+        want=want, list_walls=list_walls, device=device, threads=threads, precision=precision, outside=outside,
+        planar=array.shape[1] == 2,
+    )  # fmt: skip
     kept = domain.fill(options, array)
     wanted = implied_words(options)
     fit_options = _c_api.FitOptions()

@@ -21,7 +21,6 @@ from . import _library
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._frames_of_hdf5 import frames_of
-from .atoms import require_edges
 from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
@@ -57,8 +56,6 @@ class Frame:
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
         """Returns the cells in the domain of the file. Options are those of :func:`tessellate`, and override it."""
         given = {} if {"box", "cell"} & options.keys() else self.domain
-        if "cell" in given:
-            require_edges(given["cell"], f"frame {self.number}")
         run = tessellator.tessellate if tessellator else tessellate
         return run(self.points, **{**given, **options})
 

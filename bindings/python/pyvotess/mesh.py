@@ -102,19 +102,28 @@ class Faces(Lists):
 class Delaunay:
     """The dual of the cells: tetrahedra where four cells meet, convex polytopes where more meet.
 
-    A simplex is missing if the center of its empty sphere is outside of the domain or on a wall.
+    In the plane: triangles where three cells meet, convex polygons where more meet, all of them counterclockwise. A simplex is missing if the center of its empty sphere is outside of the domain or on a wall.
     """
 
-    tetrahedra: Int32Array  #: (T, 4) seeds, positive: det(b-a, c-a, d-a) > 0
+    #: (T, 4) seeds, the lowest first, positive: det(b-a, c-a, d-a) > 0. In the plane (T, 3), the same as ``triangles``
+    tetrahedra: Int32Array
     #: (T,) indices of vertices: ``t.vertices[centers[k]]`` is the center of the empty sphere
     centers: Int32Array
-    polytopes: Lists  #: P ascending rows of five or more seeds on one empty sphere
+    polytopes: Lists  #: P ascending rows of five or more seeds on one empty sphere; in the plane four or more, in turn
     polytope_centers: Int32Array  #: (P,) indices of vertices, as ``centers``
     shifts: Optional[Int8Array]  #: (T, 4, 3) numbers of box vectors from each seed to its image; None unless periodic
     polytope_shifts: Optional[Int8Array]  #: (polytopes.indptr[P], 3) the same
 
+    @property
+    def triangles(self) -> Int32Array:
+        """(T, 3) seeds of the triangles of the plane, counterclockwise, the lowest first."""
+        if self.tetrahedra.shape[1] != 3:
+            raise AttributeError("triangles are those of the plane: in space use tetrahedra")
+        return self.tetrahedra
+
     def __repr__(self) -> str:
-        return f"<pyvotess.Delaunay: {len(self.tetrahedra)} tetrahedra, {len(self.polytopes)} polytopes>"
+        simplices, unions = ("triangles", "polygons") if self.tetrahedra.shape[1] == 3 else ("tetrahedra", "polytopes")
+        return f"<pyvotess.Delaunay: {len(self.tetrahedra)} {simplices}, {len(self.polytopes)} {unions}>"
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,9 @@ class NaturalCoordinates:
 
     neighbors: Neighbors  #: Q rows of seeds, ascending
     weights: Float64Array  #: (neighbors.indptr[Q],) positive; each row sums to 1
-    gradients: Optional[Float64Array]  #: (neighbors.indptr[Q], 3) of each weight, per length unit; None unless requested
+    #: (neighbors.indptr[Q], 3) of each weight, (neighbors.indptr[Q], 2) in two dimensions, per length unit; None unless
+    #: requested
+    gradients: Optional[Float64Array]
 
     def to_scipy(self, seeds: int) -> Any:
         """Returns the (Q, seeds) scipy.sparse.csr_array of the weights. Its product with values interpolates them."""
@@ -156,15 +167,16 @@ def count_edges(rows: Lists, faces: Faces, vertices: Float64Array, edge_threshol
     return table
 
 
-def make_delaunay(read: Any, periodic: bool) -> Delaunay:
+def make_delaunay(read: Any, dimensions: int, periodic: bool) -> Delaunay:
     """Returns the complex. ``read(name, dtype)`` returns an array of ``votess_delaunay``."""
-    tetrahedra = read("tetrahedra", np.int32).reshape(-1, 4)
+    corners = dimensions + 1
+    tetrahedra = read("tetrahedra", np.int32).reshape(-1, corners)
     indptr = read("polytope_indptr", np.int64)
     return Delaunay(
         tetrahedra=tetrahedra,
         centers=read("tetrahedra_centers", np.int32),
         polytopes=Lists(indptr, read("polytope_indices", np.int32)),
         polytope_centers=read("polytope_centers", np.int32),
-        shifts=read("tetrahedra_shifts", np.int8).reshape(-1, 4, 3) if periodic else None,
-        polytope_shifts=read("polytope_shifts", np.int8).reshape(-1, 3) if periodic else None,
+        shifts=read("tetrahedra_shifts", np.int8).reshape(-1, corners, dimensions) if periodic else None,
+        polytope_shifts=read("polytope_shifts", np.int8).reshape(-1, dimensions) if periodic else None,
     )

@@ -48,7 +48,7 @@ class Network(WithHandle):
     vertices and edges of the power diagram, not on them: largest spheres are lower bounds then.
     """
 
-    points: Float64Array  #: (V, 3) the vertices; beyond the box where a cell reaches beyond it
+    points: Float64Array  #: (V, 3) the vertices, (V, 2) in the plane; beyond the box where a cell reaches beyond it
     vertices: Int32Array  #: (V,) ascending rows of ``t.vertices``: the first that each one stands for
     vertex_radii: Float64Array  #: (V,) radius of the largest sphere at each vertex
     at_walls: BoolArray  #: (V,) True for a vertex on a wall
@@ -84,7 +84,7 @@ class Network(WithHandle):
         """Returns the largest sphere that can travel without end. Twice its radius is Df of Zeo++; twice that of
         ``included`` is Dif.
 
-        axis : 0, 1 or 2: only travels along this box vector count. Default: any travel counts.
+        axis : 0, 1 or, in space, 2: only travels along this box vector count. Default: any travel counts.
 
         A negative radius means that spheres close all ways. Raises ValueError for another axis, and where no way goes on
         without end: along an axis that is not periodic.
@@ -98,7 +98,7 @@ class Network(WithHandle):
         return FreeSphere(radius.value, edge.value, IncludedSphere(included.value, vertex.value))
 
     def to_networkx(self) -> Any:
-        """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, ``z``, ``radius``; edges ``radius``, ``length``, ``shift``.
+        """Returns a networkx.MultiGraph. Vertices have ``x``, ``y``, in space ``z``, and ``radius``; edges ``radius``, ``length``, ``shift``.
 
         A shift counts from the lower vertex to the higher one, and is missing unless periodic. A vertex with an edge to
         its own image has an edge to itself.
@@ -129,11 +129,12 @@ def make_network(t: SeedCells, result: Handle) -> Network:
     def array(name: str, dtype: Any, columns: int = 0) -> Any:
         return array_of(handle, name, dtype, columns, prefix="votess_network_")
 
-    places, edges = array("points", np.float64, 3), array("edges", np.int32, 2)
+    dimensions = t.box.shape[1]
+    places, edges = array("points", np.float64, dimensions), array("edges", np.int32, 2)
     vectors = places[edges[:, 1]] - places[edges[:, 0]]
     shifts = None
     if any(t.periodic):
-        shifts = array("shifts", np.int8, 3)
+        shifts = array("shifts", np.int8, dimensions)
         moved = shifts.any(axis=1)
         vectors[moved] += shifts[moved] @ edges_of(t)
     return Network(

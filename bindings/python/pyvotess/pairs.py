@@ -37,10 +37,11 @@ class Pairs:
 
 
 def edges_of(t: SeedCells) -> Float64Array:
-    """Returns the (3, 3) edges of the domain as rows."""
+    """Returns the (3, 3) edges of the domain as rows, 0 where it has no end."""
     if t.cell is not None:
         return t.cell
-    edges: Float64Array = np.diag(t.box[1] - t.box[0])
+    sides = t.box[1] - t.box[0]
+    edges: Float64Array = np.diag(np.where(np.isinf(sides), 0, sides))
     return edges
 
 

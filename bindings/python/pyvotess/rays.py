@@ -21,7 +21,7 @@ class RayCells:
     seeds: npt.NDArray[np.int32]  #: (offsets[R],) the seed of each cell passed
     lengths: npt.NDArray[np.float64]  #: (offsets[R],) the length of the ray in it
     #: (offsets[R], 3) the middle of each piece, minus the place of the seed or image whose cell it is; None unless
-    #: requested.
+    #: requested. (offsets[R], 2) in two dimensions, like all vectors.
     middles: Optional[npt.NDArray[np.float64]] = None
     seed_count: Optional[int] = None  #: N, the number of seeds of the Diagram; None if unknown
 
@@ -60,9 +60,10 @@ class RayCells:
             if middles is None:
                 raise ValueError("gradients need the middles of pieces: use trace(..., middles=True)")
             slopes = as_float64_or_float32(gradients, "gradients").astype(np.float64, copy=False)
-            if slopes.shape != (*of_seeds.shape, 3):
-                raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, 3)}")
-            slopes = slopes.reshape(len(slopes), -1, 3)
+            dimensions = middles.shape[1]
+            if slopes.shape != (*of_seeds.shape, dimensions):
+                raise ValueError(f"gradients has shape {slopes.shape}: values need {(*of_seeds.shape, dimensions)}")
+            slopes = slopes.reshape(len(slopes), -1, dimensions)
         sums: Any = []
         for c, column in enumerate(columns):
             means = column[self.seeds]  # of the pieces

@@ -59,7 +59,7 @@ class Tessellation(SeedCells):
 
     def _arguments(self, **changed: Any) -> Dict[str, Any]:
         """Returns the arguments of the run, by name."""
-        box = self.box if self._domain_given and self.cell is None else None
+        box = self.box.ravel() if self._domain_given and self.cell is None else None
         outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
             points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
@@ -95,6 +95,8 @@ class Tessellation(SeedCells):
     def delaunay(self) -> Delaunay:
         """Returns the dual Delaunay complex. Needs "faces" in want.
 
+        In the plane it has triangles and polygons.
+
         With ``min_face`` or ``min_area`` the corners of a dropped face become one, so a rounded lattice has the polytopes
         of the lattice. Raises ValueError if this would collapse a face that was kept, or join a corner with its own
         image: then give a smaller ``min_face``.
@@ -102,7 +104,9 @@ class Tessellation(SeedCells):
         handle = Handle(lib.votess_delaunay_free)
         raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
         return make_delaunay(
-            lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"), self.shifts is not None
+            lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"),
+            self.box.shape[1],
+            self.shifts is not None,
         )
 
     def network(self) -> Network:
@@ -133,17 +137,18 @@ class Tessellation(SeedCells):
     def alpha_complex(self, replicate: Union[int, Sequence[int]] = 1) -> AlphaComplex:
         """Returns the alpha complex of the seeds: Delaunay simplices with the squared radii at which they appear.
 
-        Seeds lie in whole space, or in a domain that is periodic along all axes. Box, walls and ``min_face`` change nothing.
+        Seeds lie in whole space or the whole plane, which repeats along the periodic axes. Other bounds, walls and
+        ``min_face`` change nothing.
         With ``weights`` or ``radii`` values are power distances: seed i appears at minus its weight. Duplicates, dropped
         seeds, and seeds that weights hide are left out. ``box="none"`` or a periodic box, with "faces" in want, saves
         tessellating again.
 
-        replicate : one number, or one for each box vector: how many copies of a periodic box to take. Copy (i, j, k) of seed
+        replicate : one number for the vectors that repeat, or one for each: how many copies of a periodic box to take. Copy (i, j, k) of seed
             s has the id ``s + N * ((i * replicate[1] + j) * replicate[2] + k)``. The seed itself, as it lies inside the box,
             is copy (0, 0, 0).
 
         Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
-        2 or 3. Also for domains that are periodic along some axes only, in two dimensions, and with ``only`` or a mesh.
+        2 or 3. Also with ``only`` or a mesh.
         """
         return make_alpha(self, self._handle(), replicate)
 
@@ -172,7 +177,7 @@ class Tessellation(SeedCells):
         raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
         return read_zones(handle, self.lists_walls, falls)
 
-    def derivatives(self, of: str = "volumes", by: str = "points") -> Any:
+    def derivatives(self, of: str = "volumes", by: str = "points", open: Optional[str] = None) -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
 
         Derivatives of volumes by weights need only "areas".
@@ -182,9 +187,15 @@ class Tessellation(SeedCells):
         Voronoi diagram the weights are 0. Walls and the vectors of a periodic domain are fixed. The derivatives are in closed form. Where
         more cells meet than in general position, as in a lattice, areas have no derivative; those of the present
         polygons are returned.
+
+        Cells that reach infinity are refused. ``open="skip"`` leaves their rows empty, and those of their faces;
+        ``open_cells`` names them.
+
+        In a ``mesh`` those of volumes follow from :meth:`pieces`, without "faces". The surface stays where it is. A domain
+        that repeats has those by weights only, and "areas" in want.
         """
         self._check_whole()
-        return make_derivatives(self, of, by)
+        return make_derivatives(self, of, by, open)
 
     def plot(
         self,
@@ -215,13 +226,14 @@ class Tessellation(SeedCells):
         columns: Optional[Mapping[str, npt.ArrayLike]] = None,
         color: Any = None,
         colormap: str = "tide",
+        open: Optional[str] = None,
     ) -> None:
         """Writes the result to a file in the format of its extension. The file is written whole or not at all.
 
         ``.npz``, ``.h5``, ``.hdf5`` hold the arrays of ``want``, the domain and the version, with the names of clvotess.
         The other formats need "faces" in want:
 
-        - ``.vtu``: polyhedra with id, volume, neighbors, centroid and status, without empty cells. They ascend by their
+        - ``.vtu``: polyhedra, in the plane polygons, with id, volume, neighbors, centroid and status, without empty cells. They ascend by their
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
@@ -230,6 +242,8 @@ class Tessellation(SeedCells):
         ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
+        ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
+        names them.
 
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, or a .glb above 4 GiB;
         ImportError without h5py for .h5; OSError when the file cannot be written.
@@ -237,7 +251,7 @@ class Tessellation(SeedCells):
         self._check_whole()
         from .export.save import save
 
-        save(self, path, columns, color, colormap)
+        save(self, path, columns, color, colormap, open)
 
     def to_dataframe(self) -> Any:
         """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""
@@ -273,7 +287,8 @@ class Tessellation(SeedCells):
         return to_freud(self)
 
     def to_pyvista(self, columns: Optional[Mapping[str, npt.ArrayLike]] = None) -> Any:
-        """Returns a pyvista.UnstructuredGrid. Cell i is the polyhedron of seed i, or empty. Needs "faces" in want.
+        """Returns a pyvista.UnstructuredGrid. Cell i is the polyhedron of seed i, in the plane its polygon, or empty. Needs
+        "faces" in want.
 
         Its cell data are those of .vtu in :meth:`save`, and ``columns``.
         """
@@ -289,9 +304,10 @@ class Tessellation(SeedCells):
         symmetric, Euler's formula must hold, and ``sample`` cells drawn with ``rng_seed`` must equal cells that are clipped
         again by every seed. None: as many cells as take about a second, at least 64 or all; the number depends on the
         input alone. Checks without their arrays are skipped. In a mesh that holds for the whole cells; the parts must equal
-        those of a second run on the CPU, and have the volumes of their pieces. ``tiny_faces`` of the report counts faces
-        far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the points may be tessellated
-        again.
+        those of a second run on the CPU, and have the volumes of their pieces. With ``only=`` all seeds clip the cells of
+        the sample, rows must be symmetric among those that are there, and "volumes" is skipped. ``tiny_faces`` of the
+        report counts faces far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the
+        points may be tessellated again.
         """
         drawn = as_sample(sample, rng_seed)
         points = np.ascontiguousarray(self._points, dtype=np.float64)
@@ -303,7 +319,7 @@ class Tessellation(SeedCells):
             return VerifyReport(False, str(error), ())
         seeds = (handle.pointer, points.ctypes.data, len(points))
         report = verify(partial(watched, lib.votess_verify), *seeds, *drawn)
-        if self.planar or self.in_mesh:
+        if self.planar or self.in_mesh or self.ids is not None:
             return report
         tiny = ctypes.c_uint64()
         raise_on_failure(watched(lib.votess_count_tiny_faces, *seeds, ctypes.byref(tiny)))

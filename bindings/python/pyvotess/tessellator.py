@@ -61,10 +61,11 @@ def tessellate(
         Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
         A point outside is an error. A bound may be infinite, and "none" stands for all of space. Cells that reach
         infinity then have volume inf and centroid nan; rows with walls list infinity as -1, and polygons have -1 there.
+        A box may be periodic along its other axes, see the page "Domains".
         "hull" stands for the convex hull of the points, as ``walls``; no point is outside, not even by rounding.
     periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
         ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
-        Default: a box is not periodic, a cell is along all edges.
+        Default: a box is not periodic, a cell is along all edges except those that are 0.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
     want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",
@@ -74,7 +75,7 @@ def tessellate(
         (face_offsets, face_vertices). A name requests its whole group. Arrays with one row for each neighbor add
         "neighbors"; "faces" adds "vertices", and walls to the rows.
     cell, origin : a triclinic box instead of ``box``: its edges as rows, and its corner. It is periodic along all
-        edges, or those of ``periodic``; elsewhere its faces are walls.
+        edges, or those of ``periodic``; elsewhere its faces are walls. Along an edge that is 0 it has no end.
     walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
     list_walls : list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces
         of a cell across a, b and c; -7, -8, ... = walls.
@@ -103,8 +104,8 @@ def tessellate(
         order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
         refused. The CPU makes the cells, in the time that they and the sort of all points take.
     mesh : a closed triangle mesh as the domain: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell
-        is its part inside, see the page "Domains". Points may lie outside. Refused with walls, outside, min_face and
-        min_area, and with "vertices", "faces", "counts" and "radii" in ``want``.
+        is its part inside, see the page "Domains". Points may lie outside. Refused with walls and outside,
+        and with "vertices", "faces", "counts" and "radii" in ``want``.
     mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
     mesh_tolerance : with "merge", vertices at most this far apart become one too. A share of the longest side of the
         mesh's bounds, at most 0.01; 1e-9 closes meshes whose corners differ by rounding. ``stats.moved_vertices`` and

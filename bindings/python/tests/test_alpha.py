@@ -125,6 +125,53 @@ class AlphaComplex(unittest.TestCase):
             last = a.values[k][row]
             seen.add(s)
 
+    def test_slab(self):
+        """The complex of a slab is that of its images, around one of them."""
+        points = np.floor(uniform(14, seed=3) * 2**20) / 2**20
+        edges = np.array([(1, 0, 0), (0.5, 1, 0.125), (0, 0, 0)])
+        for lattice, domain in (
+            (np.diag((1, 0, 0)), {"box": ((0, 1), (-1, 2), (-1, 2)), "periodic": "x"}),
+            (edges, {"cell": edges}),
+            (edges, {"cell": edges + [(0, 0, 0), (0, 0, 0), (0.25, 0, 9)], "origin": (0, 0, -4), "periodic": "xy"}),
+        ):
+            t = vt.tessellate(points, **domain)
+            a = t.alpha_complex(3)
+            along_b = 3 if t.periodic[1] else 1
+            self.assertEqual(a.replicate, (3, along_b, 1))
+            shifts = np.array([(i, j, 0) for i in range(-3, 4) for j in (range(-3, 4) if along_b == 3 else (0,))])
+            images = np.concatenate([t.wrapped_points + s @ lattice for s in shifts])
+            all_space = vt.tessellate(images, box="none").alpha_complex()
+
+            def named(members):
+                """Returns the members of a simplex up to a translation."""
+                first = [shift for seed, shift in members if seed == min(m[0] for m in members)]
+                return min(tuple(sorted((seed, *(shift - f).tolist()) for seed, shift in members)) for f in first)
+
+            for k in range(4):
+                place = a.simplices[k] // 14
+                copy = np.stack((place // along_b, place % along_b, 0 * place), axis=-1)
+                copy += a.replicate * a.shifts[k].astype(int)
+                seeds = a.simplices[k] % 14
+                ours = {
+                    named([(int(s), c) for s, c in zip(*row)]): (round(float(value), 9), bool(gabriel))
+                    for *row, value, gabriel in zip(seeds, copy, a.values[k], a.gabriel[k])
+                }
+                middle = 14 * (len(shifts) // 2)
+                theirs = {
+                    named([(int(s) % 14, shifts[s // 14]) for s in row]): (round(float(value), 9), bool(gabriel))
+                    for row, value, gabriel in zip(all_space.simplices[k], all_space.values[k], all_space.gabriel[k])
+                    if ((row >= middle) & (row < middle + 14)).any()
+                }
+                self.assertEqual(ours, theirs, (k, domain))
+                self.assertEqual(len(a.simplices[k]), 3 * along_b * len(ours))
+
+    def test_layer(self):
+        """Seeds in one plane have the complex of the plane."""
+        points = uniform(14, seed=4) * (1, 1, 0)
+        a = vt.tessellate(points, box=((0, 1), (0, 1), (-np.inf, np.inf)), periodic="xy").alpha_complex(3)
+        count = [len(simplices) for simplices in a.simplices]
+        self.assertEqual(count, [9 * 14, 9 * 3 * 14, 9 * 2 * 14, 0])
+
     def test_bad_input(self):
         small = vt.tessellate(uniform(12), box=UNIT_BOX, periodic=True)
         with self.assertRaisesRegex(ValueError, "two edges join seeds .* replicate it 2 or 3 times"):
@@ -137,10 +184,8 @@ class AlphaComplex(unittest.TestCase):
                 small.alpha_complex(replicate)
         with self.assertRaisesRegex(ValueError, "not periodic"):
             vt.tessellate(uniform(12)).alpha_complex(2)
-        with self.assertRaisesRegex(ValueError, "along all axes or none"):
-            vt.tessellate(uniform(12), box=UNIT_BOX, periodic="xy").alpha_complex()
-        with self.assertRaisesRegex(ValueError, "three dimensions"):
-            vt.tessellate(uniform(12)[:, :2]).alpha_complex()
+        with self.assertRaisesRegex(ValueError, "along axis 2, along which it does not repeat"):
+            vt.tessellate(uniform(12), box=UNIT_BOX, periodic="xy").alpha_complex((2, 2, 2))
         with self.assertRaisesRegex(ValueError, "leave out only="):
             vt.tessellate(uniform(12), only=[3]).alpha_complex()
 

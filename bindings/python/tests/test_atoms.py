@@ -123,6 +123,15 @@ class Atoms(unittest.TestCase):
         self.assertEqual(vt.from_ase(looks_like("ase", positions, cell, (True, True, False)), periodic=True).periodic,
                          (True, True, True))
 
+    def test_surface_without_vacuum(self):
+        positions = alloy(50)
+        flat = EDGES.astype(float)
+        flat[:2, 2], flat[2] = 0, 0
+        t = vt.from_ase(looks_like("ase", positions, flat, (True, True, False)), list_walls=True)
+        self.assertEqual(np.isinf(t.volumes).sum(), np.sum([-5 in row for row in t.neighbors]))
+        self.assertTrue(t.verify().passed)
+        np.testing.assert_array_equal(t.cell[2], 0)
+
     def test_objects_of_all_packages_give_the_same(self):
         positions = alloy(200)
         expected = vt.tessellate(positions, cell=EDGES, periodic="xz", outside="drop")
@@ -141,8 +150,8 @@ class Atoms(unittest.TestCase):
         positions = alloy(10)
         with self.assertRaisesRegex(TypeError, "atoms are a str"):
             vt.from_ase("Cu")
-        with self.assertRaisesRegex(ValueError, "no edge c"):
-            vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], (True, True, False)))
+        with self.assertRaisesRegex(ValueError, "cell: c is 0, but the cell repeats along it"):
+            vt.from_ase(looks_like("ase", positions, EDGES * [[1], [1], [0]], True))
         with self.assertRaisesRegex(ValueError, "periodic= needs a box"):
             vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (True, True, False)))
         self.assertIsNone(vt.from_ase(looks_like("ase", positions, np.zeros((3, 3)), (False,) * 3)).cell)

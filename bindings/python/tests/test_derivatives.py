@@ -4,7 +4,7 @@ import tracemalloc
 import unittest
 
 import numpy as np
-from helpers import CELL, UNIT_BOX, have, uniform
+from helpers import CELL, CUBE, UNIT_BOX, have, uniform
 
 import pyvotess as vt
 
@@ -56,6 +56,33 @@ class Derivatives(unittest.TestCase):
             self.compare(inside, given, box=UNIT_BOX, walls=[(1, 1, 1, 2.86), (-1, 2, 0, 1.92)])
         # Seeds beyond the box.
         self.compare(points + (3, -2, 0), None, box=UNIT_BOX, periodic=True)
+
+    @have("scipy")
+    def test_cells_that_reach_infinity(self):
+        points = uniform(SEEDS, seed=6)
+        direction = np.random.default_rng(4).normal(size=(SEEDS, 3))
+        slab = ((0, 1), (0, 1), (-np.inf, np.inf))
+        for size, domain in ((3, {"box": "none"}), (3, {"box": slab, "periodic": "xy"}), (2, {"box": "none"})):
+            chosen, change = points[:, :size], direction[:, :size]
+            want = "faces,volumes,areas" if size == 3 else "faces,volumes"
+            t, after, before = (vt.tessellate(chosen + s * 1e-7 * change, want=want, **domain) for s in (0, 1, -1))
+            closed = ~t.open_cells
+            self.assertTrue(0 < closed.sum() < SEEDS)
+            np.testing.assert_array_equal(t.open_cells, np.isinf(t.volumes))
+            with self.assertRaisesRegex(ValueError, "open='skip'"):
+                t.derivatives()
+            matrix = t.derivatives(open="skip")
+            numeric = (after.volumes[closed] - before.volumes[closed]) / 2e-7
+            found = matrix @ change.ravel()
+            self.assertLess(np.abs(numeric - found[closed]).max(), TOLERANCE * np.abs(found).max(), domain)
+            self.assertEqual(np.diff(matrix.indptr)[~closed].sum(), 0)
+            if size == 3:
+                of_areas = t.derivatives("areas", open="skip")
+                rows = np.repeat(closed, np.diff(t.neighbors.indptr))
+                numeric = (after.face_areas[rows] - before.face_areas[rows]) / 2e-7
+                found = of_areas @ change.ravel()
+                self.assertLess(np.abs(numeric - found[rows]).max(), 10 * TOLERANCE * np.abs(found).max(), domain)
+                self.assertEqual(np.diff(of_areas.indptr)[~rows].sum(), 0)
 
     @have("scipy")
     def test_sums(self):
@@ -125,6 +152,33 @@ class Derivatives(unittest.TestCase):
         tracemalloc.stop()
         size = matrix.data.nbytes + matrix.indices.nbytes + matrix.indptr.nbytes
         self.assertLess(peak, 4 * size + 5_000_000)
+
+    @have("scipy")
+    def test_in_mesh(self):
+        """A block with a hollow, where seeds lie inside and outside."""
+        corners, triangles = CUBE
+        mesh = (np.concatenate((corners, corners * 0.4 + 0.3)), np.concatenate((triangles, triangles[:, ::-1] + 8)))
+        points, rng = 1.2 * uniform(60, seed=9) - 0.1, np.random.default_rng(5)
+        weights = 0.01 * uniform(60, seed=10)[:, 0]
+
+        def volumes(moved, heavier):
+            return vt.tessellate(points + moved, weights=weights + heavier, mesh=mesh, device="cpu").volumes
+
+        t = vt.tessellate(points, weights=weights, mesh=mesh, want="volumes", device="cpu")
+        with_areas = vt.tessellate(points, weights=weights, mesh=mesh, want="volumes,areas", device="cpu")
+        change, step = rng.normal(size=(60, 3)), 1e-7
+        numeric = (volumes(step * change, 0) - volumes(-step * change, 0)) / (2 * step)
+        np.testing.assert_allclose(t.derivatives() @ change.ravel(), numeric, atol=1e-6 * np.abs(numeric).max())
+        change = change[:, 0]
+        numeric = (volumes(0, step * change) - volumes(0, -step * change)) / (2 * step)
+        for result in (t, with_areas):
+            closed = result.derivatives(by="weights") @ change
+            np.testing.assert_allclose(closed, numeric, atol=1e-6 * np.abs(numeric).max())
+        with self.assertRaisesRegex(ValueError, "in a mesh give 'volumes'"):
+            t.derivatives("areas")
+        again = vt.tessellate(points, UNIT_BOX, periodic=True, mesh=CUBE, device="cpu")
+        with self.assertRaisesRegex(ValueError, "leave out periodic= or mesh="):
+            again.derivatives()
 
     @have("scipy")
     def test_refused(self):

@@ -13,7 +13,7 @@ import unittest
 from contextlib import redirect_stderr
 
 import numpy as np
-from helpers import CELL, PACKAGE_PARENT, UNIT_BOX, lattice, uniform
+from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, lattice, uniform
 
 import pyvotess as vt  # noqa: E402
 
@@ -33,6 +33,26 @@ def images(vectors):
 
 
 class Diagrams(unittest.TestCase):
+    def test_slab_without_end(self):
+        """Answers are those of the seeds among their images."""
+        rng = np.random.default_rng(8)
+        points, queries = (np.floor(rng.random((count, 3)) * 2**20) / 2**20 for count in (200, 60))
+        queries[:20, 2] = 40 * queries[:20, 2] - 20
+        queries[20:, 2] = 0.25 + 0.5 * queries[20:, 2]  # others may meet their own images
+        shifts = [(0, 0, 0), *((i, j, 0) for i in range(-2, 3) for j in range(-2, 3) if i or j)]
+        slab = vt.Diagram(points, box=((0, 1), (0, 1), (-np.inf, np.inf)), periodic="xy")
+        images = vt.Diagram(np.concatenate([points + shift for shift in shifts]), box="none")
+        np.testing.assert_array_equal(slab.locate(queries), images.locate(queries) % 200)
+        ours, theirs = (d.probe(queries[20:], want="volumes,neighbors") for d in (slab, images))
+        np.testing.assert_allclose(ours.volumes, theirs.volumes, rtol=1e-9)
+        for row, other in zip(ours.neighbors, theirs.neighbors):
+            self.assertEqual(sorted(row), sorted(j % 200 for j in other))
+        values = rng.random(200)
+        expected = images.interpolate(np.tile(values, 25), queries[20:])
+        np.testing.assert_allclose(slab.interpolate(values, queries[20:]), expected, rtol=1e-9)
+        with self.assertRaisesRegex(vt.VotessError, "meets its own image"):
+            slab.interpolate(values, queries)
+
     def test_locate(self):
         points, queries = uniform(2000), uniform(3000, seed=2)
         d = vt.Diagram(points, box=UNIT_BOX)
@@ -341,6 +361,41 @@ class NaturalNeighbors(unittest.TestCase):
         with self.assertRaises(vt.VotessError) as raised:
             vt.Diagram([(0.5, 0.5, 0.5)], UNIT_BOX, periodic=True).natural_neighbors([(0.1, 0.2, 0.3)])
         self.assertEqual(raised.exception.code, vt.ErrorCode.UNSUPPORTED)
+
+
+class InMesh(unittest.TestCase):
+    """A cube as a mesh has the answers of the box, inside."""
+
+    def test_cube(self):
+        points = uniform(60)
+        mesh, box = vt.Diagram(points, mesh=CUBE), vt.Diagram(points, box=UNIT_BOX)
+        queries = np.random.default_rng(1).uniform(-0.3, 1.3, (200, 3))
+        inside = (np.abs(queries - 0.5) <= 0.5).all(1)
+        self.assertTrue(0 < inside.sum() < 200)
+        np.testing.assert_array_equal(mesh.locate(queries), np.where(inside, box.locate(queries), -1))
+        ends = np.random.default_rng(2).normal(size=(inside.sum(), 3))
+        cut, whole = mesh.trace(queries[inside], ends, np.inf), box.trace(queries[inside], ends, np.inf)
+        np.testing.assert_array_equal(cut.seeds, whole.seeds)
+        np.testing.assert_allclose(cut.lengths, whole.lengths, rtol=1e-9, atol=1e-13)
+        want = "neighbors,volumes,areas,centroids"
+        cells, expected = mesh.probe(queries[inside], want), box.probe(queries[inside], want)
+        np.testing.assert_array_equal(cells.indices, expected.indices)
+        for name in ("volumes", "face_areas", "centroids"):
+            np.testing.assert_allclose(getattr(cells, name), getattr(expected, name), rtol=1e-9, atol=1e-12)
+        with_box = vt.Diagram(points, box=(-1, -1, -1, 2, 2, 2), mesh=CUBE)
+        whole_box = vt.Diagram(points, box=(-1, -1, -1, 2, 2, 2))
+        values = points @ (1, 2, 3)
+        found = with_box.interpolate(values, queries)
+        np.testing.assert_allclose(found[inside], whole_box.interpolate(values, queries)[inside], rtol=1e-12)
+        self.assertTrue(np.isnan(found[~inside]).all())
+        counts = np.diff(with_box.natural_neighbors(queries).neighbors.indptr)
+        np.testing.assert_array_equal(counts > 0, inside)
+        volumes = vt.tessellate(points, mesh=CUBE, device="cpu").volumes
+        self.assertAlmostEqual(with_box.to_grid(values, (4, 5, 6)).sum() * 27 / 120, (values * volumes).sum(), places=10)
+        with self.assertRaisesRegex(vt.VotessError, "beyond a mesh: give another method, or leave out mesh="):
+            with_box.to_grid(values, (4, 5, 6), method="dtfe")
+        with self.assertRaisesRegex(ValueError, "closed|open"):
+            vt.Diagram(points, mesh=(CUBE[0], CUBE[1][1:]))
 
 
 class Stops(unittest.TestCase):

@@ -251,7 +251,8 @@ class Domains(unittest.TestCase):
             np.testing.assert_array_equal(some.centroids, all_cells.centroids[order])
             for k, i in enumerate(order):
                 self.assertEqual(some.neighbors[k].tolist(), all_cells.neighbors[i].tolist())
-            for refused in (some.pairs, some.verify, some.to_scipy):
+            self.assertTrue(some.verify())
+            for refused in (some.pairs, some.to_scipy):
                 with self.assertRaisesRegex(ValueError, "some"):
                     refused()
             self.assertEqual(pickle.loads(pickle.dumps(some)).ids.tolist(), order.tolist())
@@ -431,13 +432,11 @@ class NoBox(unittest.TestCase):
                 vt.tessellate(points(20), box="hull", **arguments)
         with self.assertRaisesRegex(ValueError, "in one plane"):
             vt.tessellate(points(20) * [1, 1, 0], box="hull")
-        with self.assertRaisesRegex(ValueError, "all points at once"):
-            vt.tessellate_stream([points(20)], print, 10**6, box="hull")
 
     def test_what_needs_an_end(self):
         t = vt.tessellate(points(20), box="none", want="faces,volumes,areas", device="cpu")
         for call in (t.derivatives, t.voronoi_indices, lambda: t.save("x.ply")):
-            with self.subTest(call), self.assertRaisesRegex(ValueError, "box with ends"):
+            with self.subTest(call), self.assertRaisesRegex(ValueError, "box with ends|open='skip', or give a box"):
                 call()
         for arguments in ({"box": "all"}, {"box": "none", "periodic": True}, {"box": "none", "walls": [(1, 0, 0, 1)]}):
             with self.subTest(arguments), self.assertRaises(ValueError):

@@ -150,6 +150,28 @@ class Colors(unittest.TestCase):
 
 
 class Whole(Folder):
+    def test_cells_that_reach_infinity(self):
+        slab = ((0, 1), (0, 1), (-np.inf, np.inf))
+        for domain in ({"box": "none"}, {"box": slab, "periodic": "xy"}):
+            t = vt.tessellate(uniform(62), want="faces,volumes,centroids", **domain)
+            closed = np.flatnonzero(~t.open_cells)
+            self.assertTrue(0 < len(closed) < 62)
+            for name in ("a.vtu", "a.ply", "a.obj", "a.glb"):
+                with self.assertRaisesRegex(ValueError, f"{62 - len(closed)} cells reach infinity.*open='skip'"):
+                    t.save(self.path(name))
+                t.save(self.path(name), open="skip")
+            data = (self.folder / "a.vtu").read_bytes()
+            self.assertIn(f'NumberOfCells="{len(closed)}"'.encode(), data)
+            sides = np.diff(t.faces.indptr)[np.isin(np.repeat(np.arange(62), np.diff(t.neighbors.indptr)), closed)]
+            # Each face between two of these cells is there once.
+            pairs = t.pairs()
+            twice = np.isin(pairs.i, closed) & np.isin(pairs.j, closed)
+            lines = (self.folder / "a.obj").read_text().splitlines()
+            self.assertEqual(sum(line.startswith("f ") for line in lines), len(sides) - twice.sum() // 2)
+            self.assertEqual(sum("nan" in line or "inf" in line for line in lines), 0)
+        with self.assertRaisesRegex(ValueError, "open"):
+            t.save(self.path("a.npz"), open="yes")
+
     def test_refused(self):
         t = vt.tessellate(uniform(9))
         for name in ("a.txt", "a", "a.VTK"):

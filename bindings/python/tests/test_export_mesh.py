@@ -39,6 +39,40 @@ class Vtu(Folder):
         self.assertEqual(int(piece.get("NumberOfPoints")), len(arrays["Points"]))
         return arrays
 
+    def test_polygons_of_the_plane(self):
+        points = np.random.default_rng(2).random((40, 2))
+        points[7] = points[3]
+        t = vt.tessellate(points, box=(0, 0, 1, 1), periodic="x", want="faces,volumes,centroids")
+        t.save(self.path("a.vtu"), columns={"double": 2 * t.volumes})
+        arrays = self.read("a.vtu")
+        self.assertEqual(set(arrays), {"Points", "connectivity", "offsets", "types", "id", "volume", "neighbors", "centroid",
+                                       "status", "double"})  # fmt: skip
+        np.testing.assert_array_equal(arrays["Points"], np.insert(t.vertices, 2, 0.0, axis=1))
+        np.testing.assert_array_equal(arrays["types"], np.full(39, 7))  # VTK_POLYGON
+        np.testing.assert_array_equal(np.sort(arrays["id"]), np.delete(np.arange(40), 7))
+        self.assertTrue((np.diff(np.diff(arrays["offsets"], prepend=0)) >= 0).all())
+        for corners, seed in zip(np.split(arrays["connectivity"], arrays["offsets"][:-1]), arrays["id"]):
+            np.testing.assert_array_equal(corners, t.cell_vertices[seed])
+        np.testing.assert_array_equal(arrays["centroid"], np.insert(t.centroids, 2, 0.0, axis=1)[arrays["id"]])
+        np.testing.assert_array_equal(arrays["double"], 2 * t.volumes[arrays["id"]])
+        with self.assertRaisesRegex(ValueError, "reach infinity"):
+            vt.tessellate(points, box="none", want="faces").save(self.path("b.vtu"))
+
+    @have("vtk")
+    def test_vtk_reads_polygons_of_the_plane(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridReader
+
+        t = vt.tessellate(np.random.default_rng(2).random((40, 2)), box=(0, 0, 1, 1), periodic=True, want="faces,volumes")
+        t.save(self.path("a.vtu"))
+        reader, sizes = vtkXMLUnstructuredGridReader(), vtkCellSizeFilter()
+        reader.SetFileName(self.path("a.vtu"))
+        sizes.SetInputConnection(reader.GetOutputPort())
+        sizes.Update()
+        data = sizes.GetOutput().GetCellData()
+        np.testing.assert_allclose(vtk_to_numpy(data.GetArray("Area")), vtk_to_numpy(data.GetArray("volume")), rtol=1e-9)
+
     def test_arrays(self):
         t = cells()
         mass = np.arange(62.0)
@@ -261,10 +295,10 @@ class Glb(Folder):
         huge = types.SimpleNamespace(
             indptr=np.array([0, 0]), indices=np.empty(0, np.int32), shifts=None, face_offsets=np.array([0]),
             face_vertices=np.empty(0, np.int32), vertices=np.zeros((1, 3)), cell_vertex_indptr=np.array([0, count]),
-            cell_vertex_indices=np.zeros(count, np.int32), box=np.zeros((2, 3)),
+            cell_vertex_indices=np.zeros(count, np.int32), box=np.zeros((2, 3)), planar=False,
         )  # fmt: skip
         with self.assertRaisesRegex(ValueError, "would take 4295 MB, but .glb ends at 4 GiB: write .vtu"):
-            write_mesh(self.path("a.glb"), ".glb", huge, {}, np.zeros((1, 3), np.uint8))
+            write_mesh(self.path("a.glb"), ".glb", huge, {}, np.zeros((1, 3), np.uint8), False)
 
     def test_no_cells(self):
         vt.tessellate(np.empty((0, 3)), box=UNIT_BOX, want="faces,volumes").save(self.path("a.glb"))

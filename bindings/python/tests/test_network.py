@@ -239,8 +239,6 @@ class Network(unittest.TestCase):
             vt.tessellate(uniform(20)).network()
         with self.assertRaisesRegex(ValueError, "weight of seed 4 is negative"):
             vt.tessellate(uniform(5), weights=[0, 0, 0, 0, -0.01], want="faces").network()
-        with self.assertRaisesRegex(ValueError, "three dimensions"):
-            vt.tessellate(uniform(20)[:, :2], want="vertices").network()
         self.assertEqual(copy.copy(n).largest_included(), n.largest_included())
         copied = pickle.loads(pickle.dumps(n))
         np.testing.assert_array_equal(copied.edge_radii, n.edge_radii)

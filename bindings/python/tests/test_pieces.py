@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 import struct
 import tempfile
 import unittest
@@ -163,6 +164,23 @@ class TestPieces(unittest.TestCase):
         corners = triangles["corners"].astype(float)
         self.assertAlmostEqual(np.linalg.det(corners).sum() / 6, 2, places=6)
         np.testing.assert_allclose(np.linalg.norm(triangles["normal"], axis=1), 1, atol=1e-6)
+
+    def test_vtu(self):
+        """Each piece is a polyhedron with the numbers of its cell."""
+        t = vt.tessellate(np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 9.0]]), mesh=TWO_CUBES, device="cpu", want="neighbors,volumes")
+        t.save(self.folder / "a.vtu", columns={"mass": [3.0, 4.0]})
+        data = (self.folder / "a.vtu").read_bytes()
+        self.assertIn(b'NumberOfPoints="16" NumberOfCells="2"', data)
+        body = data[data.index(b"_", data.index(b"<AppendedData")) + 1 :]
+        offsets = dict(re.findall(rb'Name="(\w+)".*? offset="(\d+)"', data))
+        for name, kind, expected in (
+            (b"id", "<i8", [0, 0]), (b"volume", "<f8", [1, 1]), (b"mass", "<f8", [3, 3]), (b"neighbors", "<i4", [0, 0])
+        ):  # fmt: skip
+            at = int(offsets[name])
+            size = struct.unpack_from("<Q", body, at)[0]
+            np.testing.assert_allclose(np.frombuffer(body[at + 8 : at + 8 + size], kind), expected, rtol=1e-14)
+        with self.assertRaisesRegex(ValueError, "'neighbors' into want"):
+            vt.tessellate(uniform(5), mesh=CUBE, device="cpu", want="volumes").save(self.folder / "a.vtu")
 
     def test_none(self):
         """Files without pieces are valid."""

@@ -56,6 +56,27 @@ class Stream(unittest.TestCase):
         _, result, whole = self.check(single, np.split(single, 2))
         np.testing.assert_array_equal(result.box, whole.box)
 
+    def test_plane(self):
+        points = uniform(5000)[:, :2]
+        for pieces in (np.split(points, 5), (piece for piece in np.split(points, 50))):
+            rows, result, _ = self.check(points, pieces, box=(0, 0, 1, 1), periodic=True, want=EVERYTHING)
+            np.testing.assert_array_equal(result.box, [[0, 0], [1, 1]])
+            self.assertEqual((rows.pieces[0].centroids.shape[1], rows.pieces[0].shifts.shape[1]), (2, 2))
+        self.check(points, [points], box="hull")
+        with self.assertRaisesRegex(ValueError, r"one of pieces has shape \(5000, 3\): it must be \(n, 2\)"):
+            vt.tessellate_stream([points, uniform(5000)], print, LITTLE)
+
+    def test_hull_and_space(self):
+        points = uniform(5000)
+        for box in ("hull", "none"):
+            rows, result, whole = self.check(points, np.split(points, 5), box=box, want=EVERYTHING)
+            np.testing.assert_array_equal(result.box, whole.box)
+            np.testing.assert_array_equal(rows.all("face_areas"), whole.face_areas)
+        with self.assertRaisesRegex(ValueError, "all points lie in one plane"):
+            vt.tessellate_stream([points * (1, 1, 0)], print, LITTLE, box="hull")
+        with self.assertRaisesRegex(ValueError, "hull and walls= are both given"):
+            vt.tessellate_stream([points], print, LITTLE, box="hull", walls=[(1, 0, 0, 2)])
+
     def test_pieces_without_entries(self):
         """An array that is wanted is there, also where no cell of the piece has a neighbor."""
         points, weights = uniform(40), np.zeros(40)

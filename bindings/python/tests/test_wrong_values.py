@@ -61,7 +61,7 @@ RIGHT = {
     "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "slice": {"None"}, "ax": {"None"},
     "threshold": {"-1", "-0.5", "inf", "-inf", *_LENGTH}, "values": {"nan each", "nan points"}, "gradients": {"None", "nan points"},
     "volumes": {"None", "nan each"}, "centroids": {"None", "nan points"}, "areas": {"None"}, "columns": {"None", "{}"},
-    "color": {"None", "x", "nan each"},
+    "color": {"None", "x", "nan each"}, "open": {"None"},
 }  # fmt: skip
 #: Other words of messages for a parameter.
 WORDS = {"queries": "query", "origins": "query", "radii": "radius"}

@@ -188,8 +188,9 @@ void NpyArray::read_next(std::uint64_t rows, std::vector<double>& to) {
     check_size(type_ == "<f4" ? sizeof(float) : sizeof(double));
     if (column_major_ && shape_[0] > 1)
         throw error("the array is stored column by column: save np.ascontiguousarray(points) to read it in pieces");
-    to.resize(3 * std::min(rows, shape_[0] - done_));
-    done_ += to.size() / 3;
+    const auto columns = static_cast<std::size_t>(shape_[1]);
+    to.resize(columns * std::min(rows, shape_[0] - done_));
+    done_ += to.size() / columns;
     if (type_ == "<f8") return source_.read(to.data(), to.size() * sizeof(double));
     std::vector<float> numbers(to.size());
     source_.read(numbers.data(), numbers.size() * sizeof(float));

@@ -7,19 +7,27 @@
 #include "distributed/blocks/partition.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "plane/sheet.hpp"
 #include "query/locator.hpp"
+#include "result/arrays.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess {
 namespace detail {
 
 struct BlockDomainState {
-    Options options;
-    Job job;  // without seeds
+    Options options;  // of the domain
+    std::optional<Sheet> sheet;
+    Options in_space, of_blocks;
+    std::optional<EndlessSides> ends;
+    Job job;  // of blocks, without seeds
     std::optional<blocks::Partition> partition;
 };
 
 struct BlockState {
-    BlockState(const Options& options, Seeds own) : block(options, std::move(own)) {}
+    BlockState(const BlockDomain& whole, Seeds own)
+        : domain(whole), block(domain.options_of_blocks(), std::move(own)) {}
+    BlockDomain domain;
     blocks::LocalBlock block;
 };
 
@@ -36,7 +44,7 @@ auto with_memory(const Work& work) {
     }
 }
 
-Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
+void check_for_blocks(const Options& options) {
     if (options.device != "cpu" && options.device != "auto")
         throw Error(ErrorCode::unsupported,
                     "Options::device = " + options.device + ": blocks find their cells on the CPU, give cpu or auto");
@@ -50,14 +58,12 @@ Options settled(Options options, const Box& bounds, std::uint64_t seeds) {
     if (options.only)
         throw Error(ErrorCode::unsupported,
                     "cells of some seeds are not available across blocks: leave out Options::only");
+    if (options.mesh)
+        throw Error(ErrorCode::unsupported,
+                    "cells are not cut by a mesh across blocks: leave out Options::mesh, or tessellate in one memory");
     if (options.duplicates == Duplicates::error)
         throw Error(ErrorCode::unsupported,
                     "Options::duplicates = error is not available across blocks: check the statuses");
-    options.weights = options.radii = {};
-    options.device = "cpu";
-    check_options(options);
-    if (!options.cell) options.box = box_of(options, bounds, seeds);
-    return options;
 }
 
 exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
@@ -68,22 +74,68 @@ exact::Point point_of(std::span<const double> points, std::size_t i, double scal
 
 BlockDomain::BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds)
     : state_(std::make_shared<detail::BlockDomainState>()) {
-    state_->options = settled(options, bounds, seeds);
-    state_->job = validate({}, state_->options);
+    check_for_blocks(options);
+    Options& whole = state_->options = options;
+    whole.weights = whole.radii = {};
+    whole.device = "cpu";
+    if (whole.planar) state_->sheet.emplace(bounds, seeds, whole);
+    const Options& in_space = state_->in_space = whole.planar ? state_->sheet->options() : whole;
+    Options& of_blocks = state_->of_blocks = in_space;
+    state_->ends.emplace(in_space);
+    if (endless()) {
+        check_endless(in_space);
+        const std::vector<double> corners{bounds.lower[0], bounds.lower[1], bounds.lower[2],
+                                          bounds.upper[0], bounds.upper[1], bounds.upper[2]};
+        end_near(of_blocks, {corners, {}});
+        of_blocks.list_walls = of_blocks.want.neighbors = true;
+    }
+    check_options(of_blocks);
+    if (!whole.cell && !endless()) {
+        whole.box = state_->in_space.box = of_blocks.box = box_of(of_blocks, bounds, seeds);
+        if (whole.planar) whole.box->lower[2] = whole.box->upper[2] = 0;
+    }
+    state_->job = validate({}, of_blocks);
 }
 
 const Options& BlockDomain::options() const noexcept {
     return state_->options;
 }
 
+const Options& BlockDomain::options_of_blocks() const noexcept {
+    return state_->of_blocks;
+}
+
+const Options& BlockDomain::options_in_space() const noexcept {
+    return state_->in_space;
+}
+
+bool BlockDomain::endless() const noexcept {
+    return state_->ends->any();
+}
+
+bool BlockDomain::is_end(std::int32_t id) const noexcept {
+    return endless() && state_->ends->has(id);
+}
+
+void BlockDomain::complete(detail::Result& cells) const {
+    if (endless()) detail::keep_wanted(cells, with_implied(state_->in_space), state_->in_space.list_walls);
+    if (state_->sheet) state_->sheet->flatten(cells);
+}
+
+double BlockDomain::thickness() const noexcept {
+    return state_->sheet ? state_->sheet->thickness() : 0;
+}
+
 double BlockDomain::volume(std::span<const double> seed) const {
+    if (endless()) return infinity;
     const std::vector<double> copy(seed.begin(), seed.end());
-    return validate({copy, {}}, state_->options).box_volume;
+    const double volume = validate({copy, {}}, state_->of_blocks).box_volume;
+    return state_->sheet ? volume / state_->sheet->thickness() : volume;
 }
 
 std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::span<const double> weights,
                                            std::span<const double> radii, std::uint64_t first) const {
-    Options options = state_->options;
+    Options options = state_->of_blocks;
     options.weights = weights;
     options.radii = radii;
     return with_memory([&] {
@@ -125,6 +177,14 @@ std::vector<std::uint32_t> BlockDomain::blocks_of(std::span<const double> places
     return blocks;
 }
 
+CheckedRun checked_run(const BlockDomain& domain, std::uint64_t seeds, double volume) {
+    CheckedRun run{domain.options_of_blocks(), seeds, volume};
+    run.options.list_walls = domain.options().list_walls;
+    run.thickness = domain.thickness();
+    run.ends = EndlessSides(domain.options_in_space());
+    return run;
+}
+
 Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::span<const double> points,
              std::span<const double> weights, std::span<const std::int32_t> tags) {
     const std::size_t count = ids.size();
@@ -143,7 +203,7 @@ Block::Block(const BlockDomain& domain, std::span<const std::int64_t> ids, std::
                 throw Error(ErrorCode::invalid_argument, "ids of a block must ascend from 0 on: the one at " +
                                                              std::to_string(i) + " is " + std::to_string(own.ids[i]));
         own.tags.resize(count, 0);
-        return std::make_unique<detail::BlockState>(domain.options(), std::move(own));
+        return std::make_unique<detail::BlockState>(domain, std::move(own));
     });
 }
 
@@ -197,15 +257,31 @@ std::vector<Message> Block::reply(std::span<const Message> requests) const {
     });
 }
 
-BlockCells Block::finish(std::span<const Message> replies) {
-    return with_memory([&] {
+void Block::complete(std::span<const Message> replies) {
+    with_memory([&] {
         Seeds all;
         for (const Message& reply : replies) {
             Seeds seeds;
             from_message(reply, seeds);
             all.add(seeds);
         }
-        return state_->block.finish(all);
+        state_->block.complete(all, state_->domain);
+    });
+}
+
+Message Block::far() const {
+    return with_memory([&] { return to_message(state_->block.far()); });
+}
+
+BlockCells Block::finish(std::span<const Message> far) {
+    return with_memory([&] {
+        blocks::FarCells all;
+        for (const Message& message : far) {
+            blocks::FarCells some;
+            from_message(message, some);
+            all.add(some);
+        }
+        return state_->block.finish(all, state_->domain);
     });
 }
 

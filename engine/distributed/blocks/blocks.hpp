@@ -6,10 +6,12 @@
 //   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
 //   3. Block, with its seeds; send each outline() to all blocks
 //   4. send halo_for() each outline to its block; clip() with all halos
-//   5. send request_for() each block to it, and its reply() to all requests back; finish() with all replies
+//   5. send request_for() each block to it, and its reply() to all requests back; complete() with all replies
+//   6. in a domain without end, send far() to all blocks; finish() with all of them, else without
 //
-// Cells are found on the CPU. want.vertices, want.faces, min_face, min_area and duplicates = error are `unsupported`.
-// Errors are those of tessellate(). libvotess_mpi uses these classes of libvotess; neither is installed.
+// Points have three coordinates, in the plane z = 0. Cells are found on the CPU. want.vertices, want.faces, min_face,
+// min_area, meshes and duplicates = error are `unsupported`. Errors are those of tessellate(). libvotess_mpi uses these
+// classes of libvotess; neither is installed.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +21,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
 
 namespace votess {
@@ -26,16 +29,29 @@ namespace votess {
 namespace detail {
 struct BlockDomainState;
 struct BlockState;
+struct Result;
 }  // namespace detail
 
 class VOTESS_API BlockDomain {
 public:
-    // options: of the run; weights and radii are ignored. Each Block calls progress while it finds cells, from 0 on.
-    // bounds: of all seeds, used when the options have neither box nor cell. seeds: their number in all.
+    // options: of the run, in space or in the plane; weights and radii are ignored. Each Block calls progress while it
+    // finds cells, from 0 on. bounds: of all seeds, used when the options have neither box nor cell. seeds: their
+    // number in all.
     BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds);
 
     // Returns the options with the box of the run.
     [[nodiscard]] const Options& options() const noexcept;
+    // Returns the options in space. For the plane they are those of a sheet.
+    [[nodiscard]] const Options& options_in_space() const noexcept;
+    // Returns the options of each block's run. They have near ends where the domain has none, and rows list these.
+    [[nodiscard]] const Options& options_of_blocks() const noexcept;
+    [[nodiscard]] bool endless() const noexcept;
+    // Returns whether the wall of this id is a near end.
+    [[nodiscard]] bool is_end(std::int32_t id) const noexcept;
+    // Turns cells that were made with these into those of the domain.
+    void complete(detail::Result& cells) const;
+    // Returns the thickness of the sheet, 0 in space.
+    [[nodiscard]] double thickness() const noexcept;
     // Returns the volume of the domain. With walls, it is 0 unless a seed inside them is given.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
     // Returns N statuses: `outside` for seeds to drop, else `certified`. Throws invalid_argument that names the first
@@ -54,6 +70,9 @@ private:
     friend class Block;
     std::shared_ptr<detail::BlockDomainState> state_;
 };
+
+// Returns what a checker of rows needs. volume: of the domain.
+[[nodiscard]] VOTESS_API CheckedRun checked_run(const BlockDomain& domain, std::uint64_t seeds, double volume);
 
 struct BlockCounts {
     std::uint64_t given = 0;        // seeds from other blocks: halos and replies
@@ -81,7 +100,11 @@ public:
     [[nodiscard]] Message request_for(std::size_t block) const;
     // Returns a reply for each request. That to an empty request is empty.
     [[nodiscard]] std::vector<Message> reply(std::span<const Message> requests) const;
-    [[nodiscard]] BlockCells finish(std::span<const Message> replies);
+    void complete(std::span<const Message> replies);
+    // Returns the cells that reach beyond the near ends, with their neighbors.
+    [[nodiscard]] Message far() const;
+    // far: of all blocks; none in a domain with ends.
+    [[nodiscard]] BlockCells finish(std::span<const Message> far);
     [[nodiscard]] const BlockCounts& counts() const noexcept;
 
 private:

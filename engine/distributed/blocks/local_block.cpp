@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/progress.hpp"
+#include "distributed/blocks/far_cells.hpp"
 #include "input/options.hpp"
 #include "query/locator.hpp"
 #include "result/arrays.hpp"
@@ -54,8 +55,9 @@ public:
         detail::for_row_arrays([&](const auto& array, std::size_t number) {
             if (number == ids || number == duplicates) return;
             const bool of_cell = array.per == detail::Per::cell;
-            append(array.of(out_), array.of(from), array.components * (of_cell ? i : begin),
-                   array.components * (of_cell ? i + 1 : end), array.components * (of_cell ? cells_ : entries_));
+            const std::size_t each = components_of(array, from.planar);
+            append(array.of(out_), array.of(from), each * (of_cell ? i : begin), each * (of_cell ? i + 1 : end),
+                   each * (of_cell ? cells_ : entries_));
         });
         out_.indptr.push_back(static_cast<std::int64_t>(out_.indices.size()));
     }
@@ -138,7 +140,8 @@ LocalBlock::LocalBlock(const Options& options, Seeds own, std::optional<TiledSee
       count_(own.size()),
       all_{.seeds = std::move(own), .row_order = {}, .job = {}, .clipper = {}, .powers = {}, .result = {}},
       job_(validate({all_.seeds.points, {}}, options_for(all_.seeds, options))),
-      nearness_(*job_.domain) {
+      nearness_(*job_.domain),
+      far_(std::make_unique<FarCells>()) {
     places_.reserve(count_);
     for (std::size_t i = 0; i < count_; ++i) {
         exact::Point x;
@@ -243,14 +246,33 @@ void finish_pending(const Options& options, const PendingCells& pending, const S
     run.clip(options, pending.cells.size());
 }
 
-BlockCells LocalBlock::finish(const Seeds& replies) {
+void LocalBlock::complete(const Seeds& replies, const BlockDomain& domain) {
     counts_.given += replies.size();
-    Run pending_run;
-    finish_pending(options_, pending_cells(), replies, pending_run);
-    counts_.exact_cells = all_.result.stats.exact_cells + pending_run.result.stats.exact_cells;
+    finish_pending(options_, pending_cells(), replies, pending_run_);
+    std::vector<std::uint32_t> rows = far_->take(domain, all_, count_, pending_);
+    for (const std::uint32_t row : far_->take(domain, pending_run_, pending_.size(), {})) rows.push_back(pending_[row]);
+    std::ranges::sort(rows);
+    std::ranges::sort(far_->ids);  // as the own seeds
+    far_row_.assign(count_, -1);
+    for (std::size_t k = 0; k < rows.size(); ++k) far_row_[rows[k]] = static_cast<std::int32_t>(k);
+}
+
+const FarCells& LocalBlock::far() const {
+    return *far_;
+}
+
+BlockCells LocalBlock::finish(const FarCells& all, const BlockDomain& domain) {
+    Run far_run;
+    find_far(domain, all, far_->ids, far_run);
+    counts_.exact_cells = 0;
+    for (Run* run : {&all_, &pending_run_, &far_run}) {
+        counts_.exact_cells += run->result.stats.exact_cells;
+        domain.complete(run->result);
+    }
 
     BlockCells cells;
-    const std::size_t entries = all_.result.indices.size() + pending_run.result.indices.size();
+    const std::size_t entries =
+        all_.result.indices.size() + pending_run_.result.indices.size() + far_run.result.indices.size();
     cells.indices.reserve(entries);
     cells.owners.reserve(entries);
     Merger merger(cells, count_, entries);
@@ -266,8 +288,13 @@ BlockCells LocalBlock::finish(const Seeds& replies) {
         }
     };
     for (std::size_t i = 0, pending = 0; i < count_; ++i) {
-        if (pending < pending_.size() && pending_[pending] == i)
-            add(pending_run, pending++, pending_.size());
+        const std::size_t row = pending;
+        const bool is_pending = pending < pending_.size() && pending_[pending] == i;
+        if (is_pending) ++pending;
+        if (far_row_[i] >= 0)
+            add(far_run, static_cast<std::size_t>(far_row_[i]), 0);
+        else if (is_pending)
+            add(pending_run_, row, pending_.size());
         else
             add(all_, i, count_);
     }

@@ -6,8 +6,8 @@
 // neighbors that it owns. One round is enough, because cells only shrink.
 //
 // The order of use: halo_for() each other outline; clip() with the halo that others sent; requests(); reply() to those
-// of others; finish(). A run that cannot hold all blocks at once keeps pending_cells() for finish_pending(), and calls
-// reply() with the seeds_near() requests.
+// of others; complete() and finish(). A run that cannot hold all blocks at once keeps pending_cells() for
+// finish_pending(), and calls reply() with the seeds_near() requests.
 #pragma once
 
 #include <algorithm>
@@ -77,6 +77,8 @@ struct PendingCells {
 // Finds the complete cells: the first ones of the run, in the order of pending.cells.
 void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run);
 
+struct FarCells;
+
 class LocalBlock {
 public:
     // options: of the whole run, with its box and without weights, and with a callback for the progress of clip().
@@ -93,7 +95,11 @@ public:
     [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
     // Returns a reply to each of the requests.
     [[nodiscard]] std::vector<Seeds> reply(std::span<const Requests> requests) const;
-    [[nodiscard]] BlockCells finish(const Seeds& replies);
+    // Finds the pending cells. domain: this block has its options_of_blocks().
+    void complete(const Seeds& replies, const BlockDomain& domain);
+    [[nodiscard]] const FarCells& far() const;
+    // Returns the cells of the domain. all: the far cells of all blocks.
+    [[nodiscard]] BlockCells finish(const FarCells& all, const BlockDomain& domain);
     // After clip(): the cells so far, and which of them are pending, ascending.
     [[nodiscard]] Run& run() { return all_; }
     [[nodiscard]] std::span<const std::uint32_t> pending() const { return pending_; }
@@ -129,6 +135,9 @@ private:
     std::vector<std::int32_t> kept_neighbors_;  // of pending cells: indices into all_.seeds
     std::uint64_t pending_faces_ = 0;
     std::vector<Requests> requests_;
+    Run pending_run_;
+    std::unique_ptr<FarCells> far_;
+    std::vector<std::int32_t> far_row_;  // of own cells, in the run of far cells; -1: none
     BlockCounts counts_;
 };
 

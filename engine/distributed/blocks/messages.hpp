@@ -2,7 +2,7 @@
 #pragma once
 
 #include "core/bytes.hpp"
-#include "distributed/blocks/local_block.hpp"
+#include "distributed/blocks/far_cells.hpp"
 
 namespace votess::blocks {
 
@@ -29,6 +29,21 @@ inline Message to_message(const Requests& requests) {
     return writer.take();
 }
 
+inline Message to_message(const FarCells& far) {
+    if (far.ids.empty()) return {};
+    Writer writer;
+    writer.put(far.ids);
+    far.seeds.put_to(writer);
+    return writer.take();
+}
+
+inline void from_message(const Message& message, FarCells& far) {
+    if (message.empty()) return;
+    Reader reader(message);
+    reader.get(far.ids);
+    far.seeds.get_from(reader);
+    reader.end();
+}
 // Keeps the outline when the message is empty.
 inline void from_message(const Message& message, Seeds& halo, Outline& outline) {
     if (message.empty()) return;

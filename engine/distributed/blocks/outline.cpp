@@ -68,9 +68,12 @@ public:
         split(range, max_tile_seeds, ranges);
         for (const Range& of_tile : ranges) {
             Tile tile{box_of(of_tile), 0, -infinity};
-            double volume = 1;
-            for (std::size_t k = 0; k < 3; ++k) volume *= tile.box.upper[k] - tile.box.lower[k];
-            tile.width = halo_spacings * std::cbrt(volume / static_cast<double>(of_tile.end - of_tile.begin));
+            double volume = 1, dimensions = 0;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (const double side = tile.box.upper[k] - tile.box.lower[k]; side > 0) volume *= side, ++dimensions;
+            if (dimensions > 0)
+                tile.width =
+                    halo_spacings * std::pow(volume / static_cast<double>(of_tile.end - of_tile.begin), 1 / dimensions);
             for (std::size_t k = of_tile.begin; k < of_tile.end; ++k)
                 tile.largest_weight = std::max(tile.largest_weight, weights_.empty() ? 0 : weights_[seeds_[k].number]);
             out.tiles.push_back(tile);

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "core/arithmetic.hpp"
+
 namespace votess::mpi {
 namespace {
 
@@ -165,6 +167,19 @@ std::vector<Message> Ranks::exchange(const std::vector<Message>& to) const {
 
 std::vector<Message> Ranks::gather_all(const Message& own) const {
     return exchange(std::vector<Message>(static_cast<std::size_t>(size_), own));
+}
+
+Box Ranks::bounds_of(std::span<const double> points) const {
+    Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points[i]);
+        bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points[i]);
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+        bounds.lower[k] = minimum(bounds.lower[k]);
+        bounds.upper[k] = maximum(bounds.upper[k]);
+    }
+    return bounds;
 }
 
 double Ranks::minimum(double value) const {

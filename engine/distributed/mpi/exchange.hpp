@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "votess/votess.hpp"
 
 namespace votess::mpi {
 
@@ -59,6 +60,8 @@ public:
     // to: by rank. Returns the messages to this rank, by rank.
     [[nodiscard]] std::vector<Message> exchange(const std::vector<Message>& to) const;
     [[nodiscard]] std::vector<Message> gather_all(const Message& own) const;
+    // Returns the bounds of the points of all ranks. points: (N, 3).
+    [[nodiscard]] Box bounds_of(std::span<const double> points) const;
     [[nodiscard]] double minimum(double value) const;
     [[nodiscard]] double maximum(double value) const;
     [[nodiscard]] double sum(double value) const;

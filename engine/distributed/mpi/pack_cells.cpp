@@ -61,7 +61,8 @@ T none() {
 
 }  // namespace
 
-Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places) {
+Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places,
+             bool planar) {
     if (places.empty()) return {};
     std::vector<std::int64_t> some_ids, indptr{0};
     for (const std::size_t i : places) {
@@ -71,7 +72,9 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
     const auto entries = static_cast<std::size_t>(indptr.back());
     std::size_t bytes = 0;
     const auto size_of = [&](const auto& array) {
-        return array.of(cells).empty() ? 0 : array.components * (array.per == Per::cell ? places.size() : entries);
+        return array.of(cells).empty()
+                   ? 0
+                   : components_of(array, planar) * (array.per == Per::cell ? places.size() : entries);
     };
     for (const Per per : {Per::cell, Per::entry})
         for_arrays(per, [&](const auto& array) {
@@ -89,14 +92,15 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
             for (const std::size_t i : places) {
                 const std::size_t first = per == Per::cell ? i : begin_of(cells, i),
                                   end = per == Per::cell ? i + 1 : begin_of(cells, i + 1);
-                writer.append(values.subspan(array.components * first, array.components * (end - first)));
+                const std::size_t each = components_of(array, planar);
+                writer.append(values.subspan(each * first, each * (end - first)));
             }
         });
     return writer.take();
 }
 
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status, const Want& want, SomeCells own) {
+                  const std::vector<CellStatus>& status, const Options& options, SomeCells own) {
     std::vector<std::pair<std::int64_t, std::size_t>> place_of;
     place_of.reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) place_of.emplace_back(ids[i], i);
@@ -134,12 +138,12 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
     for_arrays(Per::entry, [&](const auto& array) {
         if (!is_anywhere(array)) return;
         auto& to = array.of(out);
-        to.reserve(array.components * static_cast<std::size_t>(out.indptr.back()));
+        const std::size_t each = components_of(array, options.planar);
+        to.reserve(each * static_cast<std::size_t>(out.indptr.back()));
         for (const auto& [source, k] : where) {
             if (source == nobody) continue;
             const BlockCells& cells = all[source].cells;
-            append(to, array.of(cells), array.components * begin_of(cells, k),
-                   array.components * begin_of(cells, k + 1));
+            append(to, array.of(cells), each * begin_of(cells, k), each * begin_of(cells, k + 1));
         }
         drop(array);
     });
@@ -147,8 +151,8 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
     for_arrays(Per::cell, [&](const auto& array) {
         auto& to = array.of(out);
         const bool always = static_cast<const void*>(&to) == &out.status;
-        if (!always && !is_anywhere(array) && (array.word == nullptr || !(want.*array.word))) return;
-        const std::size_t each = array.components;
+        if (!always && !is_anywhere(array) && (array.word == nullptr || !(options.want.*array.word))) return;
+        const std::size_t each = components_of(array, options.planar);
         to.reserve(each * ids.size());
         for (const auto& [source, k] : where) {
             if (source == nobody || array.of(all[source].cells).empty())
@@ -158,10 +162,11 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
         }
         drop(array);
     });
+    const std::size_t dimensions = options.planar ? 2 : 3;
     if (!out.centroids.empty())
         for (std::size_t i = 0; i < ids.size(); ++i)
             if (where[i].first == nobody)
-                std::fill_n(out.centroids.begin() + static_cast<std::ptrdiff_t>(3 * i), 3,
+                std::fill_n(out.centroids.begin() + static_cast<std::ptrdiff_t>(dimensions * i), dimensions,
                             std::numeric_limits<double>::quiet_NaN());
     return out;
 }

@@ -14,10 +14,12 @@ struct SomeCells {
     BlockCells cells;
     std::vector<std::size_t> places;
 };
-Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places);
+Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, const std::vector<std::size_t>& places,
+             bool planar);
 // Joins the cells of all blocks in the order of ids. status: `outside` for seeds that were dropped, which have the
-// values of seeds without a cell in all arrays of `want`. own: the cells of the rank's own block that need no message.
+// values of seeds without a cell in all wanted arrays. options: of the domain. own: the cells of the rank's own block
+// that need no message.
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status, const Want& want, SomeCells own);
+                  const std::vector<CellStatus>& status, const Options& options, SomeCells own);
 
 }  // namespace votess::mpi

@@ -1,5 +1,6 @@
 // votess::mpi::tessellate(): seeds travel to the blocks of their regions, one on each rank, and cells travel back.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -9,7 +10,9 @@
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/pack_cells.hpp"
+#include "input/hull_of_parts.hpp"
 #include "input/seeds.hpp"
+#include "plane/sheet.hpp"
 #include "votess/mpi.hpp"
 
 namespace votess::mpi {
@@ -34,7 +37,8 @@ std::vector<CommonArgument> common_arguments(const Options& options, Cells where
             {"want", of(options.want)},
             {"list_walls", of(options.list_walls)},
             {"min_face", of(options.min_face)},
-            {"min_area", of(options.min_area)}};
+            {"min_area", of(options.min_area)},
+            {"the number of dimensions", of(options.planar)}};
 }
 
 class Run {
@@ -54,8 +58,13 @@ public:
 
     Result operator()(Cells where) {
         ranks_.agree("tessellate", common_arguments(options_, where));
-        first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0 ? 0 : ranks_.sum_before(std::uint64_t{count()});
-        ranks_.together([&] { check_input(); });
+        first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0
+                     ? 0
+                     : ranks_.sum_before(std::uint64_t{points_.size() / (options_.planar ? 2 : 3)});
+        ranks_.together([&] {
+            check_input();
+            if (options_.planar) points_ = in_sheet({points_, {}});
+        });
         assign_ids();
         split_domain();
         send_seeds();
@@ -69,7 +78,7 @@ public:
     }
 
 private:
-    [[nodiscard]] std::size_t count() const { return points_.size() / 3; }
+    [[nodiscard]] std::size_t count() const { return points_.size() / 3; }  // after check_input()
     [[nodiscard]] std::size_t ranks() const { return static_cast<std::size_t>(ranks_.size()); }
 
     // Returns false when the user stops this rank, and throws when another rank has failed. Progress never goes back,
@@ -82,18 +91,19 @@ private:
 
     void check_input() {
         const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
-        if (points_.size() % 3 != 0)
-            refuse("points hold " + std::to_string(points_.size()) +
-                   " coordinates, which is not a multiple of 3: the shape must be (N,3)");
+        const std::size_t dimensions = options_.planar ? 2 : 3, count = points_.size() / dimensions;
+        if (points_.size() % dimensions != 0)
+            refuse("points hold " + std::to_string(points_.size()) + " coordinates, which is not a multiple of " +
+                   std::to_string(dimensions) + ": the shape must be (N," + std::to_string(dimensions) + ")");
         for (std::size_t i = 0; i < points_.size(); ++i)
             if (!std::isfinite(points_[i])) {
                 char number[32];
                 std::snprintf(number, sizeof number, "%.17g", points_[i]);
-                refuse("point " + std::to_string(first_ + i / 3) + ": " + "xyz"[i % 3] + " = " + number +
-                       " is not finite");
+                refuse("point " + std::to_string(first_ + i / dimensions) + ": " + "xyz"[i % dimensions] + " = " +
+                       number + " is not finite");
             }
-        if (!ids_.empty() && ids_.size() != count())
-            refuse(std::to_string(ids_.size()) + " ids for " + std::to_string(count()) + " points");
+        if (!ids_.empty() && ids_.size() != count)
+            refuse(std::to_string(ids_.size()) + " ids for " + std::to_string(count) + " points");
         for (std::size_t i = 0; i < ids_.size(); ++i)
             if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
         if (!options_.weights.empty() && !options_.radii.empty())
@@ -140,15 +150,7 @@ private:
     }
 
     void split_domain() {
-        Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-        for (std::size_t i = 0; i < points_.size(); ++i) {
-            bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points_[i]);
-            bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points_[i]);
-        }
-        for (std::size_t k = 0; k < 3; ++k) {
-            bounds.lower[k] = ranks_.minimum(bounds.lower[k]);
-            bounds.upper[k] = ranks_.maximum(bounds.upper[k]);
-        }
+        const Box bounds = ranks_.bounds_of(points_);
         std::vector<double> sample;
         Options watched = options_;
         watched.progress = [this](double fraction) { return going_on(fraction); };
@@ -221,7 +223,14 @@ private:
         const auto requests = for_others([&](std::size_t r) { return block->request_for(r); });
         ranks_.together([&] { to = block->reply(requests); });
         const auto replies = ranks_.exchange(to);
-        ranks_.together([&] { cells_ = block->finish(replies); });
+        Message far;
+        ranks_.together([&] {
+            block->complete(replies);
+            far = block->far();
+        });
+        std::vector<Message> all_far;
+        if (domain_->endless()) all_far = ranks_.gather_all(far);
+        ranks_.together([&] { cells_ = block->finish(all_far); });
         counts_.given = ranks_.sum(block->counts().given);
         counts_.needed = ranks_.sum(block->counts().needed);
         counts_.tested = ranks_.sum(block->counts().tested);
@@ -240,7 +249,7 @@ private:
     Result keep() {
         Result result;
         result.ids = std::move(made_.ids);
-        result.points = std::move(made_.points);
+        result.points = options_.planar ? out_of_sheet(made_.points) : std::move(made_.points);
         result.weights = std::move(made_.weights);
         result.cells = std::move(cells_);
         return result;
@@ -254,7 +263,7 @@ private:
         SomeCells own;
         ranks_.together([&] {
             std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
-            for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells));
+            for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells, options_.planar));
             own.ids = std::move(made_.ids);
             own.cells = std::move(cells_);
             if (own.places.empty()) own.cells = {};
@@ -266,7 +275,7 @@ private:
         ranks_.together([&] {
             result.ids = ids_;
             result.weights = weights_;
-            result.cells = unpack(from, ids_, status_, options_.want, std::move(own));
+            result.cells = unpack(from, ids_, status_, options_, std::move(own));
         });
         list_exchange(result);
         return result;
@@ -321,6 +330,27 @@ private:
 };
 
 }  // namespace
+
+std::vector<Wall> hull_walls(MPI_Comm comm, std::span<const double> points, const Options& options) {
+    const Ranks ranks(comm);
+    ranks.agree("hull_walls",
+                std::array{CommonArgument{"the number of dimensions", Hash().mix(options.planar).value()}});
+    std::optional<HullOfParts> hull;
+    ranks.together([&] {
+        hull.emplace(options);
+        hull->add(std::vector<double>(points.begin(), points.end()));  // read once, see input/snapshot.hpp
+    });
+    std::vector<double> corners;
+    for (const Message& message : ranks.gather_all(to_bytes(hull->corners()))) append_bytes(message, corners);
+    const std::uint64_t count = ranks.sum(std::uint64_t{points.size() / (options.planar ? 2 : 3)});
+    std::vector<Wall> walls;
+    ranks.together([&] {
+        HullOfParts all(options);
+        all.add(corners);
+        walls = all.walls(count);
+    });
+    return walls;
+}
 
 Result tessellate(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids,
                   const Options& options, Cells cells) {

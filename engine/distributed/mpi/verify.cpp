@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
+#include "plane/sheet.hpp"
 #include "verify/row_checker.hpp"
 #include "votess/mpi.hpp"
 
@@ -23,7 +25,8 @@ public:
         if (made_ && !points.empty()) refuse("Cells::made have their points in the result: give none");
         if (made_) points = result.points;
         const std::size_t count = result.ids.size();
-        if (points.size() != 3 * count)
+        const bool planar = result.options.planar;
+        if (points.size() != (planar ? 2 : 3) * count)
             refuse("points hold " + std::to_string(points.size()) + " coordinates, the result has " +
                    std::to_string(count) + " cells");
         const BlockCells& cells = result.cells;
@@ -32,8 +35,13 @@ public:
             cells.owners.size() != cells.indices.size())
             refuse("the arrays of the result do not fit its " + std::to_string(count) +
                    " ids: give what tessellate() returned");
-        points_.assign(points.begin(), points.end());  // read once, see input/snapshot.hpp
+        if (planar)  // read once, see input/snapshot.hpp
+            points_ = in_sheet({points, {}});
+        else
+            points_.assign(points.begin(), points.end());
     }
+
+    [[nodiscard]] std::span<const double> points() const { return points_; }
 
     bool for_rows(const Visit& visit) override {
         const BlockCells& cells = result_.cells;
@@ -75,14 +83,16 @@ VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double>
                                      CommonArgument{"rng_seed", Hash().mix(options.rng_seed).value()}});
     std::optional<RankBlock> block;
     std::optional<RowChecker> checker;
+    ranks.together([&] { block.emplace(ranks, result, points); });
+    const Box bounds = ranks.bounds_of(block->points());
     ranks.together([&] {
-        block.emplace(ranks, result, points);
         const auto& axes = result.options.cell ? result.options.cell->periodic : result.options.periodic;
         RowChecker::Sample sample{0, options.rng_seed};
         sample.max_cells = options.sample.value_or(sample_size(
             result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, axes != std::array<bool, 3>{}));
         if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
-        checker.emplace(CheckedRun{result.options, result.counts.seeds, result.counts.box_volume}, sample, *block);
+        const BlockDomain domain(result.options, bounds, result.counts.seeds);
+        checker.emplace(checked_run(domain, result.counts.seeds, result.counts.box_volume), sample, *block);
         block->for_rows([&](const StreamRows& rows, const RowNames& names) { checker->take(rows, names); });
     });
     return checker->report();

@@ -13,19 +13,20 @@ constexpr std::size_t widened_at_once = 65536;
 
 }  // namespace
 
-Assembler::Assembler(const Layout& layout, const StreamHead& head, std::vector<RowStore*> stores, std::size_t blocks,
+Assembler::Assembler(const Layout& layout, const StreamHead& head, const std::vector<std::vector<RowStore*>>& groups,
                      ThreadPool& pool)
-    : layout_(layout), head_(head), blocks_(blocks), pool_(pool) {
-    for (RowStore* store : stores)
-        parts_.push_back(
-            {store, Cursor<std::int64_t>(store->ids()), Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
+    : layout_(layout), head_(head), pool_(pool) {
+    for (const auto& stores : groups) {
+        std::vector<Part>& parts = groups_.emplace_back();
+        for (RowStore* store : stores)
+            parts.push_back(
+                {store, Cursor<std::int64_t>(store->ids()), Cursor<RowStore::Duplicate>(store->duplicates()), {}, {}});
+    }
 }
 
-// The stores with skipped cells come after the others.
 template <class Task>
 void Assembler::for_parts(const Task& task) {
-    pool_.run(blocks_, [&](std::size_t p, unsigned) { task(parts_[p]); });
-    pool_.run(parts_.size() - blocks_, [&](std::size_t p, unsigned) { task(parts_[blocks_ + p]); });
+    for (std::vector<Part>& parts : groups_) pool_.run(parts.size(), [&](std::size_t p, unsigned) { task(parts[p]); });
 }
 
 void Assembler::find(Part& part, std::uint64_t end) {
@@ -96,7 +97,7 @@ StreamRows Assembler::next(std::size_t max_cells) {
             const bool is_status = number == Layout::status;
             bytes.assign(each * count, is_status ? static_cast<std::byte>(CellStatus::outside) : std::byte{0});
             if (array.name == "centroids")
-                std::fill_n(reinterpret_cast<double*>(bytes.data()), 3 * count,
+                std::fill_n(reinterpret_cast<double*>(bytes.data()), bytes.size() / sizeof(double),
                             std::numeric_limits<double>::quiet_NaN());
             for_parts([&](Part& part) { take_cells(part, number); });
         }

@@ -10,8 +10,8 @@ namespace votess::stream {
 
 class Assembler {
 public:
-    // stores: one for each block, then those with the cells that the first ones skipped.
-    Assembler(const Layout& layout, const StreamHead& head, std::vector<RowStore*> stores, std::size_t blocks,
+    // groups: of stores; each group has cells that those before it skipped.
+    Assembler(const Layout& layout, const StreamHead& head, const std::vector<std::vector<RowStore*>>& groups,
               ThreadPool& pool);
 
     // Returns the cells from first() on, at most max_cells. They are valid until the next call.
@@ -35,8 +35,7 @@ private:
 
     const Layout& layout_;
     const StreamHead& head_;
-    std::vector<Part> parts_;
-    std::size_t blocks_;
+    std::vector<std::vector<Part>> groups_;
     ThreadPool& pool_;
     std::uint64_t first_ = 0;
     std::int64_t entries_ = 0;  // of the rows before first()

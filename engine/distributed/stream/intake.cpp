@@ -7,6 +7,7 @@
 
 #include "core/arithmetic.hpp"
 #include "input/options.hpp"
+#include "plane/sheet.hpp"
 #include "query/locator.hpp"
 
 namespace votess::stream {
@@ -75,15 +76,17 @@ private:
 
 }  // namespace
 
-Intake::Intake(StreamSource& source, const Options& options, const std::string& folder, std::uint64_t memory,
+Intake::Intake(StreamSource& source, const Options& options, bool hull, const std::string& folder, std::uint64_t memory,
                Stages& stages)
     : source_(source),
-      options_(options),
+      options_(options.planar ? sheet_options(options, 1) : options),
+      planar_(options.planar),
       stages_(stages),
       pool_(options.threads),
       max_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
       max_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
       bounds_(nothing) {
+    if (hull) hull_.emplace(options);
     if (source_.restart()) return;
     file_.emplace(folder);
     copied_points_.emplace(*file_);
@@ -114,10 +117,12 @@ void Intake::read(const Task& task) {
     StreamSeeds some;
     std::vector<double> points, weights;  // read once, see input/snapshot.hpp
     while (some = {}, source_.next(some)) {
-        if (some.points.size() % 3 != 0)
+        const std::size_t dimensions = planar_ ? 2 : 3;
+        if (some.points.size() % dimensions != 0)
             refuse("points of a piece hold " + std::to_string(some.points.size()) +
-                   " coordinates, which is not a multiple of 3: the shape must be (N,3)");
-        const std::size_t count = some.points.size() / 3;
+                   " coordinates, which is not a multiple of " + std::to_string(dimensions) +
+                   ": the shape must be (N," + std::to_string(dimensions) + ")");
+        const std::size_t count = some.points.size() / dimensions;
         for (const auto& [values, name] : {std::pair(some.weights, "weights"), {some.radii, "radii"}})
             if (!values.empty() && values.size() != count)
                 refuse(std::string(name) + " of a piece hold " + std::to_string(values.size()) + " numbers for " +
@@ -129,7 +134,11 @@ void Intake::read(const Task& task) {
                 to.assign(values.begin(), values.end());
             };
             const std::span<const double> beside = some.radii.empty() ? some.weights : some.radii;
-            copy(some.points.subspan(3 * begin, 3 * size), points);
+            const std::span given = some.points.subspan(dimensions * begin, dimensions * size);
+            if (planar_)
+                points = in_sheet({given, {}});
+            else
+                copy(given, points);
             copy(beside.empty() ? beside : beside.subspan(begin, size), weights);
             task(first, some.radii.empty() ? StreamSeeds{points, weights, {}} : StreamSeeds{points, {}, weights});
             first += size;
@@ -176,6 +185,7 @@ void Intake::take_sample(std::uint64_t first, std::span<const double> points) {
 void Intake::scan() {
     read([&](std::uint64_t first, const StreamSeeds& some) {
         check(first, some);
+        if (hull_) hull_->add(planar_ ? std::span<const double>(out_of_sheet(some.points)) : some.points);
         take_sample(first, some.points);
         seeds_ = first + some.points.size() / 3;
         if (copied_points_) {

@@ -8,6 +8,7 @@
 #include "distributed/blocks/partition.hpp"
 #include "distributed/stream/spool.hpp"
 #include "distributed/stream/stages.hpp"
+#include "input/hull_of_parts.hpp"
 #include "input/job.hpp"
 #include "votess/stream.hpp"
 
@@ -16,7 +17,8 @@ namespace votess::stream {
 class Intake {
 public:
     // Seeds that come only once are copied into a temporary file in the folder.
-    Intake(StreamSource& source, const Options& options, const std::string& folder, std::uint64_t memory,
+    // hull: the domain is that of the points.
+    Intake(StreamSource& source, const Options& options, bool hull, const std::string& folder, std::uint64_t memory,
            Stages& stages);
 
     // The first reading. Checks the points as far as that needs no box.
@@ -24,6 +26,8 @@ public:
     [[nodiscard]] std::uint64_t seeds() const { return seeds_; }
     [[nodiscard]] bool weighted() const { return weighted_; }
     [[nodiscard]] const Box& bounds() const { return bounds_; }
+    // Returns the walls of the hull. Throws when it has no interior.
+    [[nodiscard]] std::vector<Wall> hull_walls() { return hull_->walls(seeds_); }
     // Returns the size of the temporary file.
     [[nodiscard]] std::uint64_t bytes() const { return file_ ? file_->size() : 0; }
 
@@ -34,12 +38,12 @@ public:
         std::vector<std::uint64_t> counts;
         std::vector<double> inside;  // one seed that is not dropped, or empty
     };
-    // The second reading. settled: the options with the box of the run.
+    // The second reading. settled: the options of the blocks.
     [[nodiscard]] BlockSpools distribute(const Options& settled, std::size_t blocks, TemporaryFile& ids,
                                          TemporaryFile& seeds);
 
 private:
-    // Calls task(first, seeds) piece by piece, with at most max_at_once_ seeds.
+    // Calls task(first, seeds) piece by piece, with at most max_at_once_ seeds in space.
     template <class Task>
     void read(const Task& task);
     // Throws unless the piece has weights, radii or neither, like the pieces before it.
@@ -49,7 +53,8 @@ private:
     [[nodiscard]] blocks::Partition partition(const Options& settled, std::size_t blocks);
 
     StreamSource& source_;
-    const Options& options_;
+    Options options_;  // in space
+    bool planar_;
     Stages& stages_;
     ThreadPool pool_;
     std::optional<TemporaryFile> file_;
@@ -58,6 +63,7 @@ private:
     std::uint64_t seeds_ = 0, every_ = 1;
     bool weighted_ = false, radii_ = false, scanned_ = false;
     Box bounds_;
+    std::optional<HullOfParts> hull_;
     std::vector<double> sample_;
 };
 

@@ -14,6 +14,7 @@
 #include "distributed/stream/plan.hpp"
 #include "input/implied_wants.hpp"
 #include "input/options.hpp"
+#include "plane/sheet.hpp"
 #include "verify/row_checker.hpp"
 
 namespace votess {
@@ -57,7 +58,7 @@ public:
           options_(options),
           stream_(stream),
           stages_(options),
-          intake_(source, options_, stream.temporary, stream.memory, stages_) {}
+          intake_(source, options_, stream.hull, stream.temporary, stream.memory, stages_) {}
 
     StreamResult operator()() {
         stages_.begin(&StageSeconds::upload, 0.04, "reading the seeds");
@@ -96,10 +97,13 @@ private:
     void plan() {
         Options plain = options_;
         plain.progress = {};
+        if (stream_.hull) plain.walls = intake_.hull_walls();
         domain_.emplace(plain, intake_.bounds(), intake_.seeds());
         settled_ = domain_->options();
         settled_->want = with_implied(*settled_);
-        const Kind kind{settled_->want, domain_is_periodic(), intake_.weighted()};
+        of_blocks_ = domain_->options_of_blocks();
+        of_blocks_->want = with_implied(*of_blocks_);
+        const Kind kind{of_blocks_->want, domain_is_periodic(), intake_.weighted()};
         count_ = blocks_for(stream_.memory, intake_.seeds(), kind);
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
@@ -109,7 +113,7 @@ private:
             throw Error(ErrorCode::storage, "temporary files take about " + in_units(needed) + ", but '" + folder +
                                                 "' has room for " + in_units(room) +
                                                 ": free some, or choose another folder");
-        layout_.emplace(settled_->want, kind.periodic, intake_.seeds());
+        layout_.emplace(*settled_, kind.periodic, intake_.seeds());
     }
 
     [[nodiscard]] bool domain_is_periodic() const {
@@ -122,7 +126,7 @@ private:
             &StageSeconds::upload, 0.1,
             "distributing " + std::to_string(intake_.seeds()) + " seeds to " + std::to_string(count_) + " blocks");
         for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary);
-        spools_.emplace(intake_.distribute(*settled_, count_, *ids_, *seeds_));
+        spools_.emplace(intake_.distribute(*of_blocks_, count_, *ids_, *seeds_));
         result_.stats.box_volume = domain_->volume(spools_->inside);
         for (std::size_t b = 0; b < count_; ++b) {
             blocks_.emplace_back(*seeds_, *layout_, *rows_, *ids_, spools_->ids[b]);
@@ -173,7 +177,7 @@ private:
             stages_.at(b, count_);
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
-            const blocks::LocalBlock block(*settled_, seeds_of(b));
+            const blocks::LocalBlock block(*of_blocks_, seeds_of(b));
             put_tiles(b, block.tiled());
             for (std::size_t to = 0; to < count_; ++to)
                 if (to != b) put(blocks_[to].halos, b, to_message(block.halo_for(outlines_[to]), block.outline()));
@@ -186,7 +190,7 @@ private:
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
-            Options options = *settled_;
+            Options options = *of_blocks_;
             options.progress = stages_.within(b, count_);
             blocks::LocalBlock block(options, seeds_of(b), tiles_of(b));
             std::vector<blocks::Outline> others = outlines_;
@@ -197,18 +201,35 @@ private:
                 halo.add(some);
             });
             block.clip(std::move(others), b, std::move(halo));
-            blocks_[b].rows.add(block.run(), static_cast<std::size_t>(spools_->counts[b]), block.pending());
+            const auto count = static_cast<std::size_t>(spools_->counts[b]);
+            const std::vector<std::uint32_t> skipped = skip_far(block.run(), count, block.pending());
+            domain_->complete(block.run().result);
+            blocks_[b].rows.add(block.run(), count, skipped);
             for (std::size_t to = 0; to < count_; ++to) put(blocks_[to].requests, b, to_message(block.requests()[to]));
-            add_stats(block.run().result.stats);
             if (block.pending().empty()) continue;
             const blocks::PendingCells pending = block.pending_cells();
             Writer writer;
             pending.cells.put_to(writer);
             pending.kept_neighbors.put_to(writer);
             put(blocks_[b].pending, b, writer.take());
-            result_.stats.faces -= pending.faces;
+            if (!domain_->endless()) result_.stats.faces -= pending.faces;
             result_.asked_cells += pending.cells.size();
         }
+    }
+
+    // Sets far cells aside. Returns their rows and those that are skipped already, ascending, and adds the statistics.
+    std::vector<std::uint32_t> skip_far(blocks::Run& run, std::size_t count, std::span<const std::uint32_t> skipped) {
+        std::vector<std::uint32_t> all = far_.take(*domain_, run, count, skipped);
+        all.insert(all.end(), skipped.begin(), skipped.end());
+        std::ranges::sort(all);
+        Stats some = run.result.stats;
+        if (domain_->endless()) {  // the faces of a domain without end are the entries of its rows
+            some.faces = run.result.indices.size();
+            for (const std::uint32_t row : all)
+                some.faces -= static_cast<std::uint64_t>(run.result.indptr[row + 1] - run.result.indptr[row]);
+        }
+        add_stats(some);
+        return all;
     }
 
     void add_stats(const Stats& some) {
@@ -233,9 +254,9 @@ private:
                 from.push_back(block);
                 from_message(message, all.emplace_back());
             });
-            const Job job = validate({}, *settled_);
+            const Job job = validate({}, *of_blocks_);
             const Seeds near = blocks::seeds_near(seeds_of(b), tiles_of(b), blocks::Nearness(*job.domain), all);
-            const std::vector<Seeds> replies = blocks::reply(*settled_, near, all);
+            const std::vector<Seeds> replies = blocks::reply(*of_blocks_, near, all);
             for (std::size_t r = 0; r < all.size(); ++r) put(blocks_[from[r]].replies, b, to_message(replies[r]));
         }
     }
@@ -254,14 +275,15 @@ private:
                     replies.add(seeds);
                 });
                 blocks::Run run;
-                blocks::finish_pending(*settled_, pending, replies, run);
+                blocks::finish_pending(*of_blocks_, pending, replies, run);
+                run.result.stats.exact_cells = 0;  // counted by clip()
+                const std::vector<std::uint32_t> skipped = skip_far(run, pending.cells.size(), {});
+                domain_->complete(run.result);
                 block.pending_rows.ids().append(std::span<const std::int64_t>(pending.cells.ids));
-                block.pending_rows.add(run, pending.cells.size(), {});
-                Stats some = run.result.stats;
-                some.exact_cells = 0;  // counted by clip()
-                add_stats(some);
+                block.pending_rows.add(run, pending.cells.size(), skipped);
             });
         }
+        find_far();
         result_.temporary_bytes = ids_->size() + seeds_->size() + rows_->size() + intake_.bytes();
         if (!stream_.verify) {
             spools_.reset();
@@ -270,19 +292,38 @@ private:
         system::give_back_memory();
     }
 
+    // Finds the cells that reach beyond the near ends.
+    void find_far() {
+        far_rows_.emplace(*layout_, *rows_, Spool(*ids_));
+        if (far_.ids.empty()) return;
+        std::ranges::sort(far_.ids);
+        blocks::Run run;
+        blocks::find_far(*domain_, far_, far_.ids, run);
+        Stats some = run.result.stats;
+        some.faces = run.result.indices.size();
+        add_stats(some);
+        domain_->complete(run.result);
+        far_rows_->ids().append(std::span<const std::int64_t>(far_.ids));
+        far_rows_->add(run, far_.ids.size(), {});
+        far_ = {};
+    }
+
     void write_rows() {
         stages_.begin(&StageSeconds::download, stream_.verify ? 0.95 : 1, "writing rows");
         StreamHead head;
         head.seeds = intake_.seeds();
         head.periodic = domain_is_periodic();
         head.options = *settled_;
-        std::vector<RowStore*> stores;
-        for (Block& block : blocks_) stores.push_back(&block.rows);
-        for (Block& block : blocks_) stores.push_back(&block.pending_rows);
-        for (const RowStore* store : stores) {
-            head.entries += store->entries();
-            head.duplicates |= store->has_duplicates();
+        std::vector<std::vector<RowStore*>> stores{{}, {}, {&*far_rows_}};
+        for (Block& block : blocks_) {
+            stores[0].push_back(&block.rows);
+            stores[1].push_back(&block.pending_rows);
         }
+        for (const auto& group : stores)
+            for (const RowStore* store : group) {
+                head.entries += store->entries();
+                head.duplicates |= store->has_duplicates();
+            }
         // Bytes of a cell in memory: its arrays as read and in order, and ids in 64 bits.
         double bytes = 2 * static_cast<double>(layout_->bytes_of(detail::Per::cell)) + 24;
         if (head.seeds > 0)
@@ -291,10 +332,10 @@ private:
         const auto max_cells =
             static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
         ThreadPool pool(options_.threads);
-        Assembler assembler(*layout_, head, std::move(stores), count_, pool);
+        Assembler assembler(*layout_, head, stores, pool);
         sink_.begin(head);
         if (stream_.verify)
-            checker_.emplace(CheckedRun{domain_->options(), head.seeds, result_.stats.box_volume}, sample(), *this);
+            checker_.emplace(checked_run(*domain_, head.seeds, result_.stats.box_volume), sample(), *this);
         Stats& stats = result_.stats;
         do {
             const StreamRows rows = assembler.next(max_cells);
@@ -307,6 +348,7 @@ private:
         stats.points = head.seeds;
         stats.device = "cpu";
         const std::uint64_t cells = stats.points - stats.empty_cells;
+        if (settled_->planar) stats.faces -= Sheet::more_faces * cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
         stats.peak_memory_bytes = system::peak_memory();
     }
@@ -351,12 +393,14 @@ private:
     Stages stages_;
     Intake intake_;
     std::optional<BlockDomain> domain_;
-    std::optional<Options> settled_;
+    std::optional<Options> settled_, of_blocks_;  // of the domain, and of the run of each block
     std::size_t count_ = 1;
     std::optional<Layout> layout_;
     std::optional<TemporaryFile> ids_, seeds_, rows_;
     std::optional<Intake::BlockSpools> spools_;
     std::vector<Block> blocks_;
+    blocks::FarCells far_;
+    std::optional<RowStore> far_rows_;
     std::vector<blocks::Outline> outlines_;  // for blocks that get no halo
     std::optional<RowChecker> checker_;
     std::uint64_t blocks_checked_ = 0;

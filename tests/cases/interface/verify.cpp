@@ -10,6 +10,7 @@
 #include "result/rows.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
+#include "support/scattered.hpp"
 
 namespace {
 
@@ -46,6 +47,25 @@ std::shared_ptr<votess::detail::Result> domain_of(const votess::Tessellation& t)
     result->lists_walls = t.lists_walls();
     result->stats = t.stats();
     return result;
+}
+
+// Makes a result one of some seeds. all: of all of them.
+void make_subset(votess::detail::Result& result, const votess::Tessellation& t, const votess::Tessellation& all) {
+    result.is_subset = true;
+    copy(result.ids, t.ids());
+    votess::detail::AllSeeds seeds;
+    seeds.count = all.size();
+    seeds.status.assign(all.status().begin(), all.status().end());
+    seeds.weights.assign(all.weights().begin(), all.weights().end());
+    result.all_seeds = std::make_shared<votess::detail::AllSeeds>(std::move(seeds));
+}
+
+// Returns some of these numbers, in any order.
+std::vector<std::int64_t> some_ids(std::size_t count, test::Random& random) {
+    std::vector<std::int64_t> ids;
+    for (const std::size_t i : test::permutation(count, random))
+        if (random.chance(0.4)) ids.push_back(static_cast<std::int64_t>(i));
+    return ids;
 }
 
 // Returns the result with these rows and statuses, and without volumes, so that only rows can be wrong.
@@ -237,8 +257,10 @@ TEST_SUITE("cases") {
         test::Random random(107);
         for (std::size_t i = 0; i < 24; ++i) in_plane.push_back(random.uniform(0, 1));
         const auto in_space = test::uniform(12, 108).points;
-        for (int domain = 0; domain < 5; ++domain) {
-            CAPTURE(domain);
+        for (int kind = 0; kind < 10; ++kind) {
+            CAPTURE(kind);
+            const int domain = kind % 5;
+            const bool is_subset = kind >= 5;
             votess::Options options;
             options.device = "cpu";
             options.planar = domain < 3;
@@ -251,10 +273,14 @@ TEST_SUITE("cases") {
             if (domain > 2) options.box = test::cube(-side, side);
             if (domain == 4) options.box->lower[2] = 0;
             const test::Coordinates& points = domain < 3 ? in_plane : in_space;
+            const auto all = votess::tessellate(std::span<const double>(points), options);
+            const std::vector<std::int64_t> ids = some_ids(all.size(), random);
+            if (is_subset) options.only = ids;
             const auto t = votess::tessellate(std::span<const double>(points), options);
             const auto passes = [&](const auto& change) {
                 auto result = domain_of(t);
                 result->planar = t.planar();
+                if (is_subset) make_subset(*result, t, all);
                 copy(result->status, t.status());
                 copy(result->indptr, t.indptr());
                 copy(result->indices, t.indices());
@@ -290,8 +316,57 @@ TEST_SUITE("cases") {
             change_some(&Result::edge_counts);
             change_some(&Result::vertex_counts);
             CHECK(seen == tried);
-            CHECK(tried > 20);
+            CHECK(tried > (is_subset ? 8 : 20));
         }
+    }
+
+    // Every other seed lies outside, is kept or dropped, and some are duplicates.
+    TEST_CASE("verify of some cells sees each lost face, wrong volume and wrong status") {
+        test::Random random(109);
+        test::Scattered s;
+        for (int kind = 0; kind < test::kinds_of_scattered; ++kind)
+            for (const bool weighted : {false, true}) {
+                CAPTURE(kind);
+                CAPTURE(weighted);
+                test::scatter(kind, 120, 0.2, weighted, 110, s);
+                for (std::size_t k = 0; k < 3 * 5; ++k) s.points[360 - 15 + k] = s.points[k];
+                s.options.want = {.neighbors = true, .volumes = true};
+                if (random.chance(0.5)) s.options.outside = votess::Outside::drop;
+                const auto all = votess::tessellate(s.points, s.options);
+                const std::vector<std::int64_t> ids = some_ids(all.size(), random);
+                s.options.only = ids;
+                const auto t = votess::tessellate(s.points, s.options);
+                const votess::VerifyReport report = votess::verify(t, s.points);
+                CHECK(report.failure == "");
+                CHECK(report.skipped == std::vector<std::string>{"volumes", "euler"});
+                CHECK(report.sampled > ids.size() / 4);
+                CHECK(!report.tiny_faces);
+                const auto passes = [&](const votess::Tessellation& changed, const auto& change) {
+                    auto result = domain_of(changed);
+                    copy(result->indptr, changed.indptr());
+                    copy(result->indices, changed.indices());
+                    copy(result->shifts, changed.shifts());
+                    copy(result->status, changed.status());
+                    copy(result->volumes, t.volumes());
+                    result->walls.assign(t.walls().begin(), t.walls().end());
+                    make_subset(*result, t, all);
+                    change(*result);
+                    return votess::verify(votess::Tessellation(std::move(result)), s.points).passed;
+                };
+                CHECK(passes(t, [](const auto&) {}));
+                std::size_t tried = 0;
+                for (std::size_t k = 0; k < ids.size() && tried < 4; ++k) {
+                    if (t.status()[k] != votess::CellStatus::certified) continue;
+                    ++tried;
+                    CAPTURE(k);
+                    CHECK(!passes(t, [&](auto& r) { r.volumes[k] *= 1.001; }));
+                    CHECK(!passes(t, [&](auto& r) { r.status[k] = votess::CellStatus::empty; }));
+                    Parts parts = parts_of(t);
+                    parts.rows[k].erase(parts.rows[k].begin() + static_cast<std::ptrdiff_t>(k % parts.rows[k].size()));
+                    CHECK(!passes(with_parts(t, parts), [](const auto&) {}));
+                }
+                CHECK(tried >= 3);
+            }
     }
 
     TEST_CASE("verify passes results without cells") {

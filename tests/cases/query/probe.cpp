@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 #include <votess/diagram.hpp>
@@ -202,6 +203,77 @@ TEST_SUITE("probe") {
             c.options.outside = votess::Outside::drop;
             check_probes(c, queries, {});
         }
+    }
+
+    // Queries have more digits than the seeds, and may lie farther out, so that vertices lie farther too.
+    TEST_CASE("probe: domains with some or all sides at infinity") {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        test::Random random(24);
+        std::size_t open = 0, closed = 0;
+        for (std::size_t set = 0; set < test::by_size(60, 16); ++set) {
+            CAPTURE(set);
+            test::QueryCase c;
+            c.options.threads = 1;
+            c.options.box = votess::Box{{-1, -1, -1}, {3, 3, 3}};
+            votess::Options large = c.options;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const bool all = set % 3 == 0;
+                if (all || random.chance(0.5)) c.options.box->lower[k] = -infinity, large.box->lower[k] = -0x1p70;
+                if (all || random.chance(0.5)) c.options.box->upper[k] = infinity, large.box->upper[k] = 0x1p70;
+            }
+            for (std::size_t i = 3 * (4 + random.below(12)); i > 0; --i)
+                c.points.push_back(static_cast<double>(random.below(17)) / 8);
+            if (set % 4 == 1)
+                for (std::size_t i = 0; i < c.points.size() / 3; ++i) c.weights.push_back(random.uniform(0, 0.25));
+            Coordinates queries;
+            for (int q = 0; q < 4; ++q)
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double x = random.uniform(0, 2);
+                    const bool far = q == 3 && std::isinf(c.options.box->upper[k]);
+                    // Nearly in the plane of three seeds.
+                    const double flat = q == 2 ? (c.points[k] + c.points[3 + k] + c.points[6 + k]) / 3 + 1e-12 * x : x;
+                    queries.push_back(far ? 1e5 * x : flat);
+                }
+            votess::Options options = c.options;
+            options.weights = large.weights = c.weights;
+            const votess::Diagram diagram(c.points, options), finite(c.points, large);
+            CHECK(diagram.locate(queries) == finite.locate(queries));
+            votess::ProbeOptions of_probes;
+            of_probes.want = everything();
+            const auto probes = diagram.probe(queries, of_probes);
+            const auto natural = diagram.natural_neighbors(queries), in_box = finite.natural_neighbors(queries);
+            options.want = everything();
+            for (std::size_t q = 0; q < probes.size(); ++q) {
+                CAPTURE(q);
+                Coordinates with = c.points;
+                with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
+                std::vector<double> all_weights = c.weights;
+                if (!c.weights.empty()) all_weights.push_back(0);
+                options.weights = all_weights;
+                const auto t = votess::tessellate(with, options);
+                const std::size_t n = c.points.size() / 3;
+                REQUIRE(probes.status()[q] == t.status()[n]);
+                REQUIRE(equal(probes.neighbors(q), t.neighbors(n)));
+                REQUIRE(std::isinf(probes.volumes()[q]) == std::isinf(t.volumes()[n]));
+                const auto row_of = [q](const votess::NaturalCoordinates& of) {
+                    const auto begin = static_cast<std::size_t>(of.indptr[q]),
+                               count = static_cast<std::size_t>(of.indptr[q + 1]) - begin;
+                    return std::pair{std::span(of.indices).subspan(begin, count),
+                                     std::span(of.weights).subspan(begin, count)};
+                };
+                if (std::isinf(t.volumes()[n])) {
+                    ++open;
+                    CHECK(row_of(natural).first.empty());
+                    continue;
+                }
+                ++closed;
+                CHECK(difference(probes, q, t, n) == "");
+                CHECK(equal(row_of(natural).first, row_of(in_box).first));
+                CHECK(near(row_of(natural).second, row_of(in_box).second, 1e-11));
+            }
+        }
+        CHECK(open > 12);
+        CHECK(closed > 12);
     }
 
     TEST_CASE("probe: no seeds, several threads, and what is refused") {

@@ -548,7 +548,7 @@ TEST_SUITE("query") {
         CHECK(refused(x, d, {-2}) == "ray 0: its length -2 is not 0 or more");
         CHECK(refused(x, d, {nan}) == "ray 0: its length nan is not 0 or more");
         CHECK(refused({0.5, far, 0.5}, d, {1}) == "query 0: coordinate inf is not finite");
-        CHECK(refused(x, d, {1, 2}).starts_with("there are 1 origins, but 3 coordinates of directions and 2 lengths"));
+        CHECK(refused(x, d, {1, 2}).starts_with("there are 1 origins, but 1 directions and 2 lengths"));
         CHECK(refused(x, {1e300, 1e-300, 0}, {1}).starts_with("ray 0: component 1e-300 of its direction is too small"));
         options.periodic = {true, false, false};
         const votess::Diagram tube(set.points, options);

@@ -592,7 +592,7 @@ static void check_stream(void) {
     votess_result* whole = NULL;
     CHECK(votess_tessellate(NULL, points, SEEDS, &options, &whole) == VOTESS_OK);
     struct stream user = {points, whole, 0, 0, 0, 0};
-    votess_stream stream = {sizeof stream, 1, 1000000, NULL, restart, next, begin, rows, &user};
+    votess_stream stream = {sizeof stream, 1, 1000000, NULL, restart, next, begin, rows, &user, 0, 0};
     votess_stream_counts counts = {sizeof counts, 0, 0, 0, 0, 0, 0, 0, 0, ""};
     votess_stats stats;
     stats.struct_size = sizeof stats;

@@ -228,7 +228,7 @@ void parse_npy(std::string_view bytes) {
     (void)refusal([&] { check(read_npy(file.path(), part)); });
     read_planes([&](const ReadRequest& request) { return read_npy(file.path(), request); }, part);
     (void)refusal([&] {
-        const auto pieces = open_npy(file.path(), 2);
+        const auto pieces = open_npy(file.path(), {}, 2);
         for (Input piece; pieces->next(piece);) check(piece);
     });
 }

@@ -54,14 +54,19 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
 VTU_NAMES = frozenset(("id", "volume", "neighbors", "centroid", "status"))
 
 
+def with_z(vectors: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Returns (K, 3) vectors from (K, 3) or (K, 2): those of VTK have three components."""
+    return vectors if vectors.shape[1] == 3 else np.insert(vectors, 2, 0.0, axis=1)
+
+
 def vtu_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
-    """Returns the cell data of .vtu, (N,) or (N, 3); volume and centroid only if in ``want``."""
+    """Returns the cell data of .vtu, (N,) or (N, 3); volume and centroid only if in ``want``. z is 0 in the plane."""
     data: Dict[str, npt.NDArray[Any]] = {"id": np.arange(len(t), dtype=np.int64)}
     if "volumes" in t.wanted:
         data["volume"] = t.volumes
     data["neighbors"] = neighbor_counts(t)
     if "centroids" in t.wanted:
-        data["centroid"] = t.centroids
+        data["centroid"] = with_z(t.centroids)
     data["status"] = t.status
     return data
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple, Tuple
+from typing import TYPE_CHECKING, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     Int64Array = npt.NDArray[np.int64]
 
 
-POLYHEDRON = 42  #: cell type of VTK
+POLYGON, POLYHEDRON = 7, 42  #: cell types of VTK
 
 
 class Mesh(NamedTuple):
@@ -31,19 +31,28 @@ class Mesh(NamedTuple):
         return np.repeat(np.arange(len(self.indptr) - 1), np.diff(self.indptr))
 
 
-def mesh_of(t: SeedCells, caller: str) -> Mesh:
-    """Returns the mesh of a result. Raises ValueError, which names ``caller``, without faces."""
-    t._require_space(caller)
-    t._require_end(caller)
+def mesh_of(t: SeedCells, caller: str, planar: bool = False, may_skip: bool = False, open: Optional[str] = None) -> Mesh:
+    """Returns the mesh of a result. Raises ValueError, which names ``caller``, without faces; without ``planar`` in the plane.
+
+    There vertices are (V, 2), and a face has two corners. Cells that reach infinity are refused, or with ``open="skip"``
+    have no faces, where the caller has this parameter (``may_skip``).
+    """
+    if not planar:
+        t._require_space(caller)
+    if not may_skip:
+        t._require_end(caller)
     try:
-        return Mesh(
-            np.asarray(t.neighbors.indptr, np.int64),
-            np.asarray(t.faces.indptr, np.int64),
-            np.asarray(t.faces.indices, np.int64),
-            np.asarray(t.vertices, np.float64),
-        )
+        closed = t._closed_cells(caller, open)
+        indptr, offsets, loops = (np.asarray(a, np.int64) for a in (t.neighbors.indptr, t.faces.indptr, t.faces.indices))
+        vertices = np.asarray(t.vertices, np.float64)
     except AttributeError:
         raise ValueError(f"{caller} needs the polygons of the cells: put 'faces' into want") from None
+    if closed is None:
+        return Mesh(indptr, offsets, loops, vertices)
+    faces = np.diff(indptr)
+    kept = np.flatnonzero(np.repeat(closed, faces))
+    corners = np.diff(offsets)[kept]
+    return Mesh(begins(np.where(closed, faces, 0)), begins(corners), loops[ranges(offsets[kept], corners)], vertices)
 
 
 def begins(counts: npt.NDArray[np.integer]) -> Int64Array:

@@ -34,18 +34,14 @@ def writing(path: str) -> Iterator[Any]:
             yield callbacks.guarded(_c_api.WriteCallback, write, 0)
 
 
-def write_mesh(path: str, extension: str, t: SeedCells, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]]) -> None:
-    """Writes the cells of ``t``, a result with faces.
+def write_mesh(
+    path: str, extension: str, t: SeedCells, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]], skip_open: bool
+) -> None:
+    """Writes the cells of ``t``, a result with faces; those of the plane as .vtu alone.
 
     ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
     .glb, possible for .ply. ValueError when a .glb would be larger than 4 GiB.
     """
-    kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
-    c_columns = (_c_api.Column * len(kept))()
-    for column, (name, array) in zip(c_columns, kept.items()):
-        column.name, column.values = name.encode(), array.ctypes.data
-        column.width = array.shape[1] if array.ndim == 2 else 1
-        column.kind, column.bytes = array.dtype.kind.encode(), array.itemsize
     arrays: Dict[str, Any] = {
         "indptr": t.indptr,
         "indices": t.indices,
@@ -57,14 +53,44 @@ def write_mesh(path: str, extension: str, t: SeedCells, columns: Arrays, colors:
         "cell_vertex_indices": t.cell_vertex_indices,
         "colors": None if colors is None else np.ascontiguousarray(colors),
     }
+    _write(path, extension, arrays, columns, t.box, planar=t.planar, skip_open=int(skip_open))
+
+
+def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
+    """Writes the pieces of cells in a mesh as polyhedra of a .vtu. ``columns``: as for :func:`write_mesh`."""
+    pieces = t.pieces()
+    first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
+    count = len(pieces.triangles)
+    arrays: Dict[str, Any] = {
+        "indptr": pieces.triangle_offsets,
+        "indices": np.full(count, -1, np.int32),
+        "face_offsets": np.arange(0, 3 * count + 1, 3, dtype=np.int64),
+        "face_vertices": (pieces.triangles + first[:, None]).astype(np.int32),
+        "vertices": pieces.vertices,
+        "cell_vertex_indptr": pieces.vertex_offsets,
+        "cell_vertex_indices": np.arange(len(pieces.vertices), dtype=np.int32),
+    }
+    of_pieces = {name: array[pieces.cells] for name, array in columns.items()}
+    of_pieces.update(volume=pieces.volumes, centroid=pieces.centroids)
+    _write(path, ".vtu", arrays, of_pieces, np.zeros((2, 3)))
+
+
+def _write(path: str, extension: str, arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], **flags: int) -> None:
+    kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
+    c_columns = (_c_api.Column * len(kept))()
+    for column, (name, array) in zip(c_columns, kept.items()):
+        column.name, column.values = name.encode(), array.ctypes.data
+        column.width = array.shape[1] if array.ndim == 2 else 1
+        column.kind, column.bytes = array.dtype.kind.encode(), array.itemsize
     mesh = _c_api.Mesh(
         struct_size=ctypes.sizeof(_c_api.Mesh),
         column_count=len(kept),
-        cells=len(t.indptr) - 1,
-        vertex_count=len(t.vertices),
+        cells=len(arrays["indptr"]) - 1,
+        vertex_count=len(arrays["vertices"]),
         columns=c_columns,
-        box_lower=tuple(t.box[0]),
-        box_upper=tuple(t.box[1]),
+        box_lower=tuple(box[0]),
+        box_upper=tuple(box[1]),
+        **flags,
         **{name: None if array is None else array.ctypes.data for name, array in arrays.items()},
     )
     with writing(path) as write:

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, Dict
 import numpy as np
 
 from ..pairs import make_pairs
-from .columns import VTU_NAMES, added_columns, cell_columns, vtu_columns
-from .geometry import POLYHEDRON, mesh_of, polyhedra, with_lengths
+from .columns import VTU_NAMES, added_columns, cell_columns, vtu_columns, with_z
+from .geometry import POLYGON, POLYHEDRON, mesh_of, polyhedra, with_lengths
 from .optional import imported
 
 if TYPE_CHECKING:
@@ -18,18 +18,22 @@ if TYPE_CHECKING:
 
 def to_pyvista(t: SeedCells, columns: Columns) -> Any:
     """See :meth:`Tessellation.to_pyvista`."""
-    mesh = mesh_of(t, "to_pyvista()")
+    mesh = mesh_of(t, "to_pyvista()", planar=True)
     data = {**vtu_columns(t), **added_columns(t, columns, VTU_NAMES)}
     pyvista = imported("pyvista", "to_pyvista()")
     full = np.diff(mesh.indptr) > 0
-    words, begin = polyhedra(mesh, np.flatnonzero(full))
+    if t.planar:
+        words, begin, kind = t.cell_vertex_indices.astype(np.int64), t.cell_vertex_indptr[:-1][full], POLYGON
+        begin = np.append(begin, len(words))
+    else:
+        (words, begin), kind = polyhedra(mesh, np.flatnonzero(full)), POLYHEDRON
     # Each cell follows its number of words, which is 0 for an empty cell.
     lengths = np.zeros(len(t), np.int64)
     lengths[full] = np.diff(begin)
-    types = np.where(full, POLYHEDRON, 0).astype(np.uint8)
+    types = np.where(full, kind, 0).astype(np.uint8)
     grid = pyvista.UnstructuredGrid()
     if len(t):
-        grid = pyvista.UnstructuredGrid(with_lengths(words, lengths), types, np.array(mesh.vertices))
+        grid = pyvista.UnstructuredGrid(with_lengths(words, lengths), types, np.array(with_z(mesh.vertices)))
     for name, array in data.items():
         grid.cell_data[name] = np.array(array)
     return grid
@@ -67,8 +71,7 @@ def to_networkx(t: SeedCells) -> Any:
 def network_to_networkx(n: Any) -> Any:
     """See :meth:`Network.to_networkx`."""
     networkx = imported("networkx", "to_networkx()")
-    names = ("x", "y", "z", "radius")
-    nodes = dict(zip(names, (*n.points.T.tolist(), n.vertex_radii.tolist())))
+    nodes = {**dict(zip("xyz", n.points.T.tolist())), "radius": n.vertex_radii.tolist()}
     values: Dict[str, Any] = {"radius": n.edge_radii.tolist(), "length": n.lengths.tolist()}
     if n.shifts is not None:
         values["shift"] = list(map(tuple, n.shifts.tolist()))
@@ -81,7 +84,9 @@ def network_to_networkx(n: Any) -> Any:
 def network_to_openpnm(n: Any) -> Any:
     """See :meth:`Network.to_openpnm`."""
     openpnm = imported("openpnm", "to_openpnm()")
-    network = openpnm.network.Network(coords=np.array(n.points), conns=np.array(n.edges))
+    coordinates = np.zeros((len(n.points), 3))
+    coordinates[:, : n.points.shape[1]] = n.points
+    network = openpnm.network.Network(coords=coordinates, conns=np.array(n.edges))
     network["pore.inscribed_diameter"] = 2 * np.maximum(n.vertex_radii, 0)
     network["throat.inscribed_diameter"] = 2 * np.maximum(n.edge_radii, 0)
     network["throat.length"] = n.lengths

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Union
+from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Union
 
 from . import arrays
-from .._arguments import as_path, as_word
+from .._arguments import as_path, as_word, require_one_of
 from .colors import COLORMAPS, cell_colors
 from .columns import VTU_NAMES, added_columns, named_columns, vtu_columns
 from .geometry import mesh_of
-from .mesh_file import write_mesh
+from .mesh_file import write_mesh, write_pieces_of_cells
 from .optional import imported
 from .whole_file import whole_file
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 class _Kind(NamedTuple):
     mesh: bool = False  # needs the polygons
+    planar: bool = False  # holds those of the plane too
     columns: bool = False  # holds columns of the caller
     color: bool = False
     package: str = ""  # needed to write it
@@ -30,7 +31,7 @@ _KINDS: Dict[str, _Kind] = {
     ".npz": _Kind(columns=True),
     ".h5": _Kind(columns=True, package="h5py"),
     ".hdf5": _Kind(columns=True, package="h5py"),
-    ".vtu": _Kind(mesh=True, columns=True),
+    ".vtu": _Kind(mesh=True, planar=True, columns=True),
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
@@ -41,7 +42,9 @@ def _that(**flags: bool) -> str:
     return " ".join(e for e, kind in _KINDS.items() if all(getattr(kind, k) == v for k, v in flags.items()))
 
 
-def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, color: Any) -> _Kind:
+def _checked_kind(
+    t: SeedCells, name: str, extension: str, columns: Columns, color: Any, open: Optional[str]
+) -> _Kind:
     """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
     if kind is None:
@@ -50,23 +53,29 @@ def _checked_kind(t: SeedCells, name: str, extension: str, columns: Columns, col
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
-    if kind.mesh and t.in_mesh:
-        raise ValueError(f"a {extension} file holds polygons of whole cells: save t.pieces(), as .glb, .obj, .stl or .3mf")
-    if kind.mesh:
-        mesh_of(t, f"a {extension} file")
+    if kind.mesh and t.in_mesh and extension != ".vtu":
+        raise ValueError(
+            f"a {extension} file holds polygons of whole cells: write .vtu, or save t.pieces(), as .glb, .obj, .stl or .3mf"
+        )
+    if kind.mesh and not t.in_mesh:
+        mesh_of(t, f"a {extension} file", kind.planar, True, open)
+    else:
+        require_one_of(open, "open", ("skip",))
+    if t.in_mesh and extension == ".vtu" and "neighbors" not in t.wanted:
+        raise ValueError("a .vtu file needs the lists of neighbors: put 'neighbors' into want")
     if kind.package:
         imported(kind.package, f"writing {extension}")
     return kind
 
 
 def save(
-    t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str
+    t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str, open: Optional[str]
 ) -> None:
     """See :meth:`Tessellation.save`."""
     name = as_path(path, "path")
     as_word(colormap, "colormap", COLORMAPS)
     extension = os.path.splitext(name)[1].lower()
-    kind = _checked_kind(t, name, extension, columns, color)
+    kind = _checked_kind(t, name, extension, columns, color, open)
     taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES
     added = added_columns(t, columns, taken)
     if extension == ".glb" and color is None:
@@ -79,4 +88,7 @@ def save(
             arrays.write_h5(temporary, t, added)
         else:
             data = {**vtu_columns(t), **added} if extension == ".vtu" else {}
-            write_mesh(temporary, extension, t, data, colors)
+            if t.in_mesh:
+                write_pieces_of_cells(temporary, t, data)
+            else:
+                write_mesh(temporary, extension, t, data, colors, open is not None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Un
 import numpy as np
 
 from .._arguments import as_count, as_flag, as_number
-from .._c_api import RepairWord
+from .._c_api import OutsideWord, RepairWord
 from .._call import Progress, showing
 from .._input import as_array, as_points
 from ..fit import fit_volumes
@@ -33,7 +33,7 @@ _WANT = "volumes,centroids"
 class Relaxation:
     """The outcome of S steps of :func:`lloyd`. S is smaller than requested if the tolerance was reached."""
 
-    points: Float64Array  #: (N, 3) float64, the final seeds, not wrapped
+    points: Float64Array  #: (N, 3) or (N, 2) float64, the final seeds, not wrapped
     energies: Float64Array  #: (S + 1,) float64, before the first step and after each
     moved: Float64Array  #: (S,) float64, the largest move in each step, in units of the mean spacing
     tessellation: Tessellation  #: the cells of ``points``: volumes, centroids and, outside meshes, faces
@@ -65,14 +65,14 @@ def _inside(t: Tessellation, places: Float64Array) -> BoolArray:
     edges = edges_of(t)
     shares = (places - (t.box[0] if t.origin is None else t.origin)) @ np.linalg.inv(edges)
     inside: BoolArray = ((np.abs(shares - 0.5) < 0.5 - _MARGIN) | np.array(t.periodic)).all(axis=1)
-    normals, ends = t.walls[:, :3], t.walls[:, 3]
+    normals, ends = t.walls[:, :-1], t.walls[:, -1]
     slack = _MARGIN * np.linalg.norm(normals, axis=1) * np.linalg.norm(edges)
     inside &= (places @ normals.T <= ends - slack).all(axis=1)
     return inside
 
 
 def _measure(t: Tessellation, places: Float64Array, density: Optional[Density]) -> Tuple[Float64Array, float]:
-    """Returns centroids relative to the seeds (N, 3), NaN without one, and the energy."""
+    """Returns centroids relative to the seeds (N, 3) or (N, 2), NaN without one, and the energy."""
     if density is None:
         return t.centroids - places, uniform_energy(t, places)
     return weighted_centroids(t, places, density)
@@ -104,27 +104,28 @@ def lloyd(
     device: str = "auto",
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
+    outside: OutsideWord = "error",
 ) -> Relaxation:
     """Moves each seed to the centroid of its cell, ``steps`` times, towards a centroidal Voronoi diagram.
 
     The energy is the sum over all cells of the integral of ``density(x) |x - p|^2``, where p is the seed. It decreases in
     each step up to rounding (Lloyd 1982; Du, Faber, Gunzburger 1999). Without a density it has a closed form. With a
     density, masses, centroids and energies are sums over the tetrahedra between the seed and the triangles of each face,
-    by the four-point rule of Hammer and Stroud (1956). The rule is exact for polynomials of degree 2, so the centroids of
+    by the four-point rule of Hammer and Stroud (1956); in the plane over triangles, by their three-point rule. The rule is exact for polynomials of degree 2, so the centroids of
     a linear density are exact. Its points move with the cells, so the energy decreases up to the error of the rule.
 
     Parameters
     ----------
-    points : (N, 3) array of real numbers, as for :func:`tessellate`; not changed. Of equal seeds the first has the cell;
+    points : (N, 3) or (N, 2) array of real numbers, as for :func:`tessellate`; not changed. Of equal seeds the first has the cell;
         the others stay until it moves away. A seed whose cell has no mass also stays.
     steps : maximum number of steps; 0 returns the energy of the given points.
-    density : a function of (K, 3) points inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
+    density : a function of (K, 3) points, in the plane (K, 2), inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
         called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
     box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance : the domain, as for :func:`tessellate`. The default box, around
         the initial points, stays fixed. In a mesh the centroid is that of the cell's part inside. It may lie outside.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
-        each seed. 0 stops only when nothing moves.
+        each seed, in the plane the square root of its area. 0 stops only when nothing moves.
     over_relaxation : factor of the move towards the centroid, above 0 and below 2, for which the energy decreases. 1.8
         needs about six steps instead of ten. A seed that would leave the domain moves to its centroid.
     volumes : (N,) target volumes of the cells, as for :func:`fit_volumes`. Each step then fits the weights of a power
@@ -133,13 +134,15 @@ def lloyd(
     normalize : scale ``volumes`` to the volume of the domain.
     device, threads : as for :func:`tessellate`. Measures use double precision, which a named GPU must support.
     progress : as for :func:`tessellate`, as a fraction of all steps.
+    outside : as for :func:`tessellate`. "keep": a seed outside moves to the centroid of its cell inside, or stays without
+        one; not with a density, which is read between seeds and faces. "drop": it stays, and has no cell.
 
     Raises
     ------
     ValueError : bad input, a point outside of the domain, or a bad value of the density; the message names the first.
     MemoryError, VotessError : as for :func:`tessellate`.
     """
-    array = as_points(points).astype(np.float64)
+    array = as_points(points, planar=True).astype(np.float64)
     steps = as_count(steps, "steps", 32)
     moving = ~_as_mask(fixed, len(array))
     tolerance, over_relaxation = as_number(tolerance, "tolerance"), as_number(over_relaxation, "over_relaxation")
@@ -152,9 +155,11 @@ def lloyd(
         raise TypeError(f"density must be a function of points, not {type(density).__name__}")
     if density is not None and volumes is not None:
         raise ValueError("volumes are those of a uniform density: leave out density or volumes")
+    if density is not None and outside == "keep":
+        raise ValueError("the density is read between seeds and faces, which outside='keep' puts outside: leave one out")
 
     domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
-    domain.update(mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
+    domain.update(outside=outside, mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
     want = _WANT if mesh is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
     energies: List[float] = []
@@ -171,7 +176,7 @@ def lloyd(
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights
             if cell is None:
-                domain["box"], domain["walls"] = t.box, t.walls
+                domain["box"], domain["walls"] = t.box.ravel(), t.walls
             places = t.wrapped_points
             way, energy = _measure(t, places, density)
             energies.append(energy)
@@ -180,7 +185,7 @@ def lloyd(
             way[~moving | np.isnan(way[:, 0])] = 0
             far = over_relaxation * way
             way = far if over_relaxation <= 1 else np.where(_inside(t, places + far)[:, None], far, way)
-            spacing = np.cbrt(t.volumes.sum() / len(t)) if len(t) else 1.0
+            spacing = (t.volumes.sum() / len(t)) ** (1 / array.shape[1]) if len(t) else 1.0
             moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0)) / spacing))
             array = array + way
             del t  # the next result reuses its memory

@@ -1,9 +1,10 @@
-"""Mass, centroid and energy of cells, summed over tetrahedra between seeds and faces."""
+"""Mass, centroid and energy of cells, summed over simplices between seeds and faces: tetrahedra, in the plane triangles."""
 
 from __future__ import annotations
 
 import itertools
 from fractions import Fraction
+from math import factorial
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Iterator, List, Optional, Tuple
 
 import numpy as np
@@ -22,12 +23,8 @@ if TYPE_CHECKING:
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
 
-#: A function of (K, 3) points that returns (K,) finite numbers >= 0.
+#: A function of (K, 3) or (K, 2) points that returns (K,) finite numbers >= 0.
 Density = Callable[[Any], Any]
-
-# The rule of Hammer and Stroud (1956) for a tetrahedron, exact for polynomials of degree 2. It has four points of equal
-# weight. Their barycentric coordinates are _NEAR for one corner and _FAR for the three others.
-_NEAR, _FAR = (5 + 3 * 5**0.5) / 20, (5 - 5**0.5) / 20
 
 _FACES = 2048  # in a block, so that its arrays stay in the cache
 _TRIANGLES = 4 * _FACES  # in a block of pieces
@@ -82,7 +79,7 @@ def _surfaces(
 ) -> Tuple[Float64Array, Iterator[Tuple[Int64Array, Int64Array]]]:
     """Returns vertices (V, 3) and blocks of the cells (M,) and vertices (M, 3) of triangles, by cell, of chosen faces.
 
-    The triangles of a cell enclose it, in a mesh its part inside. There faces cannot be chosen.
+    In the plane edges (M, 2) between vertices (V, 2) take the place of triangles. The triangles of a cell enclose it, in a mesh its part inside. There faces cannot be chosen.
     """
     if t.in_mesh:
         p = t.pieces()
@@ -95,26 +92,45 @@ def _surfaces(
         ids = p.triangles + np.repeat(p.vertex_offsets[:-1], sizes)[:, None]
         blocks = (slice(first, first + _TRIANGLES) for first in range(0, len(ids), _TRIANGLES))
         return vertices, ((cells[block], ids[block]) for block in blocks)
-    mesh = mesh_of(t, caller)
+    mesh = mesh_of(t, caller, planar=True)
     faces = np.arange(len(mesh.offsets) - 1) if chosen is None else np.flatnonzero(chosen)
     cell_of_face = mesh.cell_of_face
+    if t.planar:
+        edges = mesh.loops.reshape(-1, 2)
+        parts = (faces[first : first + _TRIANGLES] for first in range(0, len(faces), _TRIANGLES))
+        return mesh.vertices, ((cell_of_face[part], edges[part]) for part in parts)
     fans = (triangles(mesh, faces[first : first + _FACES]) for first in range(0, len(faces), _FACES))
     return mesh.vertices, ((cell_of_face[face], ids) for ids, face in fans)
 
 
-def _tetrahedra(
+def _rule(dimensions: int) -> Tuple[float, float]:
+    """Returns the barycentric coordinates of the nodes of a simplex: near one corner, and far from all others.
+
+    The nodes have equal weights, one for each corner. Sums over them are exact for polynomials of degree 2 (Hammer, Stroud
+    1956).
+    """
+    n = dimensions
+    far = (n + 2 - (n + 2) ** 0.5) / ((n + 1) * (n + 2))
+    return 1 - n * far, far
+
+
+def _simplices(
     t: Tessellation, places: Float64Array, caller: str, chosen: Optional[BoolArray] = None
 ) -> Iterator[Tuple[Int64Array, Float64Array, Float64Array]]:
-    """Yields, block by block, the tetrahedra between the triangles of chosen faces and the seeds.
+    """Yields, block by block, the simplices between the triangles or edges of chosen faces and the seeds.
 
-    A block is: cells (M,), ascending; x, y, z of three corners relative to the seed (3, 3, M); and six times the volumes
-    (M,), negative where a triangle faces the seed.
+    A block is: cells (M,), ascending; x, y, z of three corners relative to the seed (3, 3, M), in the plane (2, 2, M); and
+    six times the volumes, or twice the areas (M,), negative where a triangle or edge faces the seed.
     """
     vertices, blocks = _surfaces(t, caller, chosen)
     vertices, seeds = np.ascontiguousarray(vertices.T), np.ascontiguousarray(places.T)
     for cell, ids in blocks:
         corners = vertices.take(np.ascontiguousarray(ids.T), axis=1)
         corners -= seeds.take(cell, axis=1)[:, None]
+        if t.planar:
+            (ax, bx), (ay, by) = corners
+            yield cell, corners, ax * by - bx * ay
+            continue
         (ax, bx, cx), (ay, by, cy), (az, bz, cz) = corners
         yield cell, corners, ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)
 
@@ -124,23 +140,23 @@ def uniform_energy(t: Tessellation, places: Float64Array, caller: str = "lloyd()
 
     For a tetrahedron with corners at the seed and at a, b, c relative to it, the integral is
     volume / 20 (|a|^2 + |b|^2 + |c|^2 + |a + b + c|^2). It is negative for a face that faces the seed, as in a power
-    diagram or a mesh. In a Voronoi diagram the contributions of a face to its two cells are equal by symmetry, so one of them is
+    diagram or a mesh. In the plane it is area / 12 (|a|^2 + |b|^2 + |a + b|^2). In a Voronoi diagram the contributions of a face to its two cells are equal by symmetry, so one of them is
     computed and counted twice.
     """
     twice: Optional[BoolArray] = None
     once: Optional[BoolArray] = None
     if not t.in_mesh and t.weights is None:
-        cell, neighbor = mesh_of(t, caller).cell_of_face, t.neighbors.indices
+        cell, neighbor = mesh_of(t, caller, planar=True).cell_of_face, t.neighbors.indices
         twice, once = cell < neighbor, (neighbor < 0) | (cell == neighbor)
     energy = 0.0
     for times, chosen in ((2, twice), (1, once)):
         if times == 2 and chosen is None:
             continue
-        for _, corners, size in _tetrahedra(t, places, caller, chosen):
+        for _, corners, size in _simplices(t, places, caller, chosen):
             total = corners.sum(axis=1)
             squares = np.einsum("kcm,kcm->m", corners, corners) + np.einsum("km,km->m", total, total)
             energy += times * float(size @ squares)
-    return energy / 120
+    return energy / (24 if t.planar else 120)
 
 
 def transport_cost(tessellation: Tessellation) -> float:
@@ -156,7 +172,7 @@ def transport_cost(tessellation: Tessellation) -> float:
     if not isinstance(t, Tessellation):
         raise TypeError(f"tessellation is {shown(t)}: give the result of tessellate()")
     if t.least_face > 0:
-        mesh_of(t, "transport_cost()")
+        mesh_of(t, "transport_cost()", planar=True)
         t = t._with_all_faces()
     return uniform_energy(t, t.wrapped_points, "transport_cost()")
 
@@ -175,24 +191,27 @@ def _values(t: Tessellation, density: Density, points: Float64Array) -> Float64A
         )
     wrong = np.flatnonzero(~((values >= 0) & (values < np.inf)))
     if len(wrong):
-        x, y, z = points[wrong[0]]
-        raise ValueError(f"density is {values[wrong[0]]} at ({x}, {y}, {z}): it must be finite and not negative")
+        place = ", ".join(map(str, points[wrong[0]]))
+        raise ValueError(f"density is {values[wrong[0]]} at ({place}): it must be finite and not negative")
     return values
 
 
 def weighted_centroids(t: Tessellation, places: Float64Array, density: Density) -> Tuple[Float64Array, float]:
-    """Returns centroids relative to the seeds (N, 3), NaN without mass, and the energy, by the rule above."""
-    mass, moment, energy = np.zeros(len(t)), np.zeros((3, len(t))), 0.0
-    for cell, corners, size in _tetrahedra(t, places, "lloyd()"):
+    """Returns centroids relative to the seeds (N, 3), in the plane (N, 2), NaN without mass, and the energy, by the rule above."""
+    dimensions = places.shape[1]
+    near, far = _rule(dimensions)
+    nodes_of = dimensions + 1  # a simplex
+    mass, moment, energy = np.zeros(len(t)), np.zeros((dimensions, len(t))), 0.0
+    for cell, corners, size in _simplices(t, places, "lloyd()"):
         if len(cell) == 0:
             continue
-        nodes = np.repeat(_FAR * corners.sum(axis=1)[:, None], 4, axis=1)  # x, y, z of the four points
-        nodes[:, :3] += (_NEAR - _FAR) * corners
-        at = nodes.reshape(3, -1) + np.tile(places.T[:, cell], 4)
-        weight = _values(t, density, np.ascontiguousarray(at.T)).reshape(4, -1) * (size / 24)
+        nodes = np.repeat(far * corners.sum(axis=1)[:, None], nodes_of, axis=1)  # x, y, z of each
+        nodes[:, :dimensions] += (near - far) * corners
+        at = nodes.reshape(dimensions, -1) + np.tile(places.T[:, cell], nodes_of)
+        weight = _values(t, density, np.ascontiguousarray(at.T)).reshape(nodes_of, -1) * (size / factorial(nodes_of))
         first, last = cell[0], cell[-1] + 1
         mass[first:last] += np.bincount(cell - first, weight.sum(axis=0))
-        for axis in range(3):
+        for axis in range(dimensions):
             moment[axis, first:last] += np.bincount(cell - first, np.einsum("nm,nm->m", weight, nodes[axis]))
         energy += float(np.einsum("nm,knm,knm->", weight, nodes, nodes))
     centroid = np.divide(moment, mass, out=np.full_like(moment, np.nan), where=mass > 0)

@@ -18,6 +18,7 @@ from .._arguments import as_word
 from .._c_api import DuplicatesWord, OutsideWord, WantName
 from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
 from .._input import Domain, as_array, as_points
+from .._library import lib
 from .._run import new_options
 from .._state import names_of, no_attribute
 from ..mesh import Lists
@@ -59,7 +60,10 @@ class MpiCounts:
 
 @dataclass(frozen=True)
 class MpiTessellation:
-    """The N cells of a rank. Arrays are read-only views of the library's memory, and None if not in ``want``."""
+    """The N cells of a rank. Arrays are read-only views of the library's memory, and None if not in ``want``.
+
+    In the plane, vectors have two components.
+    """
 
     ids: Int64Array  #: (N,) of the seeds
     points: Optional[Float64Array]  #: (N, 3) seeds, with ``cells="made"``
@@ -82,6 +86,7 @@ class MpiTessellation:
     box: Optional[Float64Array]  #: (2, 3) lower and upper corner; None with a ``cell``
     counts: MpiCounts
     _result: Handle = field(repr=False, compare=False)
+    _dimensions: int = field(repr=False, compare=False)
 
     if not TYPE_CHECKING:  # a type checker would accept any name
 
@@ -103,7 +108,9 @@ class MpiTessellation:
         """
         communicator = _handle(comm)
         with _all_or_none(comm):
-            array = None if points is None else np.ascontiguousarray(as_points(points), np.float64)
+            array = None if points is None else np.ascontiguousarray(as_points(points, planar=True), np.float64)
+            if array is not None and array.shape[1] != self._dimensions:
+                raise ValueError(f"points has shape {array.shape}: it must be (N, {self._dimensions})")
             points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
             drawn = as_sample(sample, rng_seed)
         return verify(_lib.votess_mpi_verify, communicator, self._result.pointer, *points_of_rank, *drawn)
@@ -129,16 +136,17 @@ def _all_or_none(comm: Any) -> Iterator[None]:
             raise ValueError(f"rank {rank}: {text}") from failure
 
 
-def _box(result: Handle) -> Float64Array:
+def _box(result: Handle, dimensions: int) -> Float64Array:
     corners = np.empty((2, 3))
     raise_on_failure(_lib.votess_mpi_box(result.pointer, corners[0].ctypes.data, corners[1].ctypes.data))
+    corners = np.ascontiguousarray(corners[:, :dimensions])
     corners.flags.writeable = False
     return corners
 
 
-def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool) -> MpiTessellation:
+def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, dimensions: int) -> MpiTessellation:
     arrays: Dict[str, Any] = {
-        name: array_of(result, name, dtype, columns, prefix="votess_mpi_", library=_lib)
+        name: array_of(result, name, dtype, columns and dimensions, prefix="votess_mpi_", library=_lib)
         for name, (dtype, columns) in ARRAYS.items()
     }
     for word, bit in _c_api.WANT_BITS.items():
@@ -158,7 +166,8 @@ def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool) -
     c_counts = Counts(struct_size=ctypes.sizeof(Counts))
     raise_on_failure(_lib.votess_mpi_read_counts(result.pointer, ctypes.byref(c_counts)))
     counts = MpiCounts(**{name: getattr(c_counts, name) for name in MpiCounts.__dataclass_fields__})
-    return MpiTessellation(box=_box(result) if in_box else None, counts=counts, _result=result, **arrays)
+    box = _box(result, dimensions) if in_box else None
+    return MpiTessellation(box=box, counts=counts, _result=result, _dimensions=dimensions, **arrays)
 
 
 def _as_ids(ids: Any, count: int) -> Int64Array:
@@ -195,7 +204,8 @@ def tessellate(
 
     Parameters
     ----------
-    points : (N, 3) real numbers, the points of this rank; N may be 0 and may differ between ranks.
+    points : (N, 3) or, in the plane, (N, 2) real numbers, the points of this rank; N may be 0 and may differ between
+        ranks.
     comm : a communicator of mpi4py.
     ids : (N,) non-negative integers, unique over all ranks; or None on all ranks, which numbers the points rank after
         rank. Of equal points the lowest id keeps the cell.
@@ -219,16 +229,26 @@ def tessellate(
     result = Handle(_lib.votess_mpi_free)
     with contextlib.ExitStack() as stack:
         with _all_or_none(comm):
-            array = as_points(points).astype(np.float64, copy=False)
+            array = as_points(points, planar=True).astype(np.float64, copy=False)
             numbers = None if ids is None else _as_ids(ids, len(array))
             options = new_options(
-                device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates, outside=outside
-            )
+                device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates, outside=outside,
+                planar=array.shape[1] == 2,
+            )  # fmt: skip
             which = as_word(cells, "cells", _CELLS)
-            if isinstance(box, str) and box == "hull":
-                raise ValueError("box is 'hull', which needs all points at once: give numbers")
-            kept += Domain(box, periodic, weights, radii, cell, origin, walls).fill(options, array)
+            is_hull = isinstance(box, str) and box == "hull"
+            domain = Domain(None if is_hull else box, periodic, weights, radii, cell, origin, walls)
+            kept += domain.fill(options, array)
             shown = stack.enter_context(showing(progress))
+        if is_hull:
+            hull = Handle(lib.votess_hull_free)
+            points_of_rank = (array.ctypes.data, len(array))
+            raise_on_failure(
+                _lib.votess_mpi_hull_new(communicator, *points_of_rank, ctypes.byref(options), ctypes.byref(hull.pointer))
+            )
+            facets = array_of(hull, "walls", np.float64, 4, prefix="votess_hull_")
+            options.walls, options.wall_count = facets.ctypes.data, len(facets)
+            kept.append(facets)
         with Callbacks() as callbacks:
             options.progress = callbacks.progress(shown)
             status = _lib.votess_mpi_tessellate(
@@ -243,4 +263,4 @@ def tessellate(
         raise_on_failure(status)
     del kept
     axes = options.cell_periodic if options.has_cell else options.periodic
-    return _read(result, options.want, cells == "made", cell is None, any(axes))
+    return _read(result, options.want, cells == "made", cell is None, any(axes), array.shape[1])

@@ -101,6 +101,8 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
         c_int32,
         POINTER(c_void_p),
     )
+    library.votess_mpi_hull_new.restype = c_int
+    library.votess_mpi_hull_new.argtypes = (communicator, c_void_p, c_size_t, POINTER(Options), POINTER(c_void_p))
     library.votess_mpi_free.restype, library.votess_mpi_free.argtypes = None, (c_void_p,)
     for array in ARRAYS:
         function = getattr(library, "votess_mpi_" + array)

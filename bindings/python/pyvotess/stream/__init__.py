@@ -11,6 +11,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 import os
 from dataclasses import dataclass
 from collections.abc import Iterable, Mapping
@@ -44,7 +45,7 @@ __all__ = ["StreamResult", "StreamRows", "tessellate_stream"]
 class StreamRows:
     """The cells of n consecutive seeds, from seed ``first`` on. Arrays that are not in ``want`` are None.
 
-    They are arrays of :class:`Tessellation` with int64 ids.
+    They are arrays of :class:`Tessellation` with int64 ids. In the plane, vectors have two components.
     """
 
     first: int
@@ -84,7 +85,7 @@ class StreamRows:
 class StreamResult:
     """The outcome of :func:`tessellate_stream`."""
 
-    box: Optional[Float64Array]  #: (2, 3) the given or default box; None with a cell
+    box: Optional[Float64Array]  #: (2, 3), in the plane (2, 2): the given or default box; None with a cell
     stats: Stats
     blocks: int
     largest_block: int  #: seeds of the largest block
@@ -97,19 +98,37 @@ class _Source:
     """Callbacks of the library, which read the user's pieces and pass rows on."""
 
     def __init__(
-        self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str], wanted: Iterable[str]
+        self, pieces: Iterable[Any], rows: Callable[[StreamRows], Any], beside: Optional[str]
     ) -> None:
         self._pieces, self._rows, self._beside = pieces, rows, beside
         # The arrays that are there, also if a piece has no seeds or entries.
-        self._present = {"status", *(name for word in wanted for name in names_of(word))}
+        self._present = {"status"}
         self._iterator: Iterator[Any] = iter(pieces)
         self._again = self._iterator is not pieces
         self._held: Tuple[Any, ...] = ()
         self.box: Optional[Float64Array] = None
+        # The first piece has the number of dimensions.
+        first = list(itertools.islice(self._iterator, 1))
+        self._iterator, self._at_start = itertools.chain(first, self._iterator), True
+        self.dimensions = self._points_of(first[0]).shape[1] if first else 3
+
+    def expect(self, wanted: Iterable[str]) -> None:
+        self._present.update(name for word in wanted for name in names_of(word))
+
+    def _pair(self, piece: Any) -> Tuple[Any, Any]:
+        if not self._beside:
+            return piece, None
+        if not isinstance(piece, (tuple, list)) or len(piece) != 2:
+            raise TypeError(f"one of pieces is {shown(piece)}: give a pair of points and {self._beside}")
+        return piece[0], piece[1]
+
+    def _points_of(self, piece: Any) -> npt.NDArray[Any]:
+        return as_points(self._pair(piece)[0], "one of pieces", planar=True)
 
     def restart(self, _user: Any) -> int:
-        if self._again:
+        if self._again and not self._at_start:
             self._iterator = iter(self._pieces)
+        self._at_start = False
         return _stream.GO_ON if self._again else _stream.END
 
     def next(self, seeds: Any) -> int:
@@ -117,22 +136,19 @@ class _Source:
             piece = next(self._iterator)
         except StopIteration:
             return _stream.END
-        if not self._beside:
-            piece = (piece, None)
-        elif not isinstance(piece, (tuple, list)) or len(piece) != 2:
-            raise TypeError(f"one of pieces is {shown(piece)}: give a pair of points and {self._beside}")
-        points, numbers = piece
-        array = np.ascontiguousarray(as_points(points, "one of pieces"), dtype=np.float64)
+        array = np.ascontiguousarray(self._points_of(piece), dtype=np.float64)
+        if array.shape[1] != self.dimensions:
+            raise ValueError(f"one of pieces has shape {array.shape}: it must be (n, {self.dimensions}), as the first one")
         self._held = (array,)
         seeds[0].count, seeds[0].points = len(array), array.ctypes.data
         if self._beside:
-            beside = as_one_each(numbers, self._beside, len(array), "points")
+            beside = as_one_each(self._pair(piece)[1], self._beside, len(array), "points")
             self._held = (array, beside)
             setattr(seeds[0], self._beside, beside.ctypes.data)
         return _stream.GO_ON
 
     def begin(self, head: Any) -> int:
-        self.box = np.array([head[0].box_lower[:], head[0].box_upper[:]])
+        self.box = np.array([head[0].box_lower[: self.dimensions], head[0].box_upper[: self.dimensions]])
         if head[0].periodic and "indices" in self._present:
             self._present.add("shifts")
         return _stream.GO_ON
@@ -143,6 +159,7 @@ class _Source:
 
         def array(name: str) -> Any:
             dtype, columns, of = _stream.ARRAYS[name]
+            columns = columns and self.dimensions
             address = getattr(some, name)
             shape = (counts[of], columns) if columns else (counts[of],)
             if not address:
@@ -179,7 +196,7 @@ def tessellate_stream(
 
     Parameters
     ----------
-    pieces : an iterable of (n, 3) arrays, the points in order. It is read twice if ``iter(pieces)`` restarts, as for a
+    pieces : an iterable of (n, 3) or, in the plane, (n, 2) arrays, the points in order. It is read twice if ``iter(pieces)`` restarts, as for a
         list. Points of a generator, which can be read once, are stored in a temporary file.
     rows : called with :class:`StreamRows`, in the order of the points. Its arrays are copies. An exception ends the
         run.
@@ -202,14 +219,17 @@ def tessellate_stream(
         raise TypeError(f"rows must be callable, not {type(rows).__name__}")
     is_one = isinstance(pieces, (str, bytes, Mapping)) or getattr(pieces, "ndim", 1) == 0
     if is_one or not isinstance(pieces, Iterable):
-        raise TypeError(f"pieces is {shown(pieces)}: give an iterable of (n, 3) arrays")
+        raise TypeError(f"pieces is {shown(pieces)}: give an iterable of (n, 3) or (n, 2) arrays")
     bytes_of_run, checks = as_count(memory, "memory", 64), as_flag(verify, "verify")
     folder = None if temporary is None else os.fsencode(as_path(temporary, "temporary"))
+    source = _Source(pieces, rows, beside)
     options = new_options(
-        device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions
-    )
-    kept = Domain(box, periodic, None, None, cell, origin, walls).fill(options, None)
-    source = _Source(pieces, rows, beside, implied_words(options))
+        device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions,
+        planar=source.dimensions == 2,
+    )  # fmt: skip
+    domain = Domain(box, periodic, None, None, cell, origin, walls)
+    kept = domain.fill(options, None)
+    source.expect(implied_words(options))
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
     with showing(progress) as show:
@@ -218,6 +238,7 @@ def tessellate_stream(
             stream = _stream.Stream(
                 struct_size=ctypes.sizeof(_stream.Stream),
                 verify=checks,
+                hull=domain.is_hull,
                 memory=bytes_of_run,
                 temporary=folder,
                 restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),

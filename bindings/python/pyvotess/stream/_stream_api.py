@@ -83,6 +83,8 @@ class Stream(ctypes.Structure):
         ("begin", Begin),
         ("rows", Take),
         ("user", c_void_p),
+        ("hull", c_int32),
+        ("reserved", c_int32),
     ]
 
 

@@ -127,6 +127,30 @@ class Steps(unittest.TestCase):
             r = vt.lloyd(start, 1, over_relaxation=1.01, **domain)
             np.testing.assert_allclose(r.points - start, 1.01 * (t.centroids - t.wrapped_points), atol=1e-13)
 
+    def test_outside(self):
+        """Seeds outside with a cell move into the domain; the others and dropped ones stay."""
+        points = 1.6 * uniform(SEEDS) - 0.3
+        inside = ((points > 0) & (points < 1)).all(axis=1)
+        r = vt.lloyd(points, 12, box=UNIT_BOX, outside="keep")
+        first = vt.tessellate(points, box=UNIT_BOX, outside="keep", want="centroids")
+        with_cell = first.status == 0
+        self.assertTrue(0 < (with_cell & ~inside).sum() and (~with_cell).any())
+        self.assertLess(np.diff(r.energies).max(), 0)
+        moved = r.points[with_cell]
+        self.assertTrue(((moved > 0) & (moved < 1)).all())
+        step = vt.lloyd(points, 1, box=UNIT_BOX, outside="keep").points
+        np.testing.assert_array_equal(step[~with_cell], points[~with_cell])
+        np.testing.assert_allclose(step[with_cell], first.centroids[with_cell], atol=1e-14)
+        r = vt.lloyd(points, 5, box=UNIT_BOX, outside="drop")
+        np.testing.assert_array_equal(r.points[~inside], points[~inside])
+        np.testing.assert_array_equal(r.points[inside], vt.lloyd(points[inside], 5, box=UNIT_BOX).points)
+        for outside in ("keep", "drop"):
+            r = vt.lloyd(points, 2, box=UNIT_BOX, outside=outside, volumes=np.ones(SEEDS), normalize=True)
+            kept = inside if outside == "drop" else np.ones(SEEDS, bool)
+            np.testing.assert_allclose(r.tessellation.volumes[kept], 1 / kept.sum(), rtol=1e-8)
+        with self.assertRaisesRegex(ValueError, "the density is read between seeds and faces"):
+            vt.lloyd(points, 1, lambda x: x[:, 0], box=UNIT_BOX, outside="keep")
+
     def test_fixed(self):
         points = uniform(SEEDS)
         mask = np.arange(SEEDS) % 3 == 0

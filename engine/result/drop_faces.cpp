@@ -1,6 +1,7 @@
-#include "output/small_faces.hpp"
+#include "result/drop_faces.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "result/arrays.hpp"
@@ -43,7 +44,7 @@ std::uint64_t drop_small_faces(Result& r, double share, double area) {
     double sum = 0;
     std::size_t faces = 0;
     for (std::size_t entry = 0; entry < entries; ++entry)
-        if (r.indices[entry] >= 0) sum += r.face_areas[entry], ++faces;
+        if (r.indices[entry] >= 0 && std::isfinite(r.face_areas[entry])) sum += r.face_areas[entry], ++faces;
     if (faces == 0) return 0;
     r.least_face = std::max(area, share * (sum / static_cast<double>(faces)));
     const Rows rows{r.indptr, r.indices, r.shifts};
