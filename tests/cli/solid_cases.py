@@ -279,7 +279,7 @@ class Mesh(CliTest):
         traced = self.run_cli(*run, "--trace", rays, "-o", "-").stdout.split()
         self.assertEqual([traced[0], traced[2]], ["0", "1"])
         np.testing.assert_allclose([float(traced[1]), float(traced[3])], [0.25, 0.75], rtol=1e-14)
-        self.run_cli(*run, "--box=-1,-1,-1,2,2,2", "--to-grid", "mean", "--grid", "3", "--values", "v", "-o", "g.npy", "-q")
+        self.run_cli(*run, "--box=-1,-1,-1,2,2,2", "--to-grid", "mean", "--shape", "3", "--values", "v", "-o", "g.npy", "-q")
         grid = np.load(self.folder / "g.npy")
         self.assertAlmostEqual(grid[1, 1, 1], 1.75, places=12)
         self.assertAlmostEqual(grid.sum(), 1.75, places=12)

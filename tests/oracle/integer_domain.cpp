@@ -130,7 +130,7 @@ void IntegerDomain::reduce() {
     const auto take = [&](std::size_t i, std::size_t j, const mpz_class& times) {
         for (std::size_t k = 0; k < 3; ++k) {
             short_[i][k] -= times * short_[j][k];
-            short_shift_[i][k] -= times.get_si() * short_shift_[j][k];
+            if (active_[i]) short_shift_[i][k] -= times.get_si() * short_shift_[j][k];  // others have no images
         }
     };
     for (bool shorter = has_cell_; shorter;) {
