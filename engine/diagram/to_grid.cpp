@@ -43,7 +43,7 @@ void check(const DiagramState& state, std::span<const double> values, const Grid
         refuse("method = " + std::to_string(static_cast<int>(options.method)) +
                " is none: it is 0 mean, 1 dtfe, 2 nearest or 3 sibson");
     if (options.project && (*options.project < 0 || *options.project > (planar ? 1 : 2)))
-        refuse("project = " + std::to_string(*options.project) + " is no axis: give " +
+        refuse("project = " + std::to_string(*options.project) + " is not an axis: give " +
                (planar ? "0 or 1" : "0, 1 or 2"));
     if (planar && options.shape[2] != 1)
         refuse("shape[2] = " + std::to_string(options.shape[2]) + ": give 1 in two dimensions");

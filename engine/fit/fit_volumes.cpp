@@ -114,15 +114,15 @@ Vector first_weights(const Job& job, std::span<const std::int32_t> order) {
     const Tessellation whole = tessellate(std::span<const double>(middle), options);
     const auto center = whole.centroids();
     options.outside = Outside::drop;
-    double t = 0.5;
-    for (bool inside = false; !inside && t > 0; t *= 0.5) {
+    const auto all_inside = [&](double t) {
         std::vector<double> moved;
         for (const std::int32_t i : order)
             for (std::size_t k = 0; k < 3; ++k)
                 moved.push_back(center[k] + t * (job.points[3 * static_cast<std::size_t>(i) + k] - center[k]));
-        inside = validate({moved, {}}, options).outside.empty();
-        if (inside) break;
-    }
+        return validate({moved, {}}, options).outside.empty();
+    };
+    double t = 0.5;
+    while (t > 0 && !all_inside(t)) t *= 0.5;
     for (std::size_t row = 0; row < order.size(); ++row)
         for (std::size_t k = 0; k < 3; ++k) {
             const double d = job.points[3 * static_cast<std::size_t>(order[row]) + k] - center[k];

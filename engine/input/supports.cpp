@@ -1,6 +1,6 @@
 #include "input/supports.hpp"
 
-#include <algorithm>
+#include <array>
 #include <string>
 
 namespace votess {
@@ -24,12 +24,11 @@ unsigned properties_of(const Tessellation& t) {
 
 }  // namespace
 
-void require(const Tessellation& tessellation, std::string_view function) {
-    const auto row = std::ranges::find(support, function, &Support::function);
-    const unsigned refused = row->refused & properties_of(tessellation);
+void require(const Tessellation& tessellation, SupportRow function) {
+    const unsigned refused = (*function).refused & properties_of(tessellation);
     for (const Reason& reason : reasons)
         if ((refused & reason.property) != 0)
-            throw Error(ErrorCode::invalid_argument, std::string(function) + "(): " + reason.text);
+            throw Error(ErrorCode::invalid_argument, std::string((*function).function) + "(): " + reason.text);
 }
 
 }  // namespace votess

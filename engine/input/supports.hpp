@@ -1,5 +1,5 @@
 // What does not go with what, as one table: the functions that read a result, and the results that they refuse. README
-// has the same pairs; the test of all pairs compares both.
+// names those that are pairs of a domain and an output.
 #pragma once
 
 #include <array>
@@ -32,7 +32,21 @@ inline constexpr std::array support{
     Support{"wrapped_points", probed},
 };
 
-// Throws invalid_argument for a result that the function refuses; it is in the table.
-void require(const Tessellation& tessellation, std::string_view function);
+// A row of the table, by its function. Another name does not compile.
+class SupportRow {
+public:
+    consteval SupportRow(const char* function) {
+        for (const Support& row : support)
+            if (row.function == function) row_ = &row;
+        if (row_ == nullptr) throw "the table has no such function";
+    }
+    [[nodiscard]] const Support& operator*() const { return *row_; }
+
+private:
+    const Support* row_ = nullptr;
+};
+
+// Throws invalid_argument for a result that the function refuses.
+void require(const Tessellation& tessellation, SupportRow function);
 
 }  // namespace votess

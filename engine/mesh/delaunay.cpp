@@ -165,7 +165,8 @@ private:
         for (std::size_t k = 0; k < 4; ++k) put_corner(simplex + k, corners[k]);
     }
 
-    // Of the plane, triangles among them. A polygon is counterclockwise and begins with its lowest seed.
+    // Makes the polygons of the plane, triangles among them. A polygon is counterclockwise and begins with its lowest
+    // seed.
     void add_polygons() {
         const std::size_t in_triangles = out_.tetrahedra.size();
         std::vector<std::size_t> end(centers_.size());  // of the steps around each vertex

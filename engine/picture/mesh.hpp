@@ -18,7 +18,7 @@ struct Mesh {
     std::span<const std::int64_t> face_offsets;
     std::span<const std::int32_t> face_vertices;
     std::span<const double> vertices;
-    // Of the plane, else empty: the corners of each cell in turn. A face is an edge then, and z is 0.
+    // In the plane, else empty: the corners of each cell in turn. A face is an edge then, and z is 0.
     std::span<const std::int64_t> corner_begin{};
     std::span<const std::int32_t> corners{};
     std::span<const char> lines{};  // for each of face_vertices: 1 if the side from it is a line; empty: all are

@@ -226,9 +226,8 @@ struct Options {
     // `surface_areas` perimeters and `face_areas` lengths of edges; min_area is a length. Centroids, normals, vertices
     // and shifts have two components. All counts are the number of edges. The corners of a cell, cell_vertex_indices,
     // are counterclockwise; face_vertices holds two for each edge, in that order. Leave z 0 in box, walls and cell, and
-    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). In two dimensions work tessellate(), verify(),
-    // delaunay(), network(), alpha_complex(), fit_volumes(), render(), watershed() and wrapped_points(); other
-    // functions throw invalid_argument.
+    // `c` of a cell. The default box has sqrt(N) instead of cbrt(N). Only count_tiny_faces() and functions that take
+    // a mesh need three dimensions and throw invalid_argument.
     bool planar = false;
     // Power diagram: N weights w, length unit squared, any sign; or N radii, whose squares, rounded to float64, are the
     // weights. Copied by the call. The cell of seed i is where |x - p_i|^2 - w_i is least. Both empty: the Voronoi

@@ -26,7 +26,7 @@ struct PlanarSet {
 // Neighbor and its shift. Walls have no shift.
 using PlanarLabel = std::tuple<std::int32_t, int, int>;
 
-// Of the sides of a large square, in a plane without end.
+// The sides of a large square have these ids, in a plane without end.
 inline constexpr PlanarLabel at_infinity{-1000, 0, 0};
 
 struct PlanarCell {

@@ -178,7 +178,7 @@ TEST_SUITE("to_grid") {
         CHECK(refusal(diagram, values, grid, 0).starts_with("to_grid(): shape[1] = 1099511627776 is not"));
         grid.shape[1] = 1;
         grid.project = 3;
-        CHECK(refusal(diagram, values, grid, 8) == "to_grid(): project = 3 is no axis: give 0, 1 or 2");
+        CHECK(refusal(diagram, values, grid, 8) == "to_grid(): project = 3 is not an axis: give 0, 1 or 2");
         grid.project = {};
         grid.columns = 0;
         CHECK(refusal(diagram, values, grid, 0) == "to_grid(): columns = 0 is not from 1 to 1048576");

@@ -12,6 +12,7 @@
 #include <votess/diagram.hpp>
 #include <votess/pieces.hpp>
 
+#include "oracle/exact_polygons.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/solids.hpp"
@@ -20,21 +21,17 @@
 namespace {
 
 using test::Coordinates;
+using test::cross;
+using test::dot;
 using test::Random;
 using test::Solid;
 using votess::Diagram;
 using votess::Options;
 using votess::Tessellation;
-using Vector = std::array<mpq_class, 3>;
+using Vector = test::RationalVector;
 
 Vector minus(const Vector& a, const Vector& b) {
     return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-}
-mpq_class dot(const Vector& a, const Vector& b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-Vector cross(const Vector& a, const Vector& b) {
-    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 Vector rational(const double* x) {
     return {mpq_class(x[0]), mpq_class(x[1]), mpq_class(x[2])};
@@ -366,7 +363,7 @@ std::string check_probe(const Set& set, std::uint64_t number) {
             if (!weights.empty()) continue;  // the heavier one has a cell
             row = static_cast<std::size_t>(t.duplicate_of()[n]);
             if (probes.status()[q] != votess::CellStatus::duplicate || probes.duplicate_of()[q] != t.duplicate_of()[n])
-                return test::text("query ", q, " is no duplicate");
+                return test::text("query ", q, " is not a duplicate");
         }
         const auto fail = [&](const char* what) {
             return test::text("query ", q, " at ", queries[3 * q], " ", queries[3 * q + 1], " ", queries[3 * q + 2],
