@@ -20,7 +20,7 @@ void call_watched(void (*function)(void*), void* data) {
     Progress progress([watch](double fraction) {
         return call_back("progress", [&] { return watch.callback(fraction, watch.user) != 0; });
     });
-    const Stoppable stoppable(progress);
+    const Stoppable stoppable(progress, {});
     function(data);
 }
 

@@ -58,8 +58,8 @@ Stoppable::Scope::~Scope() {
     of_thread = {outer_, outer_may_call_};
 }
 
-Stoppable::Stoppable(Progress& progress)
-    : progress_(progress), scope_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
+Stoppable::Stoppable(Progress& progress, const Share& stage)
+    : progress_(progress), stage_(stage), scope_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
 
 Stoppable::~Stoppable() = default;
 
@@ -99,7 +99,7 @@ void report_stage(std::size_t done, std::size_t total) {
 }
 
 struct ProgressScope::State {
-    explicit State(ProgressCallback callback) : progress(std::move(callback)), stoppable(progress) {}
+    explicit State(ProgressCallback callback) : progress(std::move(callback)), stoppable(progress, {}) {}
     Progress progress;
     Stoppable stoppable;
 };

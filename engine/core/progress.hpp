@@ -53,9 +53,10 @@ private:
 
 // Lets the user stop a call. While it lives, check_stop() calls the progress callback when due, in this thread and its
 // tasks. In other threads of a pool it reads a flag. A progress without a callback leaves an outer object in charge.
+// `stage`: the part of the run that report_stage() speaks of. The default reports no advance.
 class Stoppable {
 public:
-    explicit Stoppable(Progress& progress);
+    explicit Stoppable(Progress& progress, const Share& stage = {0, 0});
     ~Stoppable();
     Stoppable(const Stoppable&) = delete;
     Stoppable& operator=(const Stoppable&) = delete;

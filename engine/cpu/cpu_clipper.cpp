@@ -286,8 +286,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
     const Star::Keep keep = kept_for(job_.options.want);
-    const Stoppable stoppable(progress_);
-    if (progress_) Stoppable::enter_stage(share);
+    const Stoppable stoppable(progress_, share);
     const bool walks = seeds_.lift.curvature <= max_walked_curvature;
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
@@ -373,8 +372,7 @@ void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, con
     std::vector<std::size_t> first_entry(blocks + 1, 0);
     for (std::size_t k = 0; k < count; ++k) first_entry[k / listed_block + 1] += lists.lengths[k];
     for (std::size_t b = 0; b < blocks; ++b) first_entry[b + 1] += first_entry[b];
-    const Stoppable stoppable(progress_);
-    if (progress_) Stoppable::enter_stage(share);
+    const Stoppable stoppable(progress_, share);
     const auto task = [&](std::size_t block, unsigned index) {
         Worker& worker = workers_[index];
         const std::size_t begin = block * listed_block, end = std::min(count, begin + listed_block);

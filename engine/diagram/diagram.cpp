@@ -16,7 +16,7 @@ template <class Work>
 auto run(const ProgressCallback& callback, const Work& work) {
     try {
         Progress progress(callback);
-        const Stoppable stoppable(progress);
+        const Stoppable stoppable(progress, {});
         progress.report(0);
         auto result = work();
         progress.report(1);

@@ -190,7 +190,7 @@ void fit_into(std::span<const double> points, std::span<const double> targets, c
     const Timed total(out.seconds.total);
     Progress progress(options.progress);
     progress.postpone();  // a refusal of short input comes before any report
-    const Stoppable stoppable(progress);
+    const Stoppable stoppable(progress, {});
     check(options, fit_options);
     if (!options.planar) check_shape({points, {}});
     Options inner = options;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 #include "votess/votess.hpp"
@@ -36,14 +37,13 @@ inline constexpr std::array support{
 class SupportRow {
 public:
     consteval SupportRow(const char* function) {
-        for (const Support& row : support)
-            if (row.function == function) row_ = &row;
-        if (row_ == nullptr) throw "the table has no such function";
+        while (row_ < support.size() && support[row_].function != function) ++row_;
+        if (row_ == support.size()) throw "the table has no such function";
     }
-    [[nodiscard]] const Support& operator*() const { return *row_; }
+    [[nodiscard]] const Support& operator*() const { return support[row_]; }
 
 private:
-    const Support* row_ = nullptr;
+    std::size_t row_ = 0;
 };
 
 // Throws invalid_argument for a result that the function refuses.

@@ -79,7 +79,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     run.threads = options.threads;
     check_options(run);
     Progress progress(options.progress);
-    const Stoppable stoppable(progress);
+    const Stoppable stoppable(progress, {});
     ThreadPool pool(options.threads);
     struct Worker {
         solid::CutCell cell;

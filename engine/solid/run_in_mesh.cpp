@@ -589,8 +589,7 @@ Result run_in_mesh(const Points& points, const Options& given, const RunInBox& r
     for (std::size_t i = 0; i < points.coordinates(); ++i) cells->seeds[i] = points[i] * job.scale;
     cells->weights = job.domain->weights;
     Result whole = run(points, in_box);
-    const Stoppable stoppable(progress);
-    if (progress) Stoppable::enter_stage({0.5, 0.95});
+    const Stoppable stoppable(progress, {0.5, 0.95});
     return MeshCut(cells, job, options).make(std::move(whole));
 }
 

@@ -247,6 +247,27 @@ TEST_SUITE("interface") {
         CHECK(done == 5);
     }
 
+    TEST_CASE("progress: work before a stage reports no advance, so that fractions never fall") {
+        votess::ThreadPool pool(1);
+        const auto slow = [](std::size_t, unsigned) { std::this_thread::sleep_for(std::chrono::milliseconds(60)); };
+        std::vector<double> fractions;
+        votess::Progress progress([&](double fraction) {
+            fractions.push_back(fraction);
+            return true;
+        });
+        {
+            const votess::Stoppable reading(progress);
+            pool.run_stage(4, slow);
+        }
+        CHECK(fractions.size() >= 2);
+        CHECK(std::ranges::count(fractions, 0.0) == std::ssize(fractions));
+        const votess::Stoppable clipping(progress, {0.25, 0.75});
+        pool.run_stage(4, slow);
+        CHECK(std::ranges::is_sorted(fractions));
+        CHECK(fractions.back() > 0.25);
+        CHECK(fractions.back() <= 0.75);
+    }
+
     TEST_CASE("progress: a ProgressScope stops calls that take no callback") {
         const test::PointSet set = test::uniform(600, 87);
         votess::Options options = test::all_options(set.box);
