@@ -136,17 +136,23 @@ void set_hull(std::span<const double> points, votess::Options& options) {
     options.walls = votess::hull_walls(points, options);
 }
 
+bool has_ends(const votess::Options& options, bool hull) {
+    if (hull || options.mesh || !options.walls.empty() || options.cell) return true;
+    return options.box && std::ranges::none_of(options.box->lower, reaches_infinity) &&
+           std::ranges::none_of(options.box->upper, reaches_infinity);
+}
+
 void set_ends_of_z(votess::Options& options) {
     if (options.planar && options.box && std::isinf(options.box->lower[2]))
         options.box->lower[2] = options.box->upper[2] = 0;
 }
 
-void choose_dimensions(const Input& input, votess::Options& options) {
-    if (options.planar && !input.planar())
+void choose_dimensions(bool planar, votess::Options& options) {
+    if (options.planar && !planar)
         throw bad_input(
             "the domain of the options has two dimensions, but the points have three coordinates: add --2d if their "
             "z does not matter, or give the domain with z");
-    options.planar = input.planar();
+    options.planar = planar;
     set_ends_of_z(options);
 }
 

@@ -34,12 +34,15 @@ void check_corner(const Input& input, const votess::Options& options, const Doma
 // Sets the walls of --box hull. Throws votess::Error for other options of a domain.
 void set_hull(std::span<const double> points, votess::Options& options);
 
+// Returns whether the domain of a diagram has ends, once options are settled. hull: see choose_domain().
+[[nodiscard]] bool has_ends(const votess::Options& options, bool hull);
+
 // In two dimensions leaves z 0 in the box of --box none.
 void set_ends_of_z(votess::Options& options);
 
-// Sets Options::planar for the points. Throws Failure if the options have a domain of two dimensions, but the points
-// have three coordinates.
-void choose_dimensions(const Input& input, votess::Options& options);
+// Sets Options::planar for points of the plane. Throws Failure if the options have a domain of two dimensions, but the
+// points have three coordinates.
+void choose_dimensions(bool planar, votess::Options& options);
 
 // Returns the line of the summary: "box 0,0,0 to 1,1,1, periodic xy; box stated, periodicity assumed".
 [[nodiscard]] std::string domain_text(const votess::Tessellation& cells, const DomainFrom& from);

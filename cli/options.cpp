@@ -38,8 +38,11 @@ the only one that fits. Velocities and forces do not)"},
         {"--frames all|last|a:b:c",
          R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
 output holds one after the other: .h5 has a group frame_NUMBER for each,
-text a header line, .csv a column `frame`. Summary and --json have sums)",
-         {.needs = Needs::all_cells}},
+text a header line, .csv a column `frame`; text of queries has all lines.
+A file that holds one frame needs {frame} in its name for the number, as in
+cells-{frame}.vtu; it is complete when the frame is. Summary and --json have
+sums)",
+         {.needs = Needs::all_points}},
         {"--points",
          R"(compute no cells; write the points, ids, species, columns of --copy and
 domain of each frame to stdout, in the form that vt.read_frames reads)",

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <utility>
 #include <votess/progress.hpp>
@@ -55,15 +56,28 @@ auto run_stoppable(Progress& progress, const Work& work) {
     }
 }
 
-// Returns work(), whose calls of the library take no callback. Also shows the bar, and stops them after a signal.
-template <class Work>
-auto run_watched(bool quiet, Progress::Clock::time_point run_began, const Work& work) {
-    Progress progress(!quiet, run_began);
-    return run_stoppable(progress, [&work](const votess::ProgressCallback& callback) {
-        const votess::ProgressScope scope(callback);
-        return work();
-    });
-}
+// Watches calls of the library: each has a bar of its own, or none where a run of many frames has one.
+class Watch {
+public:
+    Watch(bool quiet, Progress::Clock::time_point run_began) : quiet_(quiet), run_began_(run_began) {}
+    Watch() = default;
+
+    // Returns work(callback). Calls within it that take no callback are watched too. Throws Interrupted after a signal.
+    template <class Work>
+    auto operator()(const Work& work) const {
+        const auto scoped = [&work](const votess::ProgressCallback& callback) {
+            const votess::ProgressScope scope(callback);
+            return work(callback);
+        };
+        if (!run_began_) return scoped([](double) { return interrupting_signal() == 0; });
+        Progress progress(!quiet_, *run_began_);
+        return run_stoppable(progress, scoped);
+    }
+
+private:
+    bool quiet_ = true;
+    std::optional<Progress::Clock::time_point> run_began_;
+};
 
 // Returns the exit code for an error of the library.
 [[nodiscard]] inline int exit_code_of(votess::ErrorCode code) {

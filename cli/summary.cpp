@@ -1,5 +1,6 @@
 #include "summary.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -66,6 +67,41 @@ std::string json_number(double value) {
 }
 
 }  // namespace
+
+void add(const votess::Stats& one, votess::Stats& sum) {
+    sum.device = one.device;
+    sum.threads = one.threads;
+    sum.points += one.points;
+    sum.faces += one.faces;
+    sum.volume_sum += one.volume_sum;
+    sum.box_volume += one.box_volume;
+    sum.moved_vertices = one.moved_vertices;  // all frames have one mesh
+    sum.moved_distance = one.moved_distance;
+    sum.duplicates += one.duplicates;
+    sum.empty_cells += one.empty_cells;
+    sum.fallback_cells += one.fallback_cells;
+    sum.fallback_reasons.uncertain += one.fallback_reasons.uncertain;
+    sum.fallback_reasons.overflow += one.fallback_reasons.overflow;
+    sum.fallback_reasons.exhausted += one.fallback_reasons.exhausted;
+    sum.fallback_reasons.skipped += one.fallback_reasons.skipped;
+    sum.fallback_reasons.domain += one.fallback_reasons.domain;
+    sum.exact_cells += one.exact_cells;
+    if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
+    for (double votess::StageSeconds::*stage :
+         {&votess::StageSeconds::open, &votess::StageSeconds::upload, &votess::StageSeconds::sort,
+          &votess::StageSeconds::knn, &votess::StageSeconds::clip, &votess::StageSeconds::fallback,
+          &votess::StageSeconds::download, &votess::StageSeconds::total})
+        sum.seconds.*stage += one.seconds.*stage;
+    sum.peak_memory_bytes = std::max(sum.peak_memory_bytes, one.peak_memory_bytes);
+    sum.precision = one.precision;
+    const std::uint64_t cells = sum.points - sum.empty_cells;
+    sum.mean_faces = cells > 0 ? static_cast<double>(sum.faces) / static_cast<double>(cells) : 0;
+}
+
+void add(const votess::VerifyReport& one, votess::VerifyReport& sum) {
+    sum.sampled += one.sampled;
+    if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
+}
 
 std::string json_string(const std::string& text) {
     std::string result = "\"";

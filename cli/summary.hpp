@@ -53,6 +53,10 @@ struct Summary {
     [[nodiscard]] std::string failure() const;
 };
 
+// Adds the numbers of another frame.
+void add(const votess::Stats& one, votess::Stats& sum);
+void add(const votess::VerifyReport& one, votess::VerifyReport& sum);
+
 // Returns a text as JSON, in quotes.
 [[nodiscard]] std::string json_string(const std::string& text);
 [[nodiscard]] std::string plain_summary(const Summary& summary);

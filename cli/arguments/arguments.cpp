@@ -11,10 +11,11 @@
 #include "domain.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
-#include "frames/frames.hpp"
 #include "help/help.hpp"
 #include "queries/point_queries.hpp"
 #include "queries/to_grid.hpp"
+#include "run/frames.hpp"
+#include "run/run.hpp"
 #include "stream/stream.hpp"
 #include "write/output.hpp"
 
@@ -268,7 +269,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
 
 void read_outputs(const Typed& typed, Arguments& arguments) {
     constexpr std::uint64_t max_copies = 1000;
-    check_outputs(arguments.outputs, {arguments.input, arguments.probe});
+    check_outputs(arguments.outputs, {arguments.input, arguments.queries});
     const bool text = std::ranges::any_of(arguments.outputs, is_text_output);
     if (const std::string* format = typed.value("--format")) {
         if (!text) throw bad_input("--format goes with text output only: add -o FILE.txt, or -o - for stdout");
@@ -296,7 +297,6 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
         if (arguments.alpha == 0) throw bad_input("--alpha is 0: give a number of copies, at least 1");
         if (std::ranges::none_of(arguments.outputs, holds_arrays))
             throw bad_input("--alpha needs .npz or .h5: add -o FILE");
-        if (typed.has("--frames")) throw bad_input("--alpha goes with one frame: give --frame N instead of --frames");
     }
     if (const std::string* list = typed.value("--want")) arguments.wanted = votess::want_of(*list);
     if (text) arguments.format.add_needs(arguments.wanted);
@@ -324,8 +324,8 @@ void refuse_options_of_cells(const Arguments& arguments, const std::string& quer
     if (query == "--probe") allowed = {"--format", "--want", "--list-walls"};
     if (query == "--to-grid") allowed = {"--image", "--colormap"};
     if (const Option* option = arguments.find_needing({Needs::cells, Needs::all_cells}, allowed))
-        throw bad_input(long_name(*option) + " is for cells of the points, but " + query + " computes none: " +
-                        (long_name(*option) == "--frames" ? "give --frame N instead" : "leave it out"));
+        throw bad_input(long_name(*option) + " is for cells of the points, but " + query +
+                        " computes none: leave it out");
 }
 
 void read_query(const Typed& typed, const std::string& option, Arguments& arguments) {
@@ -336,28 +336,20 @@ void read_query(const Typed& typed, const std::string& option, Arguments& argume
         check_grid(arguments);
         return;
     }
-    const std::string& queries = *typed.value(option);
-    if (queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
-    if (queries == "-" && arguments.input == "-")
+    arguments.queries = *typed.value(option);
+    if (arguments.queries.empty()) throw bad_input(option + " is empty: give the file of the queries");
+    if (arguments.queries == "-" && arguments.input == "-")
         throw bad_input("INPUT and " + option + " are both stdin: give one as a file");
-    if (option == "--locate") {
-        arguments.locate = queries;
-        check_located_outputs(arguments);
-    } else if (option == "--interpolate") {
-        arguments.interpolate = queries;
+    if (option == "--interpolate") {
         if (!typed.has("--values")) throw bad_input("--interpolate needs a field: add --values COLUMN");
         typed.read_word("--natural", arguments.natural);
-        check_interpolated_outputs(arguments);
-    } else if (option == "--trace") {
-        arguments.trace = queries;
-        check_traced_outputs(arguments);
-    } else {
-        arguments.probe = queries;
+    }
+    if (option == "--probe") {
         read_outputs(typed, arguments);
-        check_probed_outputs(arguments);
         arguments.options.want = arguments.wanted;
         arguments.wanted = votess::implied_want(arguments.options);
     }
+    check_query_outputs(arguments);
 }
 
 void read_colors(const Typed& typed, Arguments& arguments) {
@@ -413,6 +405,12 @@ void check_companions(const Typed& typed, const Arguments& arguments) {
     }
 }
 
+void check_names(const Arguments& arguments) {
+    std::vector<std::string> files = arguments.outputs;
+    if (arguments.picture) files.push_back(arguments.picture->file);
+    check_frame_names(files, arguments.frames.has_value());
+}
+
 std::string answer_to(const Typed& typed) {
     if (typed.has("--help")) return usual_help();
     if (typed.has("--help-all")) return whole_help();
@@ -462,7 +460,7 @@ Arguments read_arguments(int count, const char* const* values) {
     each_option([&](const Option& option) {
         if (typed.has(long_name(option))) arguments.given.push_back(&option);
     });
-    const std::string query = query_of(typed);
+    const std::string& query = arguments.query = query_of(typed);
     if (!query.empty()) refuse_options_of_cells(arguments, query);
     check_companions(typed, arguments);
     votess::Options& options = arguments.options;
@@ -474,10 +472,10 @@ Arguments read_arguments(int count, const char* const* values) {
     if (arguments.json && std::ranges::count(arguments.outputs, "-") > 0)
         throw bad_input("-o - and --json both write to stdout: give -o a file");
     read_memory(typed, arguments);
+    if (arguments.frames) check_frames(arguments);
     if (!query.empty()) {
-        if (arguments.covalent)
-            throw bad_input(query + " needs a column of radii: --radii covalent goes with cells only");
         read_query(typed, query, arguments);
+        check_names(arguments);
         return arguments;
     }
     read_outputs(typed, arguments);
@@ -490,7 +488,7 @@ Arguments read_arguments(int count, const char* const* values) {
     check_endless(arguments);
     check_mesh(arguments);
     if (arguments.picture) arguments.picture->options.threads = options.threads;
-    if (arguments.frames) check_frames(arguments);
+    check_names(arguments);
 
     options.want = arguments.wanted;
     votess::Options to_write = options;

@@ -43,8 +43,9 @@ struct Arguments {
     std::uint64_t rng_seed = 1;
 
     std::optional<votess::GridOptions> to_grid;  // as many columns as --values
-    // File of the queries, for one of them; else empty.
-    std::string locate, probe, interpolate, trace;
+    std::string
+        query;  // --locate, --probe, --interpolate, --trace or --to-grid; empty: the run makes cells of the points
+    std::string queries;  // the file of the queries; empty without one
     votess::NaturalMethod natural = votess::NaturalMethod::sibson;
 
     std::vector<std::string> outputs;

@@ -38,6 +38,8 @@ void check_only(const Arguments& arguments) {
     if (arguments.only.empty()) throw bad_input("--only is empty: give a range such as 0:100, or a file of indices");
     if (arguments.only == "-" && arguments.input == "-")
         throw bad_input("INPUT and --only are both stdin: give one as a file");
+    if (arguments.only == "-" && arguments.frames)
+        throw bad_input("--only - is read for each frame: give it as a file");
     if (arguments.has_volumes || arguments.has_density || arguments.has_zones)
         throw bad_input(
             "--only makes some of the cells, but --volumes, --density and --watershed need all: leave it out");

@@ -21,6 +21,7 @@
 #include "mpi/read_share.hpp"
 #include "mpi/write_ranks.hpp"
 #include "progress.hpp"
+#include "run/settle.hpp"
 #include "summary.hpp"
 #include "words.hpp"
 
@@ -105,24 +106,19 @@ int run(const Ranks& ranks, const Arguments& arguments) {
     const auto run_began = Clock::now();
     Summary summary;
     InputShare share = read_share(ranks, arguments);
-    Input& input = share.input;
     summary.seconds_read = seconds_since(run_began);
 
-    votess::Options options = arguments.options;
+    Settled settled;
+    ranks.together([&] { settled = settle(arguments, std::move(share.input)); });
+    const Input& input = share.input = std::move(settled.input);
+    votess::Options& options = settled.options;
+    const DomainFrom& domain_from = settled.domain_from;
+    std::vector<InputColumn>& carried = settled.carried;
     options.device = "cpu";
     if (!arguments.threads_given) options.threads = 1;
     options.want.neighbors = options.want.counts = true;
     const bool refuses_duplicates = options.duplicates == votess::Duplicates::error;
     options.duplicates = votess::Duplicates::merge;
-    std::vector<InputColumn> carried;
-    DomainFrom domain_from;
-    ranks.together([&] {
-        complete_columns(arguments, input);
-        take_weights(arguments, input, options);
-        carried = take_carried(arguments, input);
-        choose_dimensions(input, options);
-        domain_from = choose_domain(input.domain, arguments.periodic, options, arguments.hull);
-    });
     if (arguments.hull) options.walls = votess::mpi::hull_walls(MPI_COMM_WORLD, input.points, options);
     summary.input_note = input.note;
     summary.set_dimensions(options.planar, arguments.read.dimensions);

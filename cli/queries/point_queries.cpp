@@ -3,14 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 
 #include "failure.hpp"
 #include "files/formats/npy_array.hpp"
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
-#include "interrupt.hpp"
-#include "queries/query_run.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
 
@@ -70,141 +67,176 @@ void write_traced(OutputFile& file, const std::string& path, const votess::RayCe
     file.write(text);
 }
 
+class Locate : public Query {
+public:
+    explicit Locate(const Arguments& arguments) : arguments_(arguments) {}
+    const char* stage() const override { return "locate"; }
+    const char* done() const override { return "located"; }
+    void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
+        seeds_ = input.diagram.locate(input.queries.points, progress);
+        outside_ += std::ranges::count(seeds_, -1);
+    }
+    void write(const QueryInput&, Outputs& outputs) override {
+        for (const std::string& path : arguments_.outputs)
+            outputs.add(path, [&](OutputFile& file) { write_located(file, path, seeds_); });
+    }
+    std::vector<QueryCount> counts() const override { return {{"outside", "outside of the domain", outside_}}; }
+
+private:
+    const Arguments& arguments_;
+    std::vector<std::int32_t> seeds_;
+    std::ptrdiff_t outside_ = 0;
+};
+
+class Probe : public Query {
+public:
+    explicit Probe(const Arguments& arguments) : arguments_(arguments) {}
+    const char* stage() const override { return "probe"; }
+    const char* done() const override { return "probed"; }
+    ReadRequest request(std::size_t) const override { return request_of_queries(arguments_); }
+    void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
+        for (const std::string& path : arguments_.outputs)
+            if (!has_ends(input.seeds.options, arguments_.hull) && needs_box(path))
+                throw bad_input(
+                    "output " + in_quotes(path) +
+                    " needs a box with ends, and without a box cells of queries may reach infinity: give --box, "
+                    "or write .npz, .h5 or text");
+        votess::ProbeOptions options;
+        options.want = arguments_.wanted;
+        options.list_walls = arguments_.options.list_walls;
+        options.progress = progress;
+        sizes_ = sizes_of_queries(arguments_, input);
+        (arguments_.has_radii ? options.radii : options.weights) = sizes_;
+        cells_ = input.diagram.probe(input.queries.points, options);
+        for (QueryCount& count : counts_) count.number += std::ranges::count(cells_.status(), status_of(count));
+    }
+    void write(const QueryInput& input, Outputs& outputs) override {
+        const std::vector<InputColumn> carried;
+        for (const std::string& path : arguments_.outputs)
+            outputs.add(path,
+                        {.input = input.queries,
+                         .tessellation = cells_,
+                         .wanted = arguments_.wanted,
+                         .format = arguments_.format,
+                         .radii = arguments_.has_radii ? std::span<const double>(sizes_) : std::span<const double>(),
+                         .domain_from = input.seeds.domain_from,
+                         .carried = carried,
+                         .coloring = arguments_.coloring,
+                         .place = outputs.place(path)});
+    }
+    std::vector<QueryCount> counts() const override { return {counts_.begin(), counts_.end()}; }
+
+private:
+    static constexpr std::array statuses{votess::CellStatus::outside, votess::CellStatus::duplicate,
+                                         votess::CellStatus::empty};
+    votess::CellStatus status_of(const QueryCount& count) const {
+        return statuses[static_cast<std::size_t>(&count - counts_.data())];
+    }
+
+    const Arguments& arguments_;
+    std::vector<double> sizes_;
+    votess::Tessellation cells_;
+    std::array<QueryCount, 3> counts_{QueryCount{"outside", "outside of the domain"},
+                                      QueryCount{"duplicates", "at the place of a seed"},
+                                      QueryCount{"empty", "without a cell among heavier seeds"}};
+};
+
+class Interpolate : public Query {
+public:
+    explicit Interpolate(const Arguments& arguments) : arguments_(arguments) {}
+    const char* stage() const override { return "interpolate"; }
+    const char* done() const override { return "interpolated"; }
+    ReadRequest request(std::size_t) const override { return request_of_queries(arguments_); }
+    void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
+        const Values values = values_of(input.seeds.input, arguments_.has_weights ? 1 : 0);
+        std::vector<double> weights = sizes_of_queries(arguments_, input);
+        for (double& weight : weights)
+            if (arguments_.has_radii) weight *= weight;
+        votess::NaturalOptions options;
+        options.method = arguments_.natural;
+        options.weights = weights;
+        options.progress = progress;
+        components_ = values.components;
+        field_ = input.diagram.interpolate(values.rows, components_, input.queries.points, options).values;
+        for (std::size_t k = 0; k < field_.size(); k += components_) without_ += std::isnan(field_[k]) ? 1 : 0;
+    }
+    void write(const QueryInput&, Outputs& outputs) override {
+        for (const std::string& path : arguments_.outputs)
+            outputs.add(path, [&](OutputFile& file) { write_field(file, path, field_, components_); });
+    }
+    std::vector<QueryCount> counts() const override { return {{"without", "without natural neighbors", without_}}; }
+
+private:
+    const Arguments& arguments_;
+    std::vector<double> field_;
+    std::size_t components_ = 1;
+    std::ptrdiff_t without_ = 0;
+};
+
+class Trace : public Query {
+public:
+    explicit Trace(const Arguments& arguments) : arguments_(arguments) {}
+    const char* stage() const override { return "trace"; }
+    const char* done() const override { return "traced"; }
+    ReadRequest request(std::size_t dimensions) const override {
+        ReadRequest rays;
+        rays.threads = arguments_.read.threads;
+        for (std::size_t k = 1; k <= 2 * dimensions + 1; ++k)
+            (k <= dimensions ? rays.coordinates : rays.columns).push_back(std::to_string(k));
+        rays.npy_holds_columns = true;
+        return rays;
+    }
+    void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
+        const std::size_t dimensions = input.seeds.input.dimensions;
+        const std::vector<InputColumn>& columns = input.queries.columns;
+        std::vector<double> directions, lengths;
+        for (std::size_t r = 0; r < input.queries.size(); ++r) {
+            for (std::size_t k = 0; k < dimensions; ++k) directions.push_back(columns[k].values[r]);
+            lengths.push_back(columns[dimensions].values[r]);
+        }
+        cells_ = input.diagram.trace(input.queries.points, directions, lengths, {.progress = progress});
+        for (std::size_t r = 0; r < input.queries.size(); ++r)
+            without_ += cells_.offsets[r] == cells_.offsets[r + 1] ? 1 : 0;
+    }
+    void write(const QueryInput&, Outputs& outputs) override {
+        for (const std::string& path : arguments_.outputs)
+            outputs.add(path, [&](OutputFile& file) { write_traced(file, path, cells_); });
+    }
+    std::vector<QueryCount> counts() const override { return {{"without", "without cells", without_}}; }
+
+private:
+    const Arguments& arguments_;
+    votess::RayCells cells_;
+    std::ptrdiff_t without_ = 0;
+};
+
 }  // namespace
 
-void check_located_outputs(const Arguments& arguments) {
-    check_number_outputs(arguments.outputs, {arguments.input, arguments.locate}, "--locate",
-                         "finds a seed for each query");
-}
-
-std::string run_locate(const Arguments& arguments) {
-    StageTimes times;
-    const auto request = [](std::size_t) { return ReadRequest(); };
-    const QueryInput input = read_and_sort(arguments, arguments.locate, request, times);
-    const std::vector<std::int32_t> seeds = run_query(
-        arguments, times, "locate",
-        [&](const votess::ProgressCallback& callback) { return input.diagram.locate(input.queries.points, callback); });
-
-    write_numbers(arguments.outputs,
-                  [&](OutputFile& file, const std::string& path) { write_located(file, path, seeds); });
-    times.end("write");
-    const QueryCount outside{"outside", "outside of the domain", std::ranges::count(seeds, -1)};
-    return query_summary(arguments, "located", input, {&outside, 1}, times);
-}
-
-void check_probed_outputs(const Arguments& arguments) {
-    if (arguments.outputs.empty()) throw bad_input("--probe needs an output: add -o FILE, or -o - for stdout");
-    for (const std::string& path : arguments.outputs)
+void check_query_outputs(const Arguments& arguments) {
+    const std::vector<std::string>& outputs = arguments.outputs;
+    if (arguments.query == "--locate") return check_number_outputs(arguments, "finds a seed for each query");
+    if (arguments.query == "--interpolate") return check_number_outputs(arguments, "computes numbers for each query");
+    if (outputs.empty())
+        throw bad_input(
+            arguments.query + " needs an output: add -o " +
+            (arguments.query == "--trace" ? "FILE.npz, FILE.txt or - for stdout" : "FILE, or -o - for stdout"));
+    if (arguments.query == "--trace") {
+        for (const std::string& path : outputs)
+            if (!is_text_output(path) && !is_npz_output(path))
+                throw bad_input("--trace writes .npz and .txt, not " + in_quotes(path));
+        return check_paths(outputs, {arguments.input, arguments.queries});
+    }
+    for (const std::string& path : outputs)
         if (!carries_columns(path))  // a mesh of all cells, which share vertices
             throw bad_input("--probe writes text, .npz, .h5 and .vtu, not " + in_quotes(path) +
                             ": the cells of queries overlap and form no mesh");
 }
 
-std::string run_probe(const Arguments& arguments) {
-    StageTimes times;
-    const auto request = [&](std::size_t) { return request_of_queries(arguments); };
-    QueryInput input = read_and_sort(arguments, arguments.probe, request, times);
-    for (const std::string& path : arguments.outputs)
-        if (!input.has_ends && needs_box(path))
-            throw bad_input(
-                "output " + in_quotes(path) +
-                " needs a box with ends, and without a box cells of queries may reach infinity: give --box, "
-                "or write .npz, .h5 or text");
-    votess::ProbeOptions options;
-    options.want = arguments.wanted;
-    options.list_walls = arguments.options.list_walls;
-    const std::vector<double> sizes = sizes_of_queries(arguments, input);
-    (arguments.has_radii ? options.radii : options.weights) = sizes;
-    const votess::Tessellation cells =
-        run_query(arguments, times, "probe", [&](const votess::ProgressCallback& callback) {
-            options.progress = callback;
-            return input.diagram.probe(input.queries.points, options);
-        });
-
-    const InterruptGuard guard;
-    input.queries.units = std::move(input.seeds.units);
-    const std::vector<InputColumn> carried;
-    write_outputs(arguments.outputs, {input.queries, cells, arguments.wanted, arguments.format, options.radii,
-                                      input.domain_from, carried, arguments.coloring});
-    times.end("write");
-    const auto count = [&](votess::CellStatus status) { return std::ranges::count(cells.status(), status); };
-    const std::array counts{
-        QueryCount{"outside", "outside of the domain", count(votess::CellStatus::outside)},
-        QueryCount{"duplicates", "at the place of a seed", count(votess::CellStatus::duplicate)},
-        QueryCount{"empty", "without a cell among heavier seeds", count(votess::CellStatus::empty)},
-    };
-    return query_summary(arguments, "probed", input, counts, times);
-}
-
-void check_interpolated_outputs(const Arguments& arguments) {
-    check_number_outputs(arguments.outputs, {arguments.input, arguments.interpolate}, "--interpolate",
-                         "computes numbers for each query");
-}
-
-std::string run_interpolate(const Arguments& arguments) {
-    StageTimes times;
-    const auto request = [&](std::size_t) { return request_of_queries(arguments); };
-    const QueryInput input = read_and_sort(arguments, arguments.interpolate, request, times);
-    const Values values = values_of(input.seeds, arguments.has_weights ? 1 : 0);
-    std::vector<double> weights = sizes_of_queries(arguments, input);
-    for (double& weight : weights)
-        if (arguments.has_radii) weight *= weight;
-    votess::NaturalOptions options;
-    options.method = arguments.natural;
-    options.weights = weights;
-    const std::vector<double> field =
-        run_query(arguments, times, "interpolate", [&](const votess::ProgressCallback& callback) {
-            options.progress = callback;
-            return input.diagram.interpolate(values.rows, values.components, input.queries.points, options).values;
-        });
-
-    write_numbers(arguments.outputs, [&](OutputFile& file, const std::string& path) {
-        write_field(file, path, field, values.components);
-    });
-    times.end("write");
-    std::ptrdiff_t without = 0;
-    for (std::size_t k = 0; k < field.size(); k += values.components) without += std::isnan(field[k]) ? 1 : 0;
-    const QueryCount nowhere{"without", "without natural neighbors", without};
-    return query_summary(arguments, "interpolated", input, {&nowhere, 1}, times);
-}
-
-void check_traced_outputs(const Arguments& arguments) {
-    const std::vector<std::string>& outputs = arguments.outputs;
-    if (outputs.empty()) throw bad_input("--trace needs an output: add -o FILE.npz, FILE.txt or - for stdout");
-    for (const std::string& path : outputs)
-        if (!is_text_output(path) && !is_npz_output(path))
-            throw bad_input("--trace writes .npz and .txt, not " + in_quotes(path));
-    check_paths(outputs, {arguments.input, arguments.trace});
-}
-
-std::string run_trace(const Arguments& arguments) {
-    StageTimes times;
-    const auto request = [&](std::size_t dimensions) {
-        ReadRequest rays;
-        rays.threads = arguments.read.threads;
-        for (std::size_t k = 1; k <= 2 * dimensions + 1; ++k)
-            (k <= dimensions ? rays.coordinates : rays.columns).push_back(std::to_string(k));
-        rays.npy_holds_columns = true;
-        return rays;
-    };
-    const QueryInput input = read_and_sort(arguments, arguments.trace, request, times);
-    const std::size_t dimensions = input.seeds.dimensions;
-    std::vector<double> directions, lengths;
-    for (std::size_t r = 0; r < input.queries.size(); ++r) {
-        for (std::size_t k = 0; k < dimensions; ++k) directions.push_back(input.queries.columns[k].values[r]);
-        lengths.push_back(input.queries.columns[dimensions].values[r]);
-    }
-    const votess::RayCells cells = run_query(arguments, times, "trace", [&](const votess::ProgressCallback& callback) {
-        return input.diagram.trace(input.queries.points, directions, lengths, {.progress = callback});
-    });
-
-    write_numbers(arguments.outputs,
-                  [&](OutputFile& file, const std::string& path) { write_traced(file, path, cells); });
-    times.end("write");
-    std::ptrdiff_t without = 0;
-    for (std::size_t r = 0; r < input.queries.size(); ++r) without += cells.offsets[r] == cells.offsets[r + 1] ? 1 : 0;
-    const QueryCount nowhere{"without", "without cells", without};
-    return query_summary(arguments, "traced", input, {&nowhere, 1}, times);
+std::unique_ptr<Query> make_point_query(const Arguments& arguments) {
+    if (arguments.query == "--locate") return std::make_unique<Locate>(arguments);
+    if (arguments.query == "--probe") return std::make_unique<Probe>(arguments);
+    if (arguments.query == "--interpolate") return std::make_unique<Interpolate>(arguments);
+    return std::make_unique<Trace>(arguments);
 }
 
 }  // namespace clvotess

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <deque>
+#include <cmath>
 #include <span>
 
 #include "failure.hpp"
 #include "files/numbers.hpp"
 #include "files/output_file.hpp"
-#include "interrupt.hpp"
 #include "queries/grid_files.hpp"
-#include "queries/query_run.hpp"
 
 namespace clvotess {
 namespace {
@@ -49,13 +47,25 @@ void complete(const Arguments& arguments, std::size_t dimensions, votess::GridOp
                 "--image has a pixel for each grid cell, 16384 at most along an axis: give a smaller --shape");
 }
 
-// Returns the domain of a grid over points without a box: the default box, which holds a mesh too.
-votess::Tessellation default_domain(const Input& seeds, const std::optional<votess::TriangleMesh>& mesh) {
+// Returns the domain of a grid: that of the seeds, with the ends of the default box, which holds a mesh too, where it
+// has none.
+votess::Tessellation domain_of(const Arguments& arguments, const QueryInput& input) {
+    const votess::Options& given = input.seeds.options;
+    if (has_ends(given, arguments.hull) && (!given.mesh || given.box || given.cell)) return input.diagram.probe({});
     votess::Options options;
-    options.planar = seeds.planar();
-    options.mesh = mesh;
+    options.planar = given.planar;
+    options.mesh = given.mesh;
     options.only.emplace();
-    return votess::tessellate(std::span<const double>(seeds.points), options);
+    const votess::Tessellation around = votess::tessellate(std::span<const double>(input.seeds.input.points), options);
+    if (!given.box) return around;
+    options.box = around.box();
+    options.mesh.reset();
+    options.periodic = given.periodic;
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (std::isfinite(given.box->lower[k])) options.box->lower[k] = given.box->lower[k];
+        if (std::isfinite(given.box->upper[k])) options.box->upper[k] = given.box->upper[k];
+    }
+    return votess::tessellate(std::span<const double>(), options);
 }
 
 std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) {
@@ -67,21 +77,68 @@ std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) 
     return names;
 }
 
-std::string summary(const Arguments& arguments, const GridOutput& grid, std::size_t points, std::size_t without,
-                    const StageTimes& times) {
-    std::string shape;
-    for (std::size_t k = 0; k < size_of_vectors(grid.domain); ++k) {
-        if (!shape.empty()) shape += ", ";
-        shape += std::to_string(grid.options.shape[k]);
+class ToGrid : public Query {
+public:
+    explicit ToGrid(const Arguments& arguments) : arguments_(arguments), options_(*arguments.to_grid) {}
+    const char* stage() const override { return "grid"; }
+    const char* done() const override { return "a grid of "; }
+    void ask(const QueryInput& input, const votess::ProgressCallback& progress) override {
+        const Input& seeds = input.seeds.input;
+        options_ = *arguments_.to_grid;
+        complete(arguments_, seeds.dimensions, options_);
+        const std::size_t first_column = arguments_.has_weights ? 1 : 0;
+        Values values = values_of(seeds, first_column);
+        names_ = names_of(seeds, first_column);
+        if (seeds.columns.size() == first_column) {  // default: masses of 1
+            names_ = {"density"};
+            values.rows.assign(seeds.size(), 1);
+        }
+        if (arguments_.picture && values.components > 1)
+            throw bad_input("--image shows one column: name one with --values");
+        domain_ = domain_of(arguments_, input);
+        check_grid_domain(arguments_.outputs, domain_);
+        options_.columns = values.components;
+        std::size_t size = options_.columns;
+        for (int k = 0; k < 3; ++k) {
+            const std::size_t along = k == options_.project ? 1 : options_.shape[static_cast<std::size_t>(k)];
+            if (size > (std::size_t{1} << 59) / along) throw std::bad_alloc();
+            size *= along;
+        }
+        numbers_.assign(size, 0);
+        options_.progress = progress;
+        without_ += static_cast<std::ptrdiff_t>(input.diagram.to_grid(values.rows, options_, numbers_));
+        options_.progress = nullptr;
     }
-    if (arguments.json)
-        return "{\"version\": \"" VOTESS_VERSION_STRING "\", \"points\": " + std::to_string(points) + ", \"shape\": [" +
-               shape + "], \"without\": " + std::to_string(without) + ", \"seconds\": " + times.json() + "}\n";
-    if (arguments.quiet) return "";
-    std::string text = "a grid of " + shape + " cells by " + grid.method + " from " + std::to_string(points) + " seeds";
-    if (without > 0) text += ", the mass of " + std::to_string(without) + " in no tetrahedron left out";
-    return text + '\n';
-}
+    void write(const QueryInput& input, Outputs& outputs) override {
+        const GridOutput grid{numbers_, options_, method(), names_, domain_, input.seeds.domain_from};
+        for (const std::string& path : arguments_.outputs)
+            outputs.add(path, [&](OutputFile& file) { write_grid(file, path, grid); });
+        if (arguments_.picture)
+            outputs.add(arguments_.picture->file,
+                        [&](OutputFile& file) { file.write(draw_grid(grid, arguments_.coloring.colormap)); });
+    }
+    std::vector<QueryCount> counts() const override {
+        return {{"without", "in no tetrahedron, whose mass is left out", without_}};
+    }
+    std::string note(bool json) const override {
+        std::string shape;
+        for (std::size_t k = 0; k < (domain_.planar() ? 2 : 3); ++k)
+            shape += (shape.empty() ? "" : ", ") + std::to_string(options_.shape[k]);
+        return json ? ", \"shape\": [" + shape + "]" : shape + " cells by " + method();
+    }
+
+private:
+    std::string method() const {
+        return std::string(words_of(*find_option("--to-grid")).at(static_cast<std::size_t>(options_.method)));
+    }
+
+    const Arguments& arguments_;
+    votess::GridOptions options_;
+    std::vector<double> numbers_;
+    std::vector<std::string> names_;
+    votess::Tessellation domain_;
+    std::ptrdiff_t without_ = 0;
+};
 
 }  // namespace
 
@@ -100,58 +157,8 @@ void check_grid(const Arguments& arguments) {
     check_grid_outputs(arguments.outputs, arguments.picture.has_value(), arguments.input);
 }
 
-std::string run_to_grid(const Arguments& arguments) {
-    StageTimes times;
-    const QueryInput input = read_and_sort(arguments, "", {}, times);
-    votess::GridOptions options = *arguments.to_grid;
-    complete(arguments, input.seeds.dimensions, options);
-    const std::size_t first_column = arguments.has_weights ? 1 : 0;
-    Values values = values_of(input.seeds, first_column);
-    std::vector<std::string> names = names_of(input.seeds, first_column);
-    if (arguments.read.columns.size() == first_column) {  // default: masses of 1
-        names = {"density"};
-        values.rows.assign(input.diagram.size(), 1);
-    }
-    names.resize(values.components);  // for a file of no points
-    if (arguments.picture && values.components > 1) throw bad_input("--image shows one column: name one with --values");
-    const votess::Options& given = arguments.options;
-    const bool has_box = input.has_ends && (!given.mesh || given.box || given.cell);
-    const votess::Tessellation domain = has_box ? input.diagram.probe({}) : default_domain(input.seeds, given.mesh);
-    check_grid_domain(arguments.outputs, domain);
-    options.columns = values.components;
-    std::size_t size = options.columns;
-    for (int k = 0; k < 3; ++k) {
-        const std::size_t along = k == options.project ? 1 : options.shape[static_cast<std::size_t>(k)];
-        if (size > (std::size_t{1} << 59) / along) throw std::bad_alloc();
-        size *= along;
-    }
-    std::vector<double> numbers(size);
-    const std::size_t without = run_query(arguments, times, "grid", [&](const votess::ProgressCallback& callback) {
-        options.progress = callback;
-        return input.diagram.to_grid(values.rows, options, numbers);
-    });
-    options.progress = nullptr;
-
-    const GridOutput grid{numbers,
-                          options,
-                          std::string(words_of(*find_option("--to-grid")).at(static_cast<std::size_t>(options.method))),
-                          std::move(names),
-                          domain,
-                          input.domain_from};
-    const InterruptGuard guard;
-    std::deque<OutputFile> files;
-    for (const std::string& path : arguments.outputs) {
-        write_grid(files.emplace_back(path), path, grid);
-        files.back().finish();
-    }
-    if (arguments.picture) {
-        files.emplace_back(arguments.picture->file).write(draw_grid(grid, arguments.coloring.colormap));
-        files.back().finish();
-    }
-    throw_if_interrupted();
-    for (OutputFile& file : files) file.publish();
-    times.end("write");
-    return summary(arguments, grid, input.diagram.size(), without, times);
+std::unique_ptr<Query> make_grid_query(const Arguments& arguments) {
+    return std::make_unique<ToGrid>(arguments);
 }
 
 }  // namespace clvotess

@@ -1,9 +1,10 @@
 // --to-grid: values of the points on a regular grid.
 #pragma once
 
-#include <string>
+#include <memory>
 
 #include "arguments/arguments.hpp"
+#include "queries/query_run.hpp"
 
 namespace clvotess {
 
@@ -12,7 +13,6 @@ namespace clvotess {
 // Some outputs, or a picture, of kinds that hold a grid.
 void check_grid(const Arguments& arguments);
 
-// Runs the query and returns the text to print: the summary or its JSON object; empty with --quiet.
-[[nodiscard]] std::string run_to_grid(const Arguments& arguments);
+[[nodiscard]] std::unique_ptr<Query> make_grid_query(const Arguments& arguments);
 
 }  // namespace clvotess

@@ -18,6 +18,7 @@
 #include "files/output_file.hpp"
 #include "interrupt.hpp"
 #include "read/input.hpp"
+#include "run/settle.hpp"
 #include "stream/scratch_file.hpp"
 #include "write/output.hpp"
 #include "write/result_arrays.hpp"
@@ -363,10 +364,7 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
                             ? open_random(*arguments.random_count, arguments.rng_seed, arguments.read, piece_rows)
                             : open_pieces(arguments.input, arguments.read, piece_rows);
     votess::Options options = arguments.options;
-    Input none;
-    none.dimensions = pieces->dimensions;
-    choose_dimensions(none, options);
-    const DomainFrom domain_from = choose_domain(pieces->domain, arguments.periodic, options, arguments.hull);
+    const DomainFrom domain_from = settle_domain(arguments, pieces->dimensions, pieces->domain, options);
     options.progress = [&progress](double fraction) {
         progress.show(fraction);
         return interrupting_signal() == 0;

@@ -7,6 +7,7 @@
 #include "failure.hpp"
 #include "files/formats/hdf5_module.hpp"
 #include "files/output_file.hpp"
+#include "interrupt.hpp"
 #include "write/result_arrays.hpp"
 
 namespace clvotess {
@@ -45,18 +46,6 @@ constexpr std::array<Kind, 16> kinds{{{".txt", write_text, false, true, true},
 bool is_table(const Kind& kind) {
     return kind.write == write_csv || kind.write == write_xyz || kind.write == write_dump;
 }
-
-// Frames one after the other in a file of text.
-class TextFramesFile : public FramesFile {
-public:
-    TextFramesFile(OutputFile& file, const Kind& kind) : file_(file), kind_(kind) {}
-    void add(const OutputData& data) override { kind_.write(file_, data); }
-    void finish() override {}
-
-private:
-    OutputFile& file_;
-    const Kind& kind_;
-};
 
 // Returns the kind of an output, or null. Text is the kind of stdout, and of a device or pipe without a known
 // extension.
@@ -218,50 +207,87 @@ bool names_species(const std::string& path) {
     return kind && (kind->write == write_xyz || kind->write == write_dump);
 }
 
-void check_frame_outputs(const std::vector<std::string>& paths) {
-    for (const std::string& path : paths)
-        if (!kind_of(path)->frames)
-            throw bad_input("cannot write " + in_quotes(path) +
-                            " with --frames, for it holds one: known are .txt .csv .xyz .dump .h5; or give --frame N");
+bool names_frame(const std::string& path) {
+    return path.find(frame_mark) != std::string::npos;
 }
 
-FrameOutputs::FrameOutputs(const std::vector<std::string>& paths) : paths_(paths) {
-    files_.reserve(paths.size());
+void check_frame_names(const std::vector<std::string>& paths, bool several) {
     for (const std::string& path : paths) {
-        const Kind& kind = *kind_of(path);
-        OutputFile& file = files_.emplace_back(path);
-        if (kind.write == write_hdf5) {
-            writers_.push_back(load_hdf5("cannot write HDF5").create_frames(file));
-        } else {
-            writers_.push_back(std::make_unique<TextFramesFile>(file, kind));
-        }
+        if (!several && names_frame(path))
+            throw bad_input("output " + in_quotes(path) + " is named by frames: add --frames all");
+        const Kind* const kind = kind_of(path);
+        if (several && !names_frame(path) && !(kind && kind->frames))
+            throw bad_input("cannot write all frames into " + in_quotes(path) +
+                            ", which holds one: let {frame} stand for its number in the name, as in out-{frame}" +
+                            extension_of(path));
     }
 }
 
-FrameOutputs::~FrameOutputs() = default;
+// Text, or a file of one of the formats that hold several frames.
+struct Outputs::Shared {
+    explicit Shared(const std::string& path) : file(path) {}
+    OutputFile file;
+    std::unique_ptr<FramesFile> writer;  // of .h5
+    bool begun = false;
+};
 
-void FrameOutputs::add(const OutputData& data) {
-    for (const std::string& path : paths_)
-        if (names_species(path)) check_blanks(path, "species", data.input.species);
-    for (const auto& writer : writers_) writer->add(data);
+Outputs::Outputs(bool several) : several_(several) {}
+Outputs::~Outputs() = default;
+
+FramePlace Outputs::place(const std::string& path) const {
+    if (!several_ || names_frame(path)) return FramePlace::alone;
+    const auto found = shared_.find(path);
+    return found != shared_.end() && found->second->begun ? FramePlace::later : FramePlace::first;
 }
 
-void FrameOutputs::publish() {
-    for (const auto& writer : writers_) writer->finish();
-    for (OutputFile& file : files_) file.finish();
-    for (OutputFile& file : files_) file.publish();
+Outputs::Shared& Outputs::shared(const std::string& path) {
+    std::unique_ptr<Shared>& shared = shared_[path];
+    if (!shared) shared = std::make_unique<Shared>(path);
+    return *shared;
 }
 
-void write_outputs(const std::vector<std::string>& paths, const OutputData& data) {
-    std::vector<OutputFile> files;
-    files.reserve(paths.size());
-    for (const std::string& path : paths) {
-        OutputFile& file = files.emplace_back(path);
-        if (names_species(path)) check_blanks(path, "species", data.input.species);
-        kind_of(path)->write(file, data);
-        file.finish();
+void Outputs::add(const std::string& path, const std::function<void(OutputFile&)>& write) {
+    if (place(path) == FramePlace::alone) {
+        std::string name = path;
+        for (std::size_t at = 0; several_ && (at = name.find(frame_mark)) != std::string::npos;)
+            name.replace(at, frame_mark.size(), std::to_string(number_));
+        write(complete_.emplace_back(name));
+        complete_.back().finish();
+    } else {
+        Shared& file = shared(path);
+        write(file.file);
+        file.begun = true;
     }
-    for (OutputFile& file : files) file.publish();
+}
+
+void Outputs::add(const std::string& path, const OutputData& data) {
+    const Kind& kind = *kind_of(path);
+    if (names_species(path)) check_blanks(path, "species", data.input.species);
+    if (kind.write != write_hdf5 || data.place == FramePlace::alone)
+        return add(path, [&](OutputFile& file) { kind.write(file, data); });
+    Shared& file = shared(path);
+    if (!file.writer) file.writer = load_hdf5("cannot write HDF5").create_frames(file.file);
+    file.writer->add(data);
+    file.begun = true;
+}
+
+void Outputs::end_frame() {
+    if (several_) publish_complete();
+}
+
+void Outputs::publish() {
+    for (const auto& [_, shared] : shared_) {
+        if (shared->writer) shared->writer->finish();
+        shared->file.finish();
+    }
+    publish_complete();
+    for (const auto& [_, shared] : shared_) shared->file.publish();
+}
+
+void Outputs::publish_complete() {
+    throw_if_interrupted();
+    for (OutputFile& file : complete_) file.publish();
+    complete_.clear();
 }
 
 }  // namespace clvotess

@@ -1,21 +1,25 @@
 // The outputs of -o. All files are complete before the first gets its name.
 #pragma once
 
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <votess/alpha.hpp>
 #include <votess/votess.hpp>
 
 #include "coloring.hpp"
 #include "domain.hpp"
+#include "files/output_file.hpp"
 #include "read/input.hpp"
 #include "write/text_format.hpp"
 
 namespace clvotess {
-
-class OutputFile;
 
 // Throws Failure when a folder is missing or not writable, or when a path occurs twice or is an input. Inputs may be
 // empty or "-".
@@ -74,26 +78,41 @@ public:
     virtual void finish() = 0;
 };
 
-// The outputs of -o for several frames. All are complete before the first gets its name.
-class FrameOutputs {
-public:
-    // Opens the files. Throws Failure.
-    explicit FrameOutputs(const std::vector<std::string>& paths);
-    FrameOutputs(const FrameOutputs&) = delete;
-    FrameOutputs& operator=(const FrameOutputs&) = delete;
-    ~FrameOutputs();
+// The text in names of outputs that the number of the frame replaces.
+inline constexpr std::string_view frame_mark = "{frame}";
+[[nodiscard]] bool names_frame(const std::string& path);
 
-    void add(const OutputData& data);
+// The files of a run. Those that hold all of its frames are complete before the first gets its name; those of one
+// frame, whose names have the frame's number, get them after each frame.
+class Outputs {
+public:
+    explicit Outputs(bool several);  // several: with --frames
+    Outputs(const Outputs&) = delete;
+    Outputs& operator=(const Outputs&) = delete;
+    ~Outputs();
+
+    void begin_frame(std::uint64_t number) { number_ = number; }
+    // Add to the output of this name. Throw Failure.
+    void add(const std::string& path, const OutputData& data);
+    void add(const std::string& path, const std::function<void(OutputFile&)>& write);
+    [[nodiscard]] FramePlace place(const std::string& path) const;  // of the frame
+    void end_frame();
     void publish();
 
 private:
-    std::vector<std::string> paths_;
-    std::vector<OutputFile> files_;
-    std::vector<std::unique_ptr<FramesFile>> writers_;
+    struct Shared;  // by all frames
+    Shared& shared(const std::string& path);
+    void publish_complete();
+
+    bool several_;
+    std::uint64_t number_ = 0;
+    std::deque<OutputFile> complete_;
+    std::map<std::string, std::unique_ptr<Shared>> shared_;
 };
 
-// Throws Failure for a format that holds one frame only.
-void check_frame_outputs(const std::vector<std::string>& paths);
+// Throws Failure for a format that holds one frame only, unless its name has the frame's number, and for names that
+// have it without --frames.
+void check_frame_names(const std::vector<std::string>& paths, bool several);
 
 // Returns the attributes of .npz and .h5: units of the input, domain_from, periodic_from and version.
 [[nodiscard]] std::vector<Attribute> attributes_of(std::vector<Attribute> units, const DomainFrom& domain_from);
@@ -105,8 +124,6 @@ void check_name(const InputColumn& column);
 // array of the file.
 [[nodiscard]] std::vector<InputColumn> carried_columns(const std::vector<std::string>& outputs,
                                                        std::vector<InputColumn> columns, bool planar = false);
-
-void write_outputs(const std::vector<std::string>& paths, const OutputData& data);
 
 void write_text(OutputFile& file, const OutputData& data);
 void write_npz(OutputFile& file, const OutputData& data);

@@ -59,7 +59,9 @@ Stoppable::Scope::~Scope() {
 }
 
 Stoppable::Stoppable(Progress& progress, const Share& stage)
-    : progress_(progress), stage_(stage), scope_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
+    : progress_(progress),
+      stage_(stage),
+      scope_(progress ? this : of_thread.stoppable, progress || of_thread.may_call) {}
 
 Stoppable::~Stoppable() = default;
 

@@ -57,6 +57,40 @@ class AllFrames(CliTest):
         self.assertRegex(self.run_cli("a.xyz", "--frames", "all").stdout, "(?m)^domain .*; moves from frame to frame$")
         self.assertRegex(self.run_cli("a.dump").stdout, r"(?m)^input +frame 1 of 5 \(--frame 0\), timestep 0$")
 
+    def test_files_of_one_frame(self):
+        """Pictures, fits, subsets and queries of frames, and formats that hold one: each file is that of a run of its frame."""
+        self.xyz(self.frames(4))
+        inside = random_points(20, 9) @ EDGES + [1, -2, 3]
+        self.put("q.npy", inside)
+        self.put("q.txt", text_of(inside))
+        self.put("rays.npy", np.column_stack([inside, np.tile([1.0, 2, -1, 3], (20, 1))]))
+        covalent = ["--radii", "covalent"]
+        for names, *options in [
+            ("c.vtu",), ("c.npz", "--alpha", 3, *covalent), ("c.glb", "--color", "m", "--copy", "m"), ("c.npz", "--volumes", "m", "--normalize"),
+            ("c.csv c.txt", "--only", "3:20", *covalent, "--format", "%i %r %n"), ("p.png", "--image-size", "64x64"),
+            ("q.npy", "--locate", "q.npy", *covalent), ("q.npz q.vtu", "--probe", "q.npy", *covalent), ("t.npz", "--trace", "rays.npy"),
+            ("q.npy", "--interpolate", "q.npy", "--values", "m"), ("g.npy g.png", "--to-grid", "dtfe", "--shape", 4, "--project", "z", *covalent),
+        ]:
+            def files(mark):
+                named = [name.replace(".", mark + ".") for name in names.split()]
+                return [word for name in named for word in ("--image" if name.endswith("png") else "-o", name)]
+
+            with self.subTest(names=names, options=options):
+                self.run_cli("a.xyz", "--frames", "1:4", *options, *files("-{frame}"))
+                for k in range(1, 4):
+                    self.run_cli("a.xyz", "--frame", k, *options, *files("-one"))
+                    for name in names.split():
+                        made, one = (self.folder / name.replace(".", f"-{mark}.") for mark in (k, "one"))
+                        self.assertEqual(made.read_bytes(), one.read_bytes())
+                        made.unlink()
+        lines = [line for k in range(4) for line in self.rows("a.xyz", "--frame", k, "--locate", "q.txt")]
+        self.assertEqual(self.rows("a.xyz", "--frames", "all", "--locate", "q.txt"), lines)
+        done = self.json("a.xyz", "--frames", "1:", "--locate", "q.txt", "-o", "all.txt")
+        self.assertEqual((done["frames"], done["points"], done["queries"]), (3, 31 + 32 + 33, 60))
+        done = self.json("a.xyz", "--frames", "1:", "--volumes", "m", "--normalize", "--verify")
+        self.assertEqual((done["frames"], done["verified"]), (3, True))
+        self.assertLess(done["fit"]["residual"], 1e-9)
+
     def test_tables(self):
         frames = self.frames()
         self.xyz(frames)
@@ -164,11 +198,12 @@ class AllFrames(CliTest):
         self.refuse("a.xyz", "--frames", "7:9", "-o", "out.txt", says=["frame 7:9 is missing", "has 5"])
         self.refuse("a.xyz", "--frames", "all", "--frame", 1, says="--frame or --frames")
         for name in ["out.npz", "out.vtu", "out.ply", "out.glb"]:
-            self.refuse("a.xyz", "--frames", "all", "-o", name, says=[f"'{name}'", "--frame N"])
-        self.refuse("a.xyz", "--frames", "all", "--image", "out.png", says="--image")
-        self.refuse("a.xyz", "--frames", "all", "--volumes", "m", says="--volumes")
-        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.txt", says="--frames")
-        self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "-", says="--frame N")
+            self.refuse("a.xyz", "--frames", "all", "-o", name, says=[f"'{name}'", "out-{frame}" + name[3:]])
+        self.refuse("a.xyz", "--frames", "all", "--image", "out.png", says=["'out.png'", "{frame}"])
+        self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "out.npy", says=["'out.npy'", "{frame}"])
+        self.refuse("a.xyz", "-o", "out-{frame}.vtu", says=["'out-{frame}.vtu'", "--frames all"])
+        self.refuse("a.xyz", "--frames", "all", "--only", "-", says="--only -")
+        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.h5", says="--frames")
         self.refuse("--random", 5, "--frames", "all", says="--frames")
         self.refuse("a.xyz", "--points", says="--frames")
         # A failure in a later frame leaves no file. Frames before it can be read.

@@ -363,7 +363,7 @@ class ToGrid(CliTest):
         self.assertAlmostEqual(np.load(self.folder / "d.npy").mean() * 6, 300, places=9)
         self.put("plane.txt", "".join(f"{x} {y} 0.5\n" for x in range(3) for y in range(3)))
         flat = self.run_cli("plane.txt", "--to-grid", "dtfe", "--shape", "2", "--box", "-1,-1,0,3,3,1", "-o", "f.npy")
-        self.assertIn("the mass of 9 in no tetrahedron left out", flat.stdout)
+        self.assertIn("9 in no tetrahedron, whose mass is left out", flat.stdout)
 
     def test_projections_and_pictures(self):
         for method in ("nearest", "sibson", "dtfe"):

@@ -513,7 +513,14 @@ class Columns(ReaderTest):
         self.put("b.xyz", "2\n\nC 0 0 0\nQq 1 1 1\n")
         self.refuse("b.xyz", "--radii", "covalent", says=["atom 1", "'Qq'"])
         self.refuse("a.xyz", "--radii", "covalent", "--memory", "1G", "-o", "out.h5", says="covalent")
-        self.refuse("a.xyz", "--radii", "covalent", "--probe", "a.xyz", says="covalent")
+        # Queries have the elements that their file names, else radii of 0.
+        queries = text_of(random_points(20, 3) * 9).splitlines()
+        self.put("q.xyz", "20\n\n" + "".join(f"{w} {row}\n" for row, w in zip(queries, words)))
+        self.put("q.csv", "x,y,z,r\n" + "".join(f"{row.replace(' ', ',')},{r}\n" for row, r in zip(queries, radii)))
+        box = ["--box=-1,-1,-1,10,10,10", "--format", "%r %w"]
+        self.run_cli("a.xyz", "--radii", "covalent", "--probe", "q.xyz", "-o", "names.txt", *box)
+        self.run_cli("a.csv", "--radii", "r", "--probe", "q.csv", "-o", "numbers.txt", *box)
+        self.assertEqual((self.folder / "names.txt").read_text(), (self.folder / "numbers.txt").read_text())
 
     def test_rows(self):
         points, mass = random_points(40), np.random.default_rng(2).random(40)

@@ -3,8 +3,8 @@
 #include "arguments/arguments.hpp"
 #include "failure.hpp"
 #include "files/numbers.hpp"
-#include "frames/frames.hpp"
 #include "options.hpp"
+#include "run/frames.hpp"
 
 namespace clvotess {
 
