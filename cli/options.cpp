@@ -40,8 +40,8 @@ the only one that fits. Velocities and forces do not)"},
 output holds one after the other: .h5 has a group frame_NUMBER for each,
 text a header line, .csv a column `frame`; text of queries has all lines.
 A file that holds one frame needs {frame} in its name for the number, as in
-cells-{frame}.vtu; it is complete when the frame is. Summary and --json have
-sums)",
+cells-{frame}.vtu; it is complete when the frame is. Summary and --json
+have sums)",
          {.needs = Needs::all_points}},
         {"--points",
          R"(compute no cells; write the points, ids, species, columns of --copy and
