@@ -54,7 +54,8 @@ from 1. Of rows of text, .npz (arrays), .ply and LAMMPS dumps. Two names
 mean --2d)"},
         {"--random N",
          R"(N uniform points in the unit box, such as 100000 or 1e6, instead of INPUT;
-with --2d in the unit square. The domain is that box unless --box is given)",
+with --2d in the unit square, with --mesh inside of the mesh. The domain is
+that box unless --box is given)",
          {.brief = "N uniform points in the unit box instead of INPUT"}},
         {"--rng-seed S", R"(start of the random numbers; default 1. The same on every machine)", {.with = "--random"}},
         {"", "domain"},

@@ -261,7 +261,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (random) {
         arguments.random_count = read_random_count(*random);
         const double height = arguments.read.dimensions == Dimensions::two ? 0 : 1;
-        arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
+        if (!typed.has("--mesh")) arguments.options.box = votess::Box{.lower = {0, 0, 0}, .upper = {1, 1, height}};
     }
     if (const std::string* seed = typed.value("--rng-seed"))
         arguments.rng_seed = whole_number("--rng-seed", *seed, max);

@@ -157,6 +157,11 @@ enum class TextKind {
 // Returns random seeds in the unit box, or unit square. They depend on `rng_seed` alone, not on the machine.
 [[nodiscard]] Input random_points(std::uint64_t count, std::uint64_t rng_seed, const ReadRequest& request = {});
 
+// Returns random seeds inside of a mesh, equally likely everywhere. Throws Failure, and votess::Error for a mesh that
+// is not closed.
+[[nodiscard]] Input random_points_in(const votess::TriangleMesh& mesh, std::uint64_t count, std::uint64_t rng_seed,
+                                     unsigned threads);
+
 // The seeds of a file in pieces, for files larger than memory.
 class InputPieces {
 public:

@@ -104,6 +104,9 @@ std::optional<Input> Frames::read() {
     const ReadRequest& request = arguments_.read;
     if (!file_) {
         if (any_) return std::nullopt;
+        if (arguments_.random_count && arguments_.options.mesh)
+            return random_points_in(*arguments_.options.mesh, *arguments_.random_count, arguments_.rng_seed,
+                                    request.threads);
         return arguments_.random_count ? random_points(*arguments_.random_count, arguments_.rng_seed, request)
                                        : read_input(arguments_.input, request);
     }

@@ -139,6 +139,21 @@ class Mesh(CliTest):
         bow = OFF.replace("4 0 4 6 2", "4 0 6 4 2")
         self.refuse(*run, self.put("b.off", bow), says="face 4 is not simple: its sides from vertex ")
 
+    def test_random(self):
+        """Random points lie inside the mesh, wherever it is: a prism over an L, with a third of them in each arm and in the corner."""
+        outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+        n = len(outline)
+        faces = [[*range(n)][::-1], [n + k for k in range(n)], *([k, (k + 1) % n, (k + 1) % n + n, k + n] for k in range(n))]
+        corners = [(10 + x, y - 30, z) for z in (5, 5.5) for x, y in outline]
+        self.put("l.off", f"OFF {2 * n} {n + 2} 0\n" + lines("{} {} {}", corners) + "".join(" ".join(map(str, [len(f), *f])) + "\n" for f in faces))
+        rows = np.array([list(map(float, row.split())) for row in self.rows("--random", 6000, "--mesh", "l.off", "--format", "%q %v")])
+        x, y, z = rows[:, :3].T - np.array([[10], [-30], [5]])
+        self.assertTrue(((x >= 0) & (y >= 0) & (z >= 0) & (x <= 2) & (y <= 2) & (z <= 0.5) & ((x <= 1) | (y <= 1))).all())
+        self.assertEqual(len(rows), 6000)
+        for count in [((x < 1) & (y < 1)).sum(), (x > 1).sum(), (y > 1).sum()]:
+            self.assertLess(abs(count - 2000), 5 * np.sqrt(6000 * 2 / 9))
+        self.assertAlmostEqual(rows[:, 3].sum(), 1.5, delta=1e-10)
+
     def test_repair(self):
         """Triangles with vertices of their own are a cube once these are merged, as an .stl is."""
         content = f"OFF\n36 12 0\n{lines('{} {} {}', (CORNERS[v] for t in TRIANGLES for v in t))}" + \
