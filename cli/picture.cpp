@@ -103,19 +103,12 @@ std::string draw_picture(const PictureArguments& picture, const Coloring& colori
     options.values = values;
     options.colormap = coloring.colormap;
     options.label = coloring.label(tessellation.planar());
-    if (!tessellation.in_mesh()) {
-        const votess::Picture drawn = votess::render(tessellation, input.points, options);
-        if (drawn.left_out > 0 && !picture.quiet)
-            std::fprintf(stderr, "'%s' leaves out %s cells that reach infinity\n", picture.file.c_str(),
-                         std::to_string(drawn.left_out).c_str());
-        return to_png(drawn);
-    }
-    const votess::Pieces pieces = votess::pieces(tessellation, {.gap = gap, .threads = options.threads});
-    std::vector<double> of_pieces;
-    for (std::size_t i = 0; i < tessellation.size(); ++i)
-        of_pieces.resize(static_cast<std::size_t>(pieces.indptr[i + 1]), values[i]);
-    options.values = of_pieces;
-    return to_png(votess::render(pieces, options));
+    options.gap = gap;
+    const votess::Picture drawn = votess::render(tessellation, input.points, options);
+    if (drawn.left_out > 0 && !picture.quiet)
+        std::fprintf(stderr, "'%s' leaves out %s cells that reach infinity\n", picture.file.c_str(),
+                     std::to_string(drawn.left_out).c_str());
+    return to_png(drawn);
 }
 
 }  // namespace clvotess

@@ -27,7 +27,7 @@ inline constexpr std::array support{
     Support{"count_tiny_faces", probed | subset | in_mesh | flat},
     Support{"delaunay", probed | subset | in_mesh},
     Support{"network", probed | subset | in_mesh},
-    Support{"picture", probed | subset | in_mesh},
+    Support{"picture", probed | subset},
     Support{"verify", probed},
     Support{"watershed", probed | subset},
     Support{"wrapped_points", probed},

@@ -71,7 +71,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
         refuse("picture: " + std::to_string(points.size()) + " coordinates for " + std::to_string(n) + " cells");
     }
     if (n == 0) refuse("picture: no cell to draw");
-    if (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty()) {
+    if (!t.in_mesh() && (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty())) {
         refuse("picture: the tessellation has no faces: ask for Want::faces");
     }
     if (options.values.empty() && t.volumes().size() != n) {
@@ -79,6 +79,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     check_values(options, n, "cells");
     check_look(options);
+    if (options.gap != 0 && !t.in_mesh()) refuse("picture: a gap is between pieces of cells in a mesh: leave it out");
     if (options.slice && t.planar()) refuse("picture: cells of the plane have no slice: leave it out");
 }
 
@@ -215,10 +216,23 @@ Scene build_scene(const Mesh& mesh, const DomainShape& domain, std::span<const d
     return scene;
 }
 
+// The pieces of a cell have its value.
+Picture render_in_mesh(const Tessellation& t, const PictureOptions& options) {
+    const auto values = options.values.empty() ? t.volumes() : options.values;
+    const Pieces of_cells = pieces(t, {.gap = options.gap, .threads = options.threads});
+    std::vector<double> of_pieces;
+    for (std::size_t i = 0; i < t.size(); ++i)
+        of_pieces.resize(static_cast<std::size_t>(of_cells.indptr[i + 1]), values[i]);
+    PictureOptions look = options;
+    look.values = of_pieces;
+    return render(of_cells, look);
+}
+
 }  // namespace picture
 
 Picture render(const Tessellation& tessellation, std::span<const double> given, const PictureOptions& options) {
     picture::check(tessellation, given, options);
+    if (tessellation.in_mesh()) return picture::render_in_mesh(tessellation, options);
     std::vector<double> points(given.begin(), given.end());  // another thread may write into them
     picture::Mesh mesh{tessellation.indptr(),       tessellation.indices(),       tessellation.shifts(),
                        tessellation.face_offsets(), tessellation.face_vertices(), tessellation.vertices()};

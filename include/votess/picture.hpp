@@ -76,6 +76,7 @@ struct PictureOptions {
     // Leaves out cells that reach infinity, in a domain without end; else it is refused.
     bool skip_open = false;
     bool frame = true;  // the box as lines; with a slice axes with ticks
+    double gap = 0;     // between the pieces of cells of a result in a mesh, see PieceOptions::gap
     std::array<std::uint8_t, 4> background{255, 255, 255, 255};
 
     unsigned threads = 0;  // CPU threads, 0 = all
@@ -87,9 +88,9 @@ struct Picture {
     std::uint64_t left_out = 0;        // cells that reach infinity, see PictureOptions::skip_open
 };
 
-// Returns a picture of the cells, in the plane of their polygons. The tessellation needs Want::faces. points: the array
-// given to tessellate(), read during the call only. Pixels do not depend on the number of threads. Throws Error:
-// invalid_argument (names the missing or wrong value), out_of_memory.
+// Returns a picture of the cells, in the plane of their polygons, in a mesh of their pieces. The tessellation needs
+// Want::faces, but not in a mesh. points: the array given to tessellate(), read during the call only. Pixels do not
+// depend on the number of threads. Throws Error: invalid_argument (names the missing or wrong value), out_of_memory.
 [[nodiscard]] VOTESS_API Picture render(const Tessellation& tessellation, std::span<const double> points,
                                         const PictureOptions& options = {});
 

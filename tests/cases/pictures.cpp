@@ -250,7 +250,8 @@ TEST_SUITE("cases") {
         run.mesh = unit.mesh();
         // Four columns; the nearest one to the camera is cut away, so that inner faces show.
         const std::vector<double> points{0.25, 0.25, 0.5, 0.75, 0.25, 0.5, 0.25, 0.75, 0.5, 0.75, 0.75, 0.5};
-        votess::Pieces pieces = votess::pieces(votess::tessellate(points, run));
+        const votess::Tessellation cells = votess::tessellate(points, run);
+        votess::Pieces pieces = votess::pieces(cells);
         PictureOptions options = bare();
         options.cut = Cut::none;
         const std::vector<double> values{0, 1, 2, 3};
@@ -259,6 +260,13 @@ TEST_SUITE("cases") {
         const auto shown = [](const Pixel& p) { return p.r != 255 || p.g != 255 || p.b != 255; };
         const Picture whole = votess::render(pieces, options);
         CHECK(count(whole, shown) > 10000);
+        CHECK(votess::render(cells, points, options).pixels == whole.pixels);
+        options.gap = 0.2;
+        CHECK(votess::render(cells, points, options).pixels !=
+              votess::render(votess::pieces(cells, {.gap = 0.1}), options).pixels);
+        CHECK(votess::render(cells, points, options).pixels ==
+              votess::render(votess::pieces(cells, {.gap = 0.2}), options).pixels);
+        options.gap = 0;
         options.edges = true;
         CHECK(votess::render(pieces, options).pixels != whole.pixels);
         options.edges = false;

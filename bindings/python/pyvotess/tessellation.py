@@ -29,6 +29,8 @@ from .zones import Zones, read_zones
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from .export.image import Image
+
 
 class Tessellation(SeedCells):
     """The cells of N seeds, in the input order.
@@ -219,6 +221,55 @@ class Tessellation(SeedCells):
         from .export.plot import plot
 
         return plot(self, slice, color, ax, **style)
+
+    def image(
+        self,
+        file: Union[None, str, os.PathLike[str]] = None,
+        *,
+        color: Union[str, npt.ArrayLike] = "volume",
+        colormap: str = "tide",
+        slice: Optional[Tuple[str, float]] = None,
+        cut: str = "corner",
+        view: Tuple[float, float] = (36.0, 27.0),
+        size: Tuple[int, int] = (800, 600),
+        limits: Optional[Tuple[float, float]] = None,
+        seeds: bool = False,
+        gap: float = 0.0,
+        open: Optional[str] = None,
+        threads: int = 0,
+    ) -> Image:
+        """Returns a picture that the library draws: the cells cut open, a section, or in a ``mesh`` the pieces.
+
+        Needs "faces" in want, except in a mesh, and "volumes" unless another color is given. Notebooks show the picture; its
+        ``pixels`` are an array.
+
+        file : a ``.png`` to write.
+        color : "volume", "neighbors", "area", "x", "y", "z", or (N,) values; NaN is gray.
+        colormap : "tide", "ember" or "gray".
+        slice : ``("z", 0.5)`` draws a plane section with axes. Cells of the plane are drawn so without it.
+        cut : the part that is cut away: the "corner" or "half" in front, whole "cells" in that corner, or "none".
+        view : azimuth and elevation of the camera in degrees.
+        size : width and height in pixels, 64 to 16384 each.
+        limits : of the colors; default: those of nearly all cells shown.
+        seeds : with a slice or in the plane, draw the points near it as dots.
+        gap : between the pieces of cells in a mesh, as for :meth:`pieces`.
+        open : "skip" leaves out cells that reach infinity, which else are refused; ``left_out`` of the picture counts them.
+        threads : 0 for all. Pixels do not depend on it.
+
+        Raises ValueError for missing arrays and values that do not fit; OSError when the file cannot be written.
+
+        >>> t = vt.tessellate(np.random.default_rng(1).random((100, 3)), box=(0, 0, 0, 1, 1, 1), want="volumes,faces")
+        >>> t.image(slice=("z", 0.5), size=(200, 150))
+        <pyvotess image of 200 x 150 pixels>
+        """
+        self._check_whole()
+        from .export.image import image, png_path
+
+        path = None if file is None else png_path(file, "file")
+        picture = image(self, self._handle(), color, colormap, slice, cut, view, size, limits, seeds, gap, open, threads)
+        if path is not None:
+            picture.save(path)
+        return picture
 
     def save(
         self,

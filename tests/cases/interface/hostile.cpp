@@ -1,6 +1,7 @@
 // The C interface among random hostile arguments: no crash, always a status, and after a failure a message that leads.
 // Arrays are as long as small counts say; a count that is a lie cannot be told from one that is not below 2^31.
 #include <doctest/doctest.h>
+#include <votess/picture.h>
 #include <votess/stream.h>
 #include <votess/votess.h>
 
@@ -136,6 +137,22 @@ TEST_SUITE("api") {
                                          hostile.pointer<char>(text), hostile.any<std::size_t>(64, {0, 1})));
             note("wrapped_points", votess_wrapped_points(result, hostile.pointer<const double>(points.data()),
                                                          hostile.count(n), hostile.pointer(room.data())));
+            votess_picture_options look;
+            (void)votess_picture_options_init(&look, sizeof look);
+            look.width = look.height = hostile.any<std::uint32_t>(64, {0, 63, ~0u});
+            look.values = hostile.pointer<const double>(numbers.data());
+            look.value_count = hostile.count(n);
+            look.label = hostile.pointer("m");
+            for (double* const number : {look.range, look.range + 1, &look.azimuth, &look.elevation, look.cut_at,
+                                         look.cut_at + 2, &look.slice_value, &look.gap})
+                *number = hostile.real(*number);
+            for (std::int32_t* const word :
+                 {&look.slice_axis, &look.cut, &look.scale, &look.colormap, &look.wall_cells})
+                *word = hostile.number(*word);
+            std::vector<std::uint8_t> picture(4 * 64 * 64);
+            note("render", votess_render(result, hostile.pointer<const double>(points.data()), hostile.count(n), &look,
+                                         hostile.pointer(picture.data()),
+                                         hostile.any<std::size_t>(picture.size(), {0, ~0ull}), nullptr));
             votess_stats stats{};
             stats.struct_size = hostile.size(sizeof stats);
             note("stats", votess_result_stats(result, &stats));

@@ -1,0 +1,88 @@
+"""image(): what the library draws, as an array, a PNG and in notebooks. Pictures themselves are tested in C++."""
+
+import struct
+import tempfile
+import unittest
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+import pyvotess as vt
+
+BOX = (0, 0, 0, 1, 1, 1)
+
+
+def decoded(png):
+    """Returns the pixels of a PNG of RGBA whose rows have no filter."""
+    assert png[:8] == b"\x89PNG\r\n\x1a\n"
+    at, data, size = 8, b"", None
+    while at < len(png):
+        length, name = struct.unpack(">I4s", png[at:at + 8])
+        body = png[at + 8:at + 8 + length]
+        assert struct.unpack(">I", png[at + 8 + length:at + 12 + length])[0] == zlib.crc32(name + body)
+        size = struct.unpack(">IIBBBBB", body) if name == b"IHDR" else size
+        data += body if name == b"IDAT" else b""
+        at += 12 + length
+    width, height, *form = size
+    assert form == [8, 6, 0, 0, 0]
+    rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(height, 1 + 4 * width)
+    assert not rows[:, 0].any()
+    return rows[:, 1:].reshape(height, width, 4)
+
+
+class Images(unittest.TestCase):
+    def setUp(self):
+        self.points = np.random.default_rng(1).random((60, 3))
+        self.t = vt.tessellate(self.points, box=BOX, want="volumes,faces")
+
+    def test_png(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder, "a.png")
+            image = self.t.image(file, size=(120, 90), threads=1)
+            self.assertEqual(image.pixels.shape, (90, 120, 4))
+            np.testing.assert_array_equal(decoded(file.read_bytes()), image.pixels)
+            self.assertEqual(file.read_bytes(), image._repr_png_())
+            np.testing.assert_array_equal(self.t.image(size=(120, 90), threads=2).pixels, image.pixels)
+            with self.assertRaisesRegex(ValueError, r"path is .*a.jpg.*\.png"):
+                image.save(Path(folder, "a.jpg"))
+            self.assertEqual([path.name for path in Path(folder).iterdir()], ["a.png"])
+
+    def test_colors(self):
+        """Two cells side by side have the colors of their values, in space, in a section and in the plane."""
+        t = vt.tessellate([[0.25, 0.5, 0.5], [0.75, 0.5, 0.5]], box=BOX, want="volumes,faces")
+        flat = vt.tessellate([[0.25, 0.5], [0.75, 0.5]], box=(0, 0, 1, 1), want="volumes,faces,vertices")
+        both = {"color": [1, 2], "limits": (1, 2), "size": (200, 200)}
+        for pixels in (t.image(slice=("z", 0.5), **both).pixels, flat.image(**both).pixels):
+            left, right = pixels[95, 75, :3], pixels[95, 125, :3]
+            self.assertGreater(abs(left.astype(int) - right).max(), 80)
+            for value, found in zip((1, 2), (left, right)):
+                one = t.image(color=[value, value], limits=(1, 2), slice=("z", 0.5), size=(200, 200)).pixels[95, 75, :3]
+                np.testing.assert_array_equal(one, found)
+        looks = [self.t.image(size=(80, 80), **options).pixels.tobytes() for options in (
+            {}, {"cut": "none"}, {"cut": "cells"}, {"cut": "half"}, {"view": (80, 10)}, {"colormap": "ember"}, {"color": "neighbors"},
+            {"limits": (0, 1)}, {"slice": ("x", 0.5)}, {"slice": ("x", 0.5), "seeds": True})]
+        self.assertEqual(len(set(looks)), len(looks))
+
+    def test_domains(self):
+        cube = ([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+                [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]])
+        t = vt.tessellate(self.points, mesh=cube, want="volumes")
+        whole, pieces = t.image(size=(80, 80), cut="none").pixels, t.image(size=(80, 80), cut="none", gap=0.1).pixels
+        self.assertFalse((whole == pieces).all())
+        endless = vt.tessellate(self.points, box="none", want="volumes,faces")
+        with self.assertRaisesRegex(ValueError, "reach infinity"):
+            endless.image()
+        self.assertEqual(endless.image(size=(80, 80), open="skip").left_out, endless.open_cells.sum())
+
+    def test_wrong_values(self):
+        for argument, value in [("cut", "all"), ("colormap", "jet"), ("slice", "z"), ("slice", ("w", 0.5)), ("slice", ("z", 2)), ("view", (1, 2, 3)),
+                                ("size", 100), ("size", (10, 10)), ("color", [1, 2]), ("limits", (2, 1)), ("open", "keep"), ("gap", -1)]:
+            with self.subTest(argument=argument, value=value), self.assertRaisesRegex((ValueError, TypeError), argument):
+                self.t.image(**{argument: value})
+        with self.assertRaisesRegex(ValueError, "faces"):
+            vt.tessellate(self.points, box=BOX).image(color=np.zeros(60))
+
+
+if __name__ == "__main__":
+    unittest.main()
