@@ -4,8 +4,8 @@
     tools/options.py            writes votess.hpp, votess.h, engine/input/each_option.hpp and Python
     tools/options.py --check    writes nothing; exit code 1 if a file differs from the table
 
-An option that a file has keeps its place there. A new one follows the row before it; in votess.h, in ctypes and among
-Python's arguments it comes last, because their order is a promise. Afterwards tools/format.sh aligns comments.
+An option that a file has keeps its place there. A new one follows the row before it; in votess.h and in ctypes it comes
+last, because their order is a promise. Afterwards tools/format.sh aligns comments.
 """
 import pathlib
 import re
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 HPP, H, EACH = "include/votess/votess.hpp", "include/votess/votess.h", "engine/input/each_option.hpp"
 CTYPES, PYTHON = "bindings/python/pyvotess/_c_api.py", "bindings/python/pyvotess/tessellator.py"
+DOMAIN = "bindings/python/pyvotess/_domain.py"
 # kind in the table: types in C++, C, ctypes and Python
 TYPES = {"Flag": ("bool", "int32_t", "c_int32", "bool"), "Count": ("unsigned", "uint32_t", "c_uint32", "int"),
          "Number": ("double", "double", "c_double", "float"), "Word": ("ENUM", "int32_t", "c_int32", "ENUMWord"),
@@ -32,7 +33,7 @@ class Row:
     words: list
     start: str
     max: str
-    of_device: bool  # in Python an argument of Tessellator(), not of its tessellate()
+    place: str  # in Python: "device" for an argument of Tessellator(), "call" of its tessellate(), "domain" of Domain()
 
     def types(self):
         return [kind.replace("ENUM", self.name.title().replace("_", "")) for kind in TYPES[self.kind]]
@@ -60,6 +61,9 @@ class Row:
         start = {"Flag": "False", "Count": self.start, "Number": self.start + ("" if "." in self.start else ".0")}
         return f"{indent}{self.name}: {self.types()[3]} = " + start.get(self.kind, f'"{self.start}"') + ",\n"
 
+    def keyword(self):
+        return f"    {self.name}: {self.types()[3]}\n"
+
     def docstring(self):
         words = " or ".join(f'"{word}"' for word in self.words) + "; " if self.words else ""
         lines = textwrap.wrap(f"{self.name} : {words}{self.text}.", 112, break_on_hyphens=False)
@@ -82,7 +86,7 @@ def read_table():
         heading = re.findall(r'\{"", "(\w+)', source[: chunk.start()])[-1]
         rows.append(Row(name, kind, text + (f" ({', '.join(notes)})" if notes else ""), words, given.get("start", start),
                         given.get("max", "infinity" if kind == "Number" else "4294967295"),
-                        heading in ("run", "tuning")))
+                        "domain" if name == "outside" else {"run": "device", "tuning": "device"}.get(heading, "call")))
     if len(rows) != source.count("&Options::"):
         sys.exit("cli/options.cpp: a row with &Options:: has another form than the others")
     return rows
@@ -106,16 +110,20 @@ def put(rows, text, begin, end, old, new, last=False):
 
 def copies(rows):
     """Returns the new text of each file."""
-    text = {name: (ROOT / name).read_text() for name in (HPP, H, EACH, CTYPES, PYTHON)}
+    text = {name: (ROOT / name).read_text() for name in (HPP, H, EACH, CTYPES, PYTHON, DOMAIN)}
     text[HPP] = put(rows, text[HPP], r"struct Options \{\n", r"\};\n//", r"(?:^    // .*\n)*^    [\w:]+ NAME( =.*)?;.*\n", Row.cpp)
     text[H] = put(rows, text[H], r"struct votess_options \{\n", r"\} votess_options", r"^    (?:const )?\w+\*? NAME;.*\n", Row.c, True)
     text[EACH] = put(rows, text[EACH], r"each_option\(const Use& use\) \{\n", r"\}\n", r'^    use\("NAME".*\n', Row.call)
     text[CTYPES] = put(rows, text[CTYPES], r"class Options\(", r"    \]\n", r'^        \("NAME".*\n', Row.ctypes_field, True)
-    for begin, those in (("\ndef tessellate", rows), ("    def __init__", [row for row in rows if row.of_device]),
-                         ("    def tessellate", [row for row in rows if not row.of_device])):
-        indent = "    " if those is rows else "        "
-        text[PYTHON] = put(those, text[PYTHON], begin, r" *\) ->", r"^ +NAME: .*\n", lambda row: row.argument(indent), True)
-    text[PYTHON] = put(rows, text[PYTHON], r"\n    points : ", r"\n    The GIL", r"^    NAME : .*\n(?:        .*\n)*", Row.docstring)
+    for begin, places in (("\ndef tessellate", ("device", "call")), ("    def __init__", ("device",)), ("    def tessellate", ("call",))):
+        those = [row for row in rows if row.place in places]
+        indent = "    " if len(places) > 1 else "        "
+        text[PYTHON] = put(those, text[PYTHON], begin, r" *\) ->", r"^ +NAME: .*\n", lambda row: row.argument(indent))
+    of_domain = [row for row in rows if row.place == "domain"]
+    text[DOMAIN] = put(of_domain, text[DOMAIN], r"class DomainKeywords", r"\n\nSHORT_FORMS", r"^    NAME: .*\n", Row.keyword)
+    for name, those in ((PYTHON, [row for row in rows if row.place != "domain"]), (DOMAIN, of_domain)):
+        begin, end = (r"\n    points : ", r"\n    The GIL") if name == PYTHON else (r"\n    box : ", r"\n    Raises")
+        text[name] = put(those, text[name], begin, end, r"^    NAME : .*\n(?:        .*\n)*", Row.docstring)
     return text
 
 

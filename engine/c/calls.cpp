@@ -22,16 +22,10 @@ votess_status tessellate(votess_tessellator* tessellator, const Coordinate* poin
         *out = nullptr;
         const votess::Options converted = convert_options(options, count);
         const std::span<const Coordinate> input =
-            coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+            coordinates(points, count, "points", "count", dimensions_of(converted));
         *out = new votess_result{tessellator == nullptr ? votess::tessellate(input, converted)
                                                         : tessellator->tessellator.tessellate(input, converted)};
     });
-}
-
-template <typename Element>
-const Element* expose(const votess_delaunay* delaunay, std::size_t* length,
-                      std::vector<Element> votess::Delaunay::*array) noexcept {
-    return expose_array(delaunay, &votess_delaunay::delaunay, array, "delaunay is NULL", length);
 }
 
 std::uint32_t check_bit(std::string_view name) {
@@ -84,7 +78,7 @@ votess_status votess_delaunay_new(const votess_result* result, votess_delaunay**
         require(out, "out");
         *out = nullptr;
         require(result, "result");
-        *out = new votess_delaunay{votess::delaunay(result->tessellation)};
+        *out = new votess_delaunay{votess::delaunay(result->tessellation), dimensions_of(result->tessellation)};
     });
 }
 
@@ -92,32 +86,18 @@ void votess_delaunay_free(votess_delaunay* delaunay) {
     delete delaunay;
 }
 
-const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::tetrahedra);
-}
-
-const int8_t* votess_delaunay_tetrahedra_shifts(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::tetrahedra_shifts);
-}
-
-const int32_t* votess_delaunay_tetrahedra_centers(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::tetrahedra_centers);
-}
-
-const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::polytope_indptr);
-}
-
-const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::polytope_indices);
-}
-
-const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::polytope_shifts);
-}
-
-const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length) {
-    return expose(delaunay, length, &votess::Delaunay::polytope_centers);
+votess_status votess_delaunay_array(const votess_delaunay* delaunay, const char* name, votess_array* array) {
+    return expose(delaunay, "delaunay", name, array, [](const votess_delaunay& of) {
+        const votess::Delaunay& d = of.delaunay;
+        const std::size_t corners = of.dimensions + 1;
+        return std::array{named("tetrahedra", d.tetrahedra, corners),
+                          named("tetrahedra_shifts", d.tetrahedra_shifts, corners * of.dimensions),
+                          named("tetrahedra_centers", d.tetrahedra_centers),
+                          named("polytope_indptr", d.polytope_indptr),
+                          named("polytope_indices", d.polytope_indices),
+                          named("polytope_shifts", d.polytope_shifts, of.dimensions),
+                          named("polytope_centers", d.polytope_centers)};
+    });
 }
 
 namespace votess::c {
@@ -149,7 +129,7 @@ votess_status votess_verify(const votess_result* result, const double* points, s
         const ReportOut out{passed, skipped, sampled, failure, failure_size};
         begin_report(out);
         require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        const auto input = coordinates(points, count, "points", "count", dimensions_of(result->tessellation));
         write_report(votess::verify(result->tessellation, input, verify_options(sample, rng_seed)), out);
     });
 }
@@ -166,7 +146,7 @@ votess_status votess_count_tiny_faces(const votess_result* result, const double*
 votess_status votess_wrapped_points(const votess_result* result, const double* points, size_t count, double* places) {
     return guarded([&] {
         require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
+        const auto input = coordinates(points, count, "points", "count", dimensions_of(result->tessellation));
         require_array(places, count, "places", "count");
         std::ranges::copy(votess::wrapped_points(result->tessellation, input), places);
     });
@@ -209,7 +189,7 @@ votess_status votess_hull_new(const double* points, size_t count, const votess_o
         *out = nullptr;
         const votess::Options converted = convert_options(options, count);
         const auto walls =
-            votess::hull_walls(coordinates(points, count, "points", "count", converted.planar ? 2 : 3), converted);
+            votess::hull_walls(coordinates(points, count, "points", "count", dimensions_of(converted)), converted);
         std::vector<double> rows(4 * walls.size());
         if (!rows.empty()) write_walls(walls, rows.data());
         *out = new votess_hull{std::move(rows)};
@@ -220,10 +200,9 @@ void votess_hull_free(votess_hull* hull) {
     delete hull;
 }
 
-const double* votess_hull_walls(const votess_hull* hull, size_t* length) {
-    if (hull == nullptr) set_last_error("hull is NULL");
-    return expose_span<double>(hull == nullptr ? std::span<const double>() : std::span<const double>(hull->walls),
-                               length);
+votess_status votess_hull_array(const votess_hull* hull, const char* name, votess_array* array) {
+    return expose(hull, "hull", name, array,
+                  [](const votess_hull& of) { return std::array{named("walls", of.walls, 4)}; });
 }
 
 size_t votess_device_count(void) {

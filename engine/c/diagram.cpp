@@ -32,7 +32,7 @@ votess_status votess_diagram_new(const double* points, size_t count, const votes
         require(out, "out");
         *out = nullptr;
         const votess::Options converted = convert_options(options, count);
-        const auto input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+        const auto input = coordinates(points, count, "points", "count", dimensions_of(converted));
         *out = new votess_diagram{votess::Diagram(input, converted), {}};
     });
 }

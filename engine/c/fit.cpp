@@ -47,7 +47,7 @@ votess_status votess_fit_volumes(const double* points, size_t count, const doubl
         require(out, "out");
         *out = nullptr;
         const votess::Options domain = convert_options(options, count);
-        const auto input = coordinates(points, count, "points", "count", domain.planar ? 2 : 3);
+        const auto input = coordinates(points, count, "points", "count", dimensions_of(domain));
         require_array(targets, count, "targets", "count");
         const votess::FitOptions converted = convert(fit_options);
         try {
@@ -66,8 +66,9 @@ void votess_fit_free(votess_fit* fit) {
     delete fit;
 }
 
-const double* votess_fit_weights(const votess_fit* fit, size_t* length) {
-    return expose_array(fit, &votess_fit::fit, &votess::VolumeFit::weights, "fit is NULL", length);
+votess_status votess_fit_array(const votess_fit* fit, const char* name, votess_array* array) {
+    return expose(fit, "fit", name, array,
+                  [](const votess_fit& of) { return std::array{named("weights", of.fit.weights)}; });
 }
 
 votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats) {

@@ -31,6 +31,7 @@ struct votess_result {
 
 struct votess_delaunay {
     votess::Delaunay delaunay;
+    std::size_t dimensions;
 };
 
 struct votess_hull {
@@ -44,10 +45,12 @@ struct votess_diagram {
 
 struct votess_rays {
     votess::RayCells cells;
+    std::size_t dimensions;
 };
 
 struct votess_natural {
     votess::NaturalCoordinates coordinates;
+    std::size_t dimensions;
 };
 
 struct votess_fit {
@@ -61,13 +64,16 @@ struct votess_zones {
 
 struct votess_network {
     votess::Network network;
+    std::size_t dimensions;
 };
 
 struct votess_pieces {
     votess::Pieces pieces;
 };
+
 struct votess_alpha {
     votess::AlphaComplex complex;
+    std::size_t dimensions;
 };
 
 namespace votess::c {
@@ -120,6 +126,15 @@ void write_stats(const Stats& stats, votess_stats& out);
 // Refuses an array that is NULL but has elements, and more elements than any function takes.
 VOTESS_API void require_array(const void* array, std::uint64_t count, const char* name, const char* count_name);
 
+// Returns 2 or 3 for a Tessellation, Diagram or Options.
+template <typename Of>
+[[nodiscard]] std::size_t dimensions_of(const Of& of) {
+    if constexpr (requires { of.planar(); })
+        return of.planar() ? 2 : 3;
+    else
+        return of.planar ? 2 : 3;
+}
+
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points",
                                         const char* count_name = "count", std::size_t dimensions = 3) {
@@ -130,7 +145,7 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
 // Those of queries, which have the dimensions of the seeds.
 inline std::span<const double> queries_of(const votess_diagram& diagram, const double* queries, std::size_t count,
                                           const char* name = "queries") {
-    return coordinates(queries, count, name, "count", diagram.diagram.planar() ? 2 : 3);
+    return coordinates(queries, count, name, "count", dimensions_of(diagram.diagram));
 }
 
 // Calls a callback. An exception of the callback becomes an error that names it.
@@ -169,20 +184,38 @@ votess_status guarded(Function&& function) noexcept {
     }
 }
 
-// Sets *length, which may be NULL. Returns NULL if there are no elements.
-template <typename Element>
-const Element* expose_span(std::span<const Element> elements, std::size_t* length) noexcept {
-    if (length != nullptr) *length = elements.size();
-    return elements.empty() ? nullptr : elements.data();
+// An array of a handle, and its name.
+struct NamedArray {
+    const char* name;
+    votess_array array;
+};
+
+// components: elements in a row.
+template <typename Elements>
+NamedArray named(const char* name, const Elements& elements, std::size_t components = 1) noexcept {
+    using Element = typename Elements::value_type;
+    constexpr char kind = std::is_floating_point_v<Element> ? 'f' : std::is_signed_v<Element> ? 'i' : 'u';
+    static_assert(std::is_arithmetic_v<Element> || sizeof(Element) == 1);  // CellStatus
+    return {name,
+            {elements.empty() ? nullptr : elements.data(), elements.size() / components, components, kind,
+             static_cast<std::uint8_t>(sizeof(Element))}};
 }
 
-// The same for an array in the data of a handle. Sets the last error to `null_message` for a NULL handle.
-template <typename Handle, typename Data, typename Element>
-const Element* expose_array(const Handle* handle, Data Handle::*data, std::vector<Element> Data::*array,
-                            const char* null_message, std::size_t* length) noexcept {
-    if (handle == nullptr) set_last_error(null_message);
-    return expose_span<Element>(
-        handle == nullptr ? std::span<const Element>() : std::span<const Element>(handle->*data.*array), length);
+// Writes the array of this name. handle: the word for messages. Refuses a name that is not among them.
+VOTESS_API void write_array(const char* handle, const char* name, std::span<const NamedArray> arrays,
+                            votess_array& out);
+
+// Writes the array of this name from arrays(*handle), which makes all of them.
+template <typename Handle, typename Arrays>
+votess_status expose(const Handle* handle, const char* word, const char* name, votess_array* out,
+                     const Arrays& arrays) noexcept {
+    return guarded([&] {
+        require(out, "array");
+        *out = {};
+        require(handle, word);
+        require(name, "name");
+        write_array(word, name, arrays(*handle), *out);
+    });
 }
 
 }  // namespace votess::c

@@ -3,15 +3,14 @@
 
 #include <algorithm>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 #include <votess/mpi.hpp>
 
 #include "c/handles.hpp"
 #include "distributed/mpi/exchange.hpp"
+#include "result/arrays.hpp"
 
 using namespace votess::c;
-using votess::BlockCells;
 using votess::mpi::Result;
 
 struct votess_mpi_result {
@@ -22,26 +21,8 @@ namespace {
 
 static_assert(same(VOTESS_MPI_HANDED_IN, votess::mpi::Cells::handed_in));
 static_assert(same(VOTESS_MPI_MADE, votess::mpi::Cells::made));
-static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t));  // exposed as it lies in memory
 
 constexpr std::size_t first_size = offsetof(votess_mpi_counts, volume_sum) + sizeof(votess_mpi_counts::volume_sum);
-
-template <typename Element>
-const Element* expose(const votess_mpi_result* result, std::size_t* length,
-                      std::vector<Element> Result::*array) noexcept {
-    if (result == nullptr) set_last_error("result is NULL");
-    return expose_span<Element>(
-        result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.*array), length);
-}
-
-template <typename Element, typename Holder>
-requires std::is_base_of_v<Holder, BlockCells>
-const Element* expose(const votess_mpi_result* result, std::size_t* length,
-                      std::vector<Element> Holder::*array) noexcept {
-    if (result == nullptr) set_last_error("result is NULL");
-    return expose_span<Element>(
-        result == nullptr ? std::span<const Element>() : std::span<const Element>(result->result.cells.*array), length);
-}
 
 }  // namespace
 
@@ -58,7 +39,7 @@ votess_status votess_mpi_hull_new(MPI_Comm comm, const double* points, size_t co
         votess::mpi::Ranks(comm).together([&] {
             require(out, "out");
             converted = convert_options(options, count);
-            input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+            input = coordinates(points, count, "points", "count", dimensions_of(converted));
         });
         std::vector<double> rows;
         for (const votess::Wall& wall : votess::mpi::hull_walls(comm, input, converted)) {
@@ -79,7 +60,7 @@ votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t 
         votess::mpi::Ranks(comm).together([&] {
             require(out, "out");
             converted = convert_options(options, count);
-            input = coordinates(points, count, "points", "count", converted.planar ? 2 : 3);
+            input = coordinates(points, count, "points", "count", dimensions_of(converted));
             if (cells != VOTESS_MPI_HANDED_IN && cells != VOTESS_MPI_MADE)
                 refuse("cells is " + std::to_string(cells) + ": use one of VOTESS_MPI_*");
         });
@@ -93,88 +74,22 @@ void votess_mpi_free(votess_mpi_result* result) {
     delete result;
 }
 
-const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::ids);
-}
-
-const double* votess_mpi_points(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::points);
-}
-
-const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length) {
-    return reinterpret_cast<const std::uint8_t*>(expose(result, length, &BlockCells::status));
-}
-
-const int64_t* votess_mpi_duplicate_of(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::duplicate_of);
-}
-
-const int64_t* votess_mpi_indptr(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::indptr);
-}
-
-const int64_t* votess_mpi_indices(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::indices);
-}
-
-const int32_t* votess_mpi_owners(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::owners);
-}
-
-const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::shifts);
-}
-
-const double* votess_mpi_face_areas(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::face_areas);
-}
-
-const double* votess_mpi_face_normals(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::face_normals);
-}
-
-const double* votess_mpi_volumes(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::volumes);
-}
-
-const double* votess_mpi_centroids(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::centroids);
-}
-
-const double* votess_mpi_surface_areas(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::surface_areas);
-}
-
-const double* votess_mpi_security_radii(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::security_radii);
-}
-
-const uint32_t* votess_mpi_face_counts(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::face_counts);
-}
-
-const uint32_t* votess_mpi_edge_counts(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::edge_counts);
-}
-
-const uint32_t* votess_mpi_vertex_counts(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &BlockCells::vertex_counts);
-}
-
-const int64_t* votess_mpi_send_indptr(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::send_indptr);
-}
-
-const int64_t* votess_mpi_send(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::send);
-}
-
-const int64_t* votess_mpi_receive_indptr(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::receive_indptr);
-}
-
-const int64_t* votess_mpi_receive(const votess_mpi_result* result, size_t* length) {
-    return expose(result, length, &Result::receive);
+votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array) {
+    return expose(result, "result", name, array, [](const votess_mpi_result& of) {
+        const Result& r = of.result;
+        std::vector<NamedArray> arrays{named("ids", r.ids),
+                                       named("points", r.points, dimensions_of(r.options)),
+                                       named("indptr", r.cells.indptr),
+                                       named("owners", r.cells.owners),
+                                       named("send_indptr", r.send_indptr),
+                                       named("send", r.send),
+                                       named("receive_indptr", r.receive_indptr),
+                                       named("receive", r.receive)};
+        votess::detail::for_row_arrays([&](const auto& row, std::size_t) {
+            arrays.push_back(named(row.name.data(), row.of(r.cells), components_of(row, r.options.planar)));
+        });
+        return arrays;
+    });
 }
 
 votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]) {
@@ -212,7 +127,7 @@ votess_status votess_mpi_verify(MPI_Comm comm, const votess_mpi_result* result, 
         votess::mpi::Ranks(comm).together([&] {
             begin_report(out);
             require(result, "result");
-            input = coordinates(points, count, "points", "count", result->result.options.planar ? 2 : 3);
+            input = coordinates(points, count, "points", "count", dimensions_of(result->result.options));
         });
         write_report(votess::mpi::verify(comm, result->result, input, verify_options(sample, rng_seed)), out);
     });

@@ -23,12 +23,6 @@ votess::NaturalOptions natural_options(const votess_diagram& diagram, int32_t me
     return options;
 }
 
-template <typename Element>
-const Element* expose(const votess_natural* natural, std::size_t* length,
-                      std::vector<Element> votess::NaturalCoordinates::*array) noexcept {
-    return expose_array(natural, &votess_natural::coordinates, array, "natural is NULL", length);
-}
-
 }  // namespace
 
 votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count, int32_t method,
@@ -38,8 +32,9 @@ votess_status votess_natural_new(const votess_diagram* diagram, const double* qu
         *out = nullptr;
         require(diagram, "diagram");
         const auto input = queries_of(*diagram, queries, count);
-        *out = new votess_natural{diagram->diagram.natural_neighbors(
-            input, natural_options(*diagram, method, at_walls, gradients != 0, weights, count))};
+        const votess::NaturalOptions options =
+            natural_options(*diagram, method, at_walls, gradients != 0, weights, count);
+        *out = new votess_natural{diagram->diagram.natural_neighbors(input, options), dimensions_of(diagram->diagram)};
     });
 }
 
@@ -47,20 +42,12 @@ void votess_natural_free(votess_natural* natural) {
     delete natural;
 }
 
-const int64_t* votess_natural_indptr(const votess_natural* natural, size_t* length) {
-    return expose(natural, length, &votess::NaturalCoordinates::indptr);
-}
-
-const int32_t* votess_natural_indices(const votess_natural* natural, size_t* length) {
-    return expose(natural, length, &votess::NaturalCoordinates::indices);
-}
-
-const double* votess_natural_weights(const votess_natural* natural, size_t* length) {
-    return expose(natural, length, &votess::NaturalCoordinates::weights);
-}
-
-const double* votess_natural_gradients(const votess_natural* natural, size_t* length) {
-    return expose(natural, length, &votess::NaturalCoordinates::gradients);
+votess_status votess_natural_array(const votess_natural* natural, const char* name, votess_array* array) {
+    return expose(natural, "natural", name, array, [](const votess_natural& of) {
+        const votess::NaturalCoordinates& n = of.coordinates;
+        return std::array{named("indptr", n.indptr), named("indices", n.indices), named("weights", n.weights),
+                          named("gradients", n.gradients, of.dimensions)};
+    });
 }
 
 votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values, size_t components,

@@ -5,24 +5,15 @@
 
 using namespace votess::c;
 
-namespace {
-
-template <typename Element>
-const Element* expose(const votess_network* network, std::size_t* length,
-                      std::vector<Element> votess::Network::*array) noexcept {
-    return expose_array(network, &votess_network::network, array, "network is NULL", length);
-}
-
-}  // namespace
-
 votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
                                  votess_network** out) {
     return guarded([&] {
         require(out, "out");
         *out = nullptr;
         require(result, "result");
-        const auto input = coordinates(points, count, "points", "count", result->tessellation.planar() ? 2 : 3);
-        *out = new votess_network{votess::network(result->tessellation, input)};
+        const std::size_t dimensions = dimensions_of(result->tessellation);
+        const auto input = coordinates(points, count, "points", "count", dimensions);
+        *out = new votess_network{votess::network(result->tessellation, input), dimensions};
     });
 }
 
@@ -30,32 +21,17 @@ void votess_network_free(votess_network* network) {
     delete network;
 }
 
-const double* votess_network_points(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::points);
-}
-
-const int32_t* votess_network_vertices(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::vertices);
-}
-
-const double* votess_network_vertex_radii(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::vertex_radii);
-}
-
-const uint8_t* votess_network_at_walls(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::at_walls);
-}
-
-const int32_t* votess_network_edges(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::edges);
-}
-
-const int8_t* votess_network_shifts(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::shifts);
-}
-
-const double* votess_network_edge_radii(const votess_network* network, size_t* length) {
-    return expose(network, length, &votess::Network::edge_radii);
+votess_status votess_network_array(const votess_network* network, const char* name, votess_array* array) {
+    return expose(network, "network", name, array, [](const votess_network& of) {
+        const votess::Network& n = of.network;
+        return std::array{named("points", n.points, of.dimensions),
+                          named("vertices", n.vertices),
+                          named("vertex_radii", n.vertex_radii),
+                          named("at_walls", n.at_walls),
+                          named("edges", n.edges, 2),
+                          named("shifts", n.shifts, of.dimensions),
+                          named("edge_radii", n.edge_radii)};
+    });
 }
 
 votess_status votess_network_largest_included(const votess_network* network, double* radius, int32_t* vertex) {

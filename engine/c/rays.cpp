@@ -3,16 +3,6 @@
 
 using namespace votess::c;
 
-namespace {
-
-template <typename Element>
-const Element* expose(const votess_rays* rays, std::size_t* length,
-                      std::vector<Element> votess::RayCells::*array) noexcept {
-    return expose_array(rays, &votess_rays::cells, array, "rays is NULL", length);
-}
-
-}  // namespace
-
 votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
                               const double* lengths, size_t count, int32_t middles, votess_rays** out) {
     return guarded([&] {
@@ -22,8 +12,8 @@ votess_status votess_rays_new(const votess_diagram* diagram, const double* origi
         const auto from = queries_of(*diagram, origins, count, "origins"),
                    along = queries_of(*diagram, directions, count, "directions");
         require_array(lengths, count, "lengths", "count");
-        *out =
-            new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress})};
+        *out = new votess_rays{diagram->diagram.trace(from, along, {lengths, count}, {middles != 0, diagram->progress}),
+                               dimensions_of(diagram->diagram)};
     });
 }
 
@@ -31,18 +21,9 @@ void votess_rays_free(votess_rays* rays) {
     delete rays;
 }
 
-const int64_t* votess_rays_offsets(const votess_rays* rays, size_t* length) {
-    return expose(rays, length, &votess::RayCells::offsets);
-}
-
-const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length) {
-    return expose(rays, length, &votess::RayCells::seeds);
-}
-
-const double* votess_rays_lengths(const votess_rays* rays, size_t* length) {
-    return expose(rays, length, &votess::RayCells::lengths);
-}
-
-const double* votess_rays_middles(const votess_rays* rays, size_t* length) {
-    return expose(rays, length, &votess::RayCells::middles);
+votess_status votess_rays_array(const votess_rays* rays, const char* name, votess_array* array) {
+    return expose(rays, "rays", name, array, [](const votess_rays& of) {
+        return std::array{named("offsets", of.cells.offsets), named("seeds", of.cells.seeds),
+                          named("lengths", of.cells.lengths), named("middles", of.cells.middles, of.dimensions)};
+    });
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t first_stats_size = offsetof(votess_stats, device) + sizeof(votess_stats::device);
 static_assert(sizeof(votess_stats) >= first_stats_size && sizeof(votess_stats) <= VOTESS_LARGEST_STRUCT);
 // Exposed as they lie in memory.
-static_assert(sizeof(votess::CellStatus) == sizeof(std::uint8_t) && sizeof(votess::Wall) == 4 * sizeof(double));
+static_assert(sizeof(votess::Wall) == 4 * sizeof(double));
 
 static_assert(same(VOTESS_CELL_CERTIFIED, votess::CellStatus::certified));
 static_assert(same(VOTESS_CELL_NEEDS_EXACT, votess::CellStatus::needs_exact));
@@ -25,14 +25,6 @@ static_assert(same(VOTESS_CELL_CANDIDATES_EXHAUSTED, votess::CellStatus::candida
 static_assert(same(VOTESS_CELL_DUPLICATE, votess::CellStatus::duplicate));
 static_assert(same(VOTESS_CELL_EMPTY, votess::CellStatus::empty));
 static_assert(same(VOTESS_CELL_OUTSIDE, votess::CellStatus::outside));
-
-template <typename Element>
-const Element* expose(const votess_result* result, std::size_t* length,
-                      std::span<const Element> (votess::Tessellation::*array)() const noexcept) noexcept {
-    if (result == nullptr) set_last_error("result is NULL");
-    return expose_span<Element>(result == nullptr ? std::span<const Element>() : (result->tessellation.*array)(),
-                                length);
-}
 
 }  // namespace
 
@@ -50,52 +42,35 @@ size_t votess_result_size(const votess_result* result) {
     return 0;
 }
 
-const int64_t* votess_result_indptr(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::indptr);
-}
-
-const int32_t* votess_result_indices(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::indices);
-}
-
-const double* votess_result_face_areas(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::face_areas);
-}
-
-const double* votess_result_face_normals(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::face_normals);
-}
-
-const int8_t* votess_result_shifts(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::shifts);
-}
-
-const double* votess_result_volumes(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::volumes);
-}
-
-const double* votess_result_centroids(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::centroids);
-}
-
-const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::face_counts);
-}
-
-const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::edge_counts);
-}
-
-const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::vertex_counts);
-}
-
-const double* votess_result_surface_areas(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::surface_areas);
-}
-
-const double* votess_result_mesh_areas(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::mesh_areas);
+votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array) {
+    return expose(result, "result", name, array, [](const votess_result& of) {
+        const votess::Tessellation& t = of.tessellation;
+        const std::size_t d = dimensions_of(t);
+        const std::span<const double> walls(reinterpret_cast<const double*>(t.walls().data()), 4 * t.walls().size());
+        return std::array{named("indptr", t.indptr()),
+                          named("indices", t.indices()),
+                          named("shifts", t.shifts(), d),
+                          named("face_areas", t.face_areas()),
+                          named("face_normals", t.face_normals(), d),
+                          named("volumes", t.volumes()),
+                          named("centroids", t.centroids(), d),
+                          named("surface_areas", t.surface_areas()),
+                          named("mesh_areas", t.mesh_areas()),
+                          named("security_radii", t.security_radii()),
+                          named("face_counts", t.face_counts()),
+                          named("edge_counts", t.edge_counts()),
+                          named("vertex_counts", t.vertex_counts()),
+                          named("vertices", t.vertices(), d),
+                          named("cell_vertex_indptr", t.cell_vertex_indptr()),
+                          named("cell_vertex_indices", t.cell_vertex_indices()),
+                          named("face_offsets", t.face_offsets()),
+                          named("face_vertices", t.face_vertices()),
+                          named("status", t.status()),
+                          named("duplicate_of", t.duplicate_of()),
+                          named("ids", t.ids()),
+                          named("weights", t.weights()),
+                          named("walls", walls, 4)};
+    });
 }
 
 int votess_result_in_mesh(const votess_result* result) {
@@ -104,46 +79,10 @@ int votess_result_in_mesh(const votess_result* result) {
     return 0;
 }
 
-const double* votess_result_security_radii(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::security_radii);
-}
-
-const double* votess_result_vertices(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::vertices);
-}
-
-const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::face_offsets);
-}
-
-const int32_t* votess_result_face_vertices(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::face_vertices);
-}
-
-const int64_t* votess_result_cell_vertex_indptr(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::cell_vertex_indptr);
-}
-
-const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::cell_vertex_indices);
-}
-
-const uint8_t* votess_result_status(const votess_result* result, size_t* length) {
-    return reinterpret_cast<const std::uint8_t*>(expose(result, length, &votess::Tessellation::status));
-}
-
-const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::duplicate_of);
-}
-
 int votess_result_planar(const votess_result* result) {
     if (result != nullptr) return result->tessellation.planar() ? 1 : 0;
     set_last_error("result is NULL");
     return 0;
-}
-
-const int32_t* votess_result_ids(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::ids);
 }
 
 int votess_result_lists_walls(const votess_result* result) {
@@ -156,16 +95,6 @@ double votess_result_least_face(const votess_result* result) {
     if (result != nullptr) return result->tessellation.least_face();
     set_last_error("result is NULL");
     return 0;
-}
-
-const double* votess_result_weights(const votess_result* result, size_t* length) {
-    return expose(result, length, &votess::Tessellation::weights);
-}
-
-const double* votess_result_walls(const votess_result* result, size_t* length) {
-    const votess::Wall* walls = expose(result, length, &votess::Tessellation::walls);
-    if (length != nullptr) *length *= 4;
-    return reinterpret_cast<const double*>(walls);
 }
 
 votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {

@@ -100,7 +100,7 @@ votess_status votess_tessellate_stream(const votess_stream* stream, const votess
         const bool has_hull = stream->struct_size >= offsetof(votess_stream, hull) + sizeof stream->hull;
         if (has_hull && stream->hull != 0 && stream->hull != 1)
             refuse("stream.hull is " + std::to_string(stream->hull) + ": give 0 or 1");
-        Source source(*stream, converted.planar ? 2 : 3);
+        Source source(*stream, dimensions_of(converted));
         Sink sink(*stream);
         const votess::StreamResult result =
             votess::tessellate_stream(source, sink, converted,

@@ -3,16 +3,6 @@
 
 using namespace votess::c;
 
-namespace {
-
-template <typename Element>
-const Element* expose(const votess_zones* zones, std::size_t* length,
-                      std::vector<Element> votess::Zones::*array) noexcept {
-    return expose_array(zones, &votess_zones::zones, array, "zones is NULL", length);
-}
-
-}  // namespace
-
 votess_status votess_zones_new(const votess_result* result, const double* values, size_t count, int32_t maxima,
                                votess_zones** out) {
     return guarded([&] {
@@ -37,34 +27,12 @@ void votess_zones_free(votess_zones* zones) {
     delete zones;
 }
 
-const int32_t* votess_zones_labels(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::labels);
-}
-
-const int32_t* votess_zones_cores(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::cores);
-}
-
-const int32_t* votess_zones_pairs(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::pairs);
-}
-
-const double* votess_zones_saddles(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::saddles);
-}
-
-const int32_t* votess_zones_passes(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::passes);
-}
-
-const int32_t* votess_zones_parents(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::parents);
-}
-
-const double* votess_zones_persistence(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::persistence);
-}
-
-const uint8_t* votess_zones_at_walls(const votess_zones* zones, size_t* length) {
-    return expose(zones, length, &votess::Zones::at_walls);
+votess_status votess_zones_array(const votess_zones* zones, const char* name, votess_array* array) {
+    return expose(zones, "zones", name, array, [](const votess_zones& of) {
+        const votess::Zones& z = of.zones;
+        return std::array{named("labels", z.labels),           named("cores", z.cores),
+                          named("pairs", z.pairs, 2),          named("saddles", z.saddles),
+                          named("passes", z.passes, 2),        named("parents", z.parents),
+                          named("persistence", z.persistence), named("at_walls", z.at_walls)};
+    });
 }

@@ -41,29 +41,15 @@ VOTESS_API votess_status votess_mpi_tessellate(MPI_Comm comm, const double* poin
                                                const votess_options* options, int32_t cells, votess_mpi_result** out);
 VOTESS_API void votess_mpi_free(votess_mpi_result* result);
 
-// Arrays of a result, returned as those of votess_result. Names, shapes and orders as in Result and BlockCells of
-// mpi.hpp.
-VOTESS_API const int64_t* votess_mpi_ids(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_points(const votess_mpi_result* result, size_t* length);
-VOTESS_API const uint8_t* votess_mpi_status(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_duplicate_of(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_indptr(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_indices(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int32_t* votess_mpi_owners(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int8_t* votess_mpi_shifts(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_face_areas(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_face_normals(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_volumes(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_centroids(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_surface_areas(const votess_mpi_result* result, size_t* length);
-VOTESS_API const double* votess_mpi_security_radii(const votess_mpi_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_mpi_face_counts(const votess_mpi_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_mpi_edge_counts(const votess_mpi_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_mpi_vertex_counts(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_send_indptr(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_send(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_receive_indptr(const votess_mpi_result* result, size_t* length);
-VOTESS_API const int64_t* votess_mpi_receive(const votess_mpi_result* result, size_t* length);
+// Sets *array to an array of N cells, see votess_array. Orders as in Result and BlockCells of mpi.hpp. d: 2 in the
+// plane, else 3. R: ranks.
+//   int64_t   ids (N), indptr (N + 1), indices (indptr[N]), send_indptr (R + 1), send, receive_indptr (R + 1), receive
+//   int64_t   duplicate_of (N), where seeds are equal
+//   int32_t   owners (indptr[N]), ranks
+//   double    points (N, d), with VOTESS_MPI_MADE
+// and the others with the names and types of votess_result: shifts, face_areas, face_normals, volumes, centroids,
+// surface_areas, security_radii, face_counts, edge_counts, vertex_counts, status.
+VOTESS_API votess_status votess_mpi_array(const votess_mpi_result* result, const char* name, votess_array* array);
 // Writes the box that was given or assumed. Fails for a triclinic one.
 VOTESS_API votess_status votess_mpi_box(const votess_mpi_result* result, double lower[3], double upper[3]);
 VOTESS_API votess_status votess_mpi_read_counts(const votess_mpi_result* result, votess_mpi_counts* counts);

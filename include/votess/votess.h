@@ -7,7 +7,7 @@
 //   - Structs begin with their own size as the caller compiled it. Later versions only add fields at the end. Fields
 //     that the caller lacks keep their defaults; fields that the library lacks are ignored. A size above
 //     VOTESS_LARGEST_STRUCT is uninitialized memory and is refused.
-//   - Arrays belong to the result handle and live as long as it.
+//   - Arrays are read by their names into a votess_array; they belong to the handle and live as long as it.
 //   - No exception leaves the library.
 #ifndef VOTESS_H
 #define VOTESS_H
@@ -158,6 +158,18 @@ typedef struct votess_stats {
     double moved_distance;    // the largest of these moves
 } votess_stats;
 
+// An array of a handle. It lies in the library's memory, must not be written, and lives as long as the handle. Each
+// type of handle with arrays has a function votess_<type>_array(), which sets *array to the one of this name. Names are
+// those of the C++ struct. A NULL pointer and an unknown name give VOTESS_ERROR_INVALID_ARGUMENT and an empty *array;
+// votess_last_error() then lists the names. An array that was not requested or does not apply is empty, without error.
+typedef struct votess_array {
+    const void* data;   // length * components elements, row by row; NULL when there are none
+    size_t length;      // rows
+    size_t components;  // elements in a row
+    char kind;          // of an element: 'f' floating point, 'i' signed, 'u' unsigned
+    uint8_t bytes;      // of an element: 1, 4 or 8
+} votess_array;
+
 typedef struct votess_tessellator votess_tessellator;
 typedef struct votess_result votess_result;
 typedef struct votess_delaunay votess_delaunay;
@@ -207,38 +219,23 @@ VOTESS_API votess_status votess_tessellate_f32(votess_tessellator* tessellator, 
                                                const votess_options* options, votess_result** out);
 VOTESS_API void votess_result_free(votess_result* result);
 
-// Arrays of a result. Return a pointer to the first element and set *length to the number of elements; NULL and 0 when
-// the array was not requested or is empty. length may be NULL. Orders and units as in Tessellation of votess.hpp.
 VOTESS_API size_t votess_result_size(const votess_result* result);  // N
-VOTESS_API const int64_t* votess_result_indptr(const votess_result* result, size_t* length);
-VOTESS_API const int32_t* votess_result_indices(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_face_areas(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_face_normals(const votess_result* result, size_t* length);
-VOTESS_API const int8_t* votess_result_shifts(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_volumes(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_centroids(const votess_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_result_face_counts(const votess_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_result_edge_counts(const votess_result* result, size_t* length);
-VOTESS_API const uint32_t* votess_result_vertex_counts(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_surface_areas(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_mesh_areas(const votess_result* result,
-                                                  size_t* length);  // with options.has_mesh
-VOTESS_API int votess_result_in_mesh(const votess_result* result);  // 1 with options.has_mesh, else 0
-VOTESS_API const double* votess_result_security_radii(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_vertices(const votess_result* result, size_t* length);
-VOTESS_API const int64_t* votess_result_face_offsets(const votess_result* result, size_t* length);
-VOTESS_API const int32_t* votess_result_face_vertices(const votess_result* result, size_t* length);
-VOTESS_API const int64_t* votess_result_cell_vertex_indptr(const votess_result* result, size_t* length);
-VOTESS_API const int32_t* votess_result_cell_vertex_indices(const votess_result* result, size_t* length);
-VOTESS_API const uint8_t* votess_result_status(const votess_result* result, size_t* length);
-VOTESS_API const int32_t* votess_result_duplicate_of(const votess_result* result, size_t* length);
-VOTESS_API int votess_result_planar(const votess_result* result);  // 1 for cells of the plane, else 0
-VOTESS_API const int32_t* votess_result_ids(const votess_result* result, size_t* length);  // with options.only
+// Sets *array to an array of a result, see votess_array. N: seeds. d: 2 in the plane, else 3. Orders and units as in
+// Tessellation of votess.hpp.
+//   int64_t   indptr (N + 1), cell_vertex_indptr (N + 1), face_offsets (indptr[N] + 1)
+//   int32_t   indices (indptr[N]), cell_vertex_indices (cell_vertex_indptr[N]), face_vertices (face_offsets[indptr[N]])
+//   int8_t    shifts (indptr[N], d), in a periodic domain
+//   double    volumes, surface_areas, security_radii (N), centroids (N, d); mesh_areas (N), with options.has_mesh
+//   double    face_areas (indptr[N]), face_normals (indptr[N], d), vertices (V, d)
+//   uint32_t  face_counts, edge_counts, vertex_counts (N)
+//   uint8_t   status (N), VOTESS_CELL_*
+//   int32_t   duplicate_of (N), where seeds are equal; ids (N), with options.has_only
+//   double    weights (one for each point), of a power diagram; walls (M, 4), as votess_options.walls
+VOTESS_API votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array);
+VOTESS_API int votess_result_in_mesh(const votess_result* result);        // 1 with options.has_mesh, else 0
+VOTESS_API int votess_result_planar(const votess_result* result);         // 1 for cells of the plane, else 0
 VOTESS_API int votess_result_lists_walls(const votess_result* result);    // 1 when the rows hold wall ids, else 0
 VOTESS_API double votess_result_least_face(const votess_result* result);  // area below which faces were dropped, or 0
-// Weights of a power diagram; walls, 4 numbers each, as in votess_options.
-VOTESS_API const double* votess_result_weights(const votess_result* result, size_t* length);
-VOTESS_API const double* votess_result_walls(const votess_result* result, size_t* length);
 VOTESS_API votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]);
 // Sets 1 for each axis, or edge of a triclinic box, along which the domain repeats, else 0.
 VOTESS_API votess_status votess_result_periodic(const votess_result* result, int32_t periodic[3]);
@@ -247,17 +244,14 @@ VOTESS_API votess_status votess_result_cell(const votess_result* result, int32_t
                                             double a[3], double b[3], double c[3]);
 VOTESS_API votess_status votess_result_stats(const votess_result* result, votess_stats* stats);
 
-// The dual of the cells, see delaunay() in votess.hpp; result needs faces, and may be freed afterwards. Arrays as those
-// of a result; orders as in struct Delaunay.
+// The dual of the cells, see delaunay() in votess.hpp; result needs faces, and may be freed afterwards.
 VOTESS_API votess_status votess_delaunay_new(const votess_result* result, votess_delaunay** out);
 VOTESS_API void votess_delaunay_free(votess_delaunay* delaunay);
-VOTESS_API const int32_t* votess_delaunay_tetrahedra(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int8_t* votess_delaunay_tetrahedra_shifts(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int32_t* votess_delaunay_tetrahedra_centers(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int64_t* votess_delaunay_polytope_indptr(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int32_t* votess_delaunay_polytope_indices(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int8_t* votess_delaunay_polytope_shifts(const votess_delaunay* delaunay, size_t* length);
-VOTESS_API const int32_t* votess_delaunay_polytope_centers(const votess_delaunay* delaunay, size_t* length);
+// The arrays of Delaunay in votess.hpp:
+//   int32_t  tetrahedra (T, d + 1), tetrahedra_centers (T), polytope_indices (polytope_indptr[P]), polytope_centers (P)
+//   int8_t   tetrahedra_shifts (T, (d + 1) * d), polytope_shifts (polytope_indptr[P], d), in a periodic domain
+//   int64_t  polytope_indptr (P + 1)
+VOTESS_API votess_status votess_delaunay_array(const votess_delaunay* delaunay, const char* name, votess_array* array);
 
 // Seeds for queries, see Diagram in diagram.hpp; many threads may query one. points: 3 * count coordinates, 2 * count
 // if options->planar; copied. Each query and vector then has d = 2 components, else 3. Uses these options: the domain,
@@ -284,29 +278,30 @@ VOTESS_API votess_status votess_diagram_probe(const votess_diagram* diagram, con
                                               votess_result** out);
 
 // The cells along rays, see Diagram::trace in diagram.hpp. origins, directions: d * count. lengths: count. middles:
-// nonzero for true. On success *out is new, else NULL; the diagram may be freed afterwards. Arrays as those of a
-// result; rows as in struct RayCells.
+// nonzero for true. On success *out is new, else NULL; the diagram may be freed afterwards.
 VOTESS_API votess_status votess_rays_new(const votess_diagram* diagram, const double* origins, const double* directions,
                                          const double* lengths, size_t count, int32_t middles, votess_rays** out);
 VOTESS_API void votess_rays_free(votess_rays* rays);
-VOTESS_API const int64_t* votess_rays_offsets(const votess_rays* rays, size_t* length);
-VOTESS_API const int32_t* votess_rays_seeds(const votess_rays* rays, size_t* length);
-VOTESS_API const double* votess_rays_lengths(const votess_rays* rays, size_t* length);
-VOTESS_API const double* votess_rays_middles(const votess_rays* rays, size_t* length);
+// The arrays of RayCells in diagram.hpp, for R rays:
+//   int64_t  offsets (R + 1)
+//   int32_t  seeds (offsets[R])
+//   double   lengths (offsets[R]), middles (offsets[R], d)
+VOTESS_API votess_status votess_rays_array(const votess_rays* rays, const char* name, votess_array* array);
 
 // Natural-neighbor coordinates of queries, see Diagram::natural_neighbors in diagram.hpp. at_walls, gradients: nonzero
 // for true. weights: count, only in a power diagram; NULL = 0. On success *out is new, else NULL; the diagram may be
-// freed afterwards. Arrays as those of a result; rows as in struct NaturalCoordinates.
+// freed afterwards.
 #define VOTESS_NATURAL_SIBSON 0
 #define VOTESS_NATURAL_LAPLACE 1
 VOTESS_API votess_status votess_natural_new(const votess_diagram* diagram, const double* queries, size_t count,
                                             int32_t method, int32_t at_walls, int32_t gradients, const double* weights,
                                             votess_natural** out);
 VOTESS_API void votess_natural_free(votess_natural* natural);
-VOTESS_API const int64_t* votess_natural_indptr(const votess_natural* natural, size_t* length);
-VOTESS_API const int32_t* votess_natural_indices(const votess_natural* natural, size_t* length);
-VOTESS_API const double* votess_natural_weights(const votess_natural* natural, size_t* length);
-VOTESS_API const double* votess_natural_gradients(const votess_natural* natural, size_t* length);
+// The arrays of NaturalCoordinates in diagram.hpp, for Q queries:
+//   int64_t  indptr (Q + 1)
+//   int32_t  indices (indptr[Q])
+//   double   weights (indptr[Q]), gradients (indptr[Q], d)
+VOTESS_API votess_status votess_natural_array(const votess_natural* natural, const char* name, votess_array* array);
 // Writes the sums of values, weighted by these coordinates; NaN where there are none. values: N * components.
 // interpolated: count * components. gradients: d times as many, or NULL.
 VOTESS_API votess_status votess_diagram_interpolate(const votess_diagram* diagram, const double* values,
@@ -354,41 +349,37 @@ VOTESS_API votess_status votess_fit_volumes(const double* points, size_t count, 
                                             const votess_options* options, const votess_fit_options* fit_options,
                                             votess_fit** out);
 VOTESS_API void votess_fit_free(votess_fit* fit);
-VOTESS_API const double* votess_fit_weights(const votess_fit* fit, size_t* length);
+// The array of VolumeFit in fit.hpp: weights (count), double.
+VOTESS_API votess_status votess_fit_array(const votess_fit* fit, const char* name, votess_array* array);
 VOTESS_API votess_status votess_fit_get_stats(const votess_fit* fit, votess_fit_stats* stats);
 // Sets *out to a new handle of the tessellation, which does not need the fit, or to NULL after a failure.
 VOTESS_API votess_status votess_fit_result(const votess_fit* fit, votess_result** out);
 
 // Zones of a watershed, see watershed() in zones.hpp. values: count numbers, one for each cell of the result. maxima:
-// nonzero for true. On success *out is new, else NULL; the result may be freed afterwards. Arrays as those of a result;
-// orders as in struct Zones.
+// nonzero for true. On success *out is new, else NULL; the result may be freed afterwards.
 VOTESS_API votess_status votess_zones_new(const votess_result* result, const double* values, size_t count,
                                           int32_t maxima, votess_zones** out);
 // Sets *out to the zones that remain when those of at most this persistence join their parents, or to NULL after a
 // failure; see Zones::merge in zones.hpp.
 VOTESS_API votess_status votess_zones_merge(const votess_zones* zones, double threshold, votess_zones** out);
 VOTESS_API void votess_zones_free(votess_zones* zones);
-VOTESS_API const int32_t* votess_zones_labels(const votess_zones* zones, size_t* length);
-VOTESS_API const int32_t* votess_zones_cores(const votess_zones* zones, size_t* length);
-VOTESS_API const int32_t* votess_zones_pairs(const votess_zones* zones, size_t* length);
-VOTESS_API const double* votess_zones_saddles(const votess_zones* zones, size_t* length);
-VOTESS_API const int32_t* votess_zones_passes(const votess_zones* zones, size_t* length);
-VOTESS_API const int32_t* votess_zones_parents(const votess_zones* zones, size_t* length);
-VOTESS_API const double* votess_zones_persistence(const votess_zones* zones, size_t* length);
-VOTESS_API const uint8_t* votess_zones_at_walls(const votess_zones* zones, size_t* length);
+// The arrays of Zones in zones.hpp, for Z zones that P passes join:
+//   int32_t  labels (N), cores (Z), pairs (P, 2), passes (P, 2), parents (Z)
+//   double   saddles (P), persistence (Z)
+//   uint8_t  at_walls (Z), where the rows list walls
+VOTESS_API votess_status votess_zones_array(const votess_zones* zones, const char* name, votess_array* array);
 
 // The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's
-// points, in the plane 2 * count. On success *out is new, else NULL. The arrays are those of Network.
+// points, in the plane 2 * count. On success *out is new, else NULL.
 VOTESS_API votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
                                             votess_network** out);
 VOTESS_API void votess_network_free(votess_network* network);
-VOTESS_API const double* votess_network_points(const votess_network* network, size_t* length);
-VOTESS_API const int32_t* votess_network_vertices(const votess_network* network, size_t* length);
-VOTESS_API const double* votess_network_vertex_radii(const votess_network* network, size_t* length);
-VOTESS_API const uint8_t* votess_network_at_walls(const votess_network* network, size_t* length);
-VOTESS_API const int32_t* votess_network_edges(const votess_network* network, size_t* length);
-VOTESS_API const int8_t* votess_network_shifts(const votess_network* network, size_t* length);
-VOTESS_API const double* votess_network_edge_radii(const votess_network* network, size_t* length);
+// The arrays of Network in network.hpp, of V vertices and E edges:
+//   double   points (V, d), vertex_radii (V), edge_radii (E)
+//   int32_t  vertices (V), edges (E, 2)
+//   uint8_t  at_walls (V)
+//   int8_t   shifts (E, d), in a periodic domain
+VOTESS_API votess_status votess_network_array(const votess_network* network, const char* name, votess_array* array);
 // Writes the largest sphere at a vertex; see Network::largest_included.
 VOTESS_API votess_status votess_network_largest_included(const votess_network* network, double* radius,
                                                          int32_t* vertex);
@@ -398,31 +389,30 @@ VOTESS_API votess_status votess_network_largest_free(const votess_network* netwo
                                                      int32_t* edge, double* included_radius, int32_t* included_vertex);
 
 // The pieces of cells in a mesh, see pieces() in pieces.hpp. gap: between pieces, 0 for none. threads: as in
-// votess_options. progress: may be NULL; user: passed to it. On success *out is new, else NULL. The arrays are those of
-// Pieces.
+// votess_options. progress: may be NULL; user: passed to it. On success *out is new, else NULL.
 VOTESS_API votess_status votess_pieces_new(const votess_result* result, double gap, uint32_t threads,
                                            votess_progress_callback progress, void* user, votess_pieces** out);
 VOTESS_API void votess_pieces_free(votess_pieces* pieces);
-VOTESS_API const int64_t* votess_pieces_indptr(const votess_pieces* pieces, size_t* length);
-VOTESS_API const int64_t* votess_pieces_vertex_offsets(const votess_pieces* pieces, size_t* length);
-VOTESS_API const double* votess_pieces_vertices(const votess_pieces* pieces, size_t* length);
-VOTESS_API const int64_t* votess_pieces_triangle_offsets(const votess_pieces* pieces, size_t* length);
-VOTESS_API const int32_t* votess_pieces_triangles(const votess_pieces* pieces, size_t* length);
-VOTESS_API const uint8_t* votess_pieces_on_surface(const votess_pieces* pieces, size_t* length);
-VOTESS_API const int32_t* votess_pieces_sources(const votess_pieces* pieces, size_t* length);
-VOTESS_API const double* votess_pieces_volumes(const votess_pieces* pieces, size_t* length);
-VOTESS_API const double* votess_pieces_centroids(const votess_pieces* pieces, size_t* length);
+// The arrays of Pieces in pieces.hpp, of P pieces with V vertices and T triangles:
+//   int64_t  indptr (N + 1), vertex_offsets (P + 1), triangle_offsets (P + 1)
+//   double   vertices (V, 3), volumes (P), centroids (P, 3)
+//   int32_t  triangles (T, 3), sources (T)
+//   uint8_t  on_surface (T)
+VOTESS_API votess_status votess_pieces_array(const votess_pieces* pieces, const char* name, votess_array* array);
 
 // The alpha complex, see alpha_complex() in alpha.hpp. points: 3 * count coordinates of the result's points, in the
 // plane 2 * count. replicate: 3 numbers of copies along the box vectors, or NULL for one each. On success *out is new,
-// else NULL. The arrays are those of AlphaSimplices for a dimension of 0 to 3.
+// else NULL.
 VOTESS_API votess_status votess_alpha_new(const votess_result* result, const double* points, size_t count,
                                           const int32_t* replicate, votess_alpha** out);
 VOTESS_API void votess_alpha_free(votess_alpha* alpha);
-VOTESS_API const int32_t* votess_alpha_seeds(const votess_alpha* alpha, int32_t dimension, size_t* length);
-VOTESS_API const int8_t* votess_alpha_shifts(const votess_alpha* alpha, int32_t dimension, size_t* length);
-VOTESS_API const double* votess_alpha_values(const votess_alpha* alpha, int32_t dimension, size_t* length);
-VOTESS_API const uint8_t* votess_alpha_gabriel(const votess_alpha* alpha, int32_t dimension, size_t* length);
+// The arrays of AlphaSimplices in alpha.hpp, for the M simplices of dimension k, which is 0 to 3:
+//   int32_t  seeds (M, k + 1)
+//   int8_t   shifts (M, (k + 1) * d), in a periodic domain
+//   double   values (M)
+//   uint8_t  gabriel (M)
+VOTESS_API votess_status votess_alpha_array(const votess_alpha* alpha, int32_t k, const char* name,
+                                            votess_array* array);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
 // passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number
@@ -533,7 +523,8 @@ VOTESS_API votess_status votess_cone_walls(const double apex[3], const double ax
 VOTESS_API votess_status votess_hull_new(const double* points, size_t count, const votess_options* options,
                                          votess_hull** out);
 VOTESS_API void votess_hull_free(votess_hull* hull);
-VOTESS_API const double* votess_hull_walls(const votess_hull* hull, size_t* length);
+// Its array: walls (M, 4), double.
+VOTESS_API votess_status votess_hull_array(const votess_hull* hull, const char* name, votess_array* array);
 
 // Devices: index from 0 to votess_device_count() - 1. The strings are copied, zero-terminated, cut if too long; each
 // may be NULL with size 0. Pass id as votess_options.device.

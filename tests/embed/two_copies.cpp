@@ -66,9 +66,8 @@ public:
             throw std::runtime_error(std::string(device) + ": " +
                                      get<decltype(votess_last_error)>("votess_last_error")());
         }
-        Rows rows{array<std::int64_t>(get<decltype(votess_result_indptr)>("votess_result_indptr"), result),
-                  array<std::int32_t>(get<decltype(votess_result_indices)>("votess_result_indices"), result), 0};
-        const auto volumes = array<double>(get<decltype(votess_result_volumes)>("votess_result_volumes"), result);
+        Rows rows{array<std::int64_t>(result, "indptr"), array<std::int32_t>(result, "indices"), 0};
+        const auto volumes = array<double>(result, "volumes");
         rows.volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
         get<decltype(votess_result_free)>("votess_result_free")(result);
         return rows;
@@ -83,10 +82,11 @@ private:
         return reinterpret_cast<Function*>(symbol);
     }
     template <class T>
-    static std::vector<T> array(const T* (*read)(const votess_result*, std::size_t*), const votess_result* result) {
-        std::size_t length = 0;
-        const T* first = read(result, &length);
-        return std::vector<T>(first, first + length);
+    [[nodiscard]] std::vector<T> array(const votess_result* result, const char* name) const {
+        votess_array array;
+        require(get<decltype(votess_result_array)>("votess_result_array")(result, name, &array) == VOTESS_OK, name);
+        const T* first = static_cast<const T*>(array.data);
+        return std::vector<T>(first, first + array.length);
     }
 
     void* library_;

@@ -45,7 +45,7 @@ def rows_of(seconds, counts):
 
 def locate(generator, arguments):
     points, queries = generator.random((arguments.seeds, 3)), generator.random((arguments.queries, 3))
-    sorting, diagram = seconds_of(lambda: vt.Diagram(points, BOX, threads=1))
+    sorting, diagram = seconds_of(lambda: vt.Diagram(points, box=BOX, threads=1))
     print(f"\nwhich of {len(points):,} cells: Diagram() {sorting:.3f} s", end="")
     calls = {"votess locate": lambda: diagram.locate(queries)}
     if importlib.util.find_spec("scipy"):
@@ -64,7 +64,7 @@ def locate(generator, arguments):
 
 def probe(generator, arguments):
     points, queries = generator.random((arguments.probed, 3)), generator.random((arguments.probes, 3))
-    sorting, diagram = seconds_of(lambda: vt.Diagram(points, BOX, threads=1))
+    sorting, diagram = seconds_of(lambda: vt.Diagram(points, box=BOX, threads=1))
     print(f"\nwhat cells among {len(points):,}: Diagram() {sorting:.3f} s", end="")
     calls = {"votess probe": lambda: diagram.probe(queries)}
     counts = {"votess probe": len(queries)}

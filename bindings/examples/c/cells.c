@@ -11,11 +11,15 @@
 enum { SIDE = 4, COUNT = SIDE * SIDE * SIDE };
 
 static void print(const votess_result* result) {
-    size_t cells = 0;
-    const double* volumes = votess_result_volumes(result, &cells);
+    const size_t cells = votess_result_size(result);
+    votess_array array;  // votess.h lists the names and types
+    votess_result_array(result, "volumes", &array);
+    const double* volumes = array.data;
     // Row i of the neighbors is indices[indptr[i]] to indices[indptr[i + 1] - 1].
-    const int64_t* indptr = votess_result_indptr(result, NULL);
-    const int32_t* indices = votess_result_indices(result, NULL);
+    votess_result_array(result, "indptr", &array);
+    const int64_t* indptr = array.data;
+    votess_result_array(result, "indices", &array);
+    const int32_t* indices = array.data;
     double sum = 0;
     for (size_t i = 0; i < cells; ++i) sum += volumes[i];
     for (size_t i = 0; i < cells && i < 3; ++i) {

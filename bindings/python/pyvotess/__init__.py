@@ -4,12 +4,15 @@
 >>> t = vt.tessellate(np.random.default_rng(1).random((1000, 3)))
 >>> t.neighbors[0], t.volumes[0]
 
-See :func:`tessellate` for the options and :class:`Tessellation` for the arrays.
+See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`Tessellation` for the arrays.
 """
+
+from typing import List
 
 from . import autodiff, walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
+from ._domain import Domain
 from ._library import VERSION as __version__
 from .alpha import AlphaComplex
 from .atoms import from_ase
@@ -35,6 +38,7 @@ __all__ = [
     "Delaunay",
     "DeviceInfo",
     "Diagram",
+    "Domain",
     "ErrorCode",
     "Faces",
     "FitError",
@@ -75,3 +79,7 @@ __all__ = [
     "transport_cost",
     "walls",
 ]
+
+
+def __dir__() -> List[str]:
+    return __all__

@@ -147,6 +147,18 @@ class Options(ctypes.Structure):
     ]
 
 
+class Array(ctypes.Structure):
+    """``votess_array``."""
+
+    _fields_ = [
+        ("data", c_void_p),
+        ("length", c_size_t),
+        ("components", c_size_t),
+        ("kind", c_char),
+        ("bytes", c_uint8),
+    ]
+
+
 class Stats(ctypes.Structure):
     """``votess_stats``."""
 
@@ -255,6 +267,8 @@ WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
 
 class PieceArrays(ctypes.Structure):
+    """``votess_piece_arrays``."""
+
     _fields_ = [
         ("struct_size", c_uint32),
         ("reserved", c_uint32),
@@ -269,10 +283,10 @@ class PieceArrays(ctypes.Structure):
         ("centroids", c_void_p),
     ]
 
-# Handles are void pointers. Arrays are addresses (c_void_p), which NumPy wraps.
+
+# Handles are void pointers.
 _HANDLE = c_void_p
-_ARRAY = (c_void_p, (_HANDLE, POINTER(c_size_t)))
-_ARRAY_OF = (c_void_p, (_HANDLE, c_int32, POINTER(c_size_t)))  # one for each dimension
+_ARRAY = (c_int, (_HANDLE, c_char_p, POINTER(Array)))
 
 # name: (type of the result, types of the arguments), in the order of votess.h.
 SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
@@ -291,46 +305,18 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_tessellate_f32": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
     "votess_result_free": (None, (_HANDLE,)),
     "votess_result_size": (c_size_t, (_HANDLE,)),
-    "votess_result_indptr": _ARRAY,  # int64
-    "votess_result_indices": _ARRAY,  # int32
-    "votess_result_face_areas": _ARRAY,  # float64
-    "votess_result_face_normals": _ARRAY,  # float64
-    "votess_result_shifts": _ARRAY,  # int8
-    "votess_result_volumes": _ARRAY,  # float64
-    "votess_result_centroids": _ARRAY,  # float64
-    "votess_result_face_counts": _ARRAY,  # uint32
-    "votess_result_edge_counts": _ARRAY,  # uint32
-    "votess_result_vertex_counts": _ARRAY,  # uint32
-    "votess_result_surface_areas": _ARRAY,  # float64
-    "votess_result_mesh_areas": _ARRAY,  # float64
+    "votess_result_array": _ARRAY,
     "votess_result_in_mesh": (c_int, (_HANDLE,)),
-    "votess_result_security_radii": _ARRAY,  # float64
-    "votess_result_vertices": _ARRAY,  # float64
-    "votess_result_face_offsets": _ARRAY,  # int64
-    "votess_result_face_vertices": _ARRAY,  # int32
-    "votess_result_cell_vertex_indptr": _ARRAY,  # int64
-    "votess_result_cell_vertex_indices": _ARRAY,  # int32
-    "votess_result_status": _ARRAY,  # uint8
-    "votess_result_duplicate_of": _ARRAY,  # int32
     "votess_result_planar": (c_int, (_HANDLE,)),
-    "votess_result_ids": _ARRAY,  # int32
     "votess_result_lists_walls": (c_int, (_HANDLE,)),
     "votess_result_least_face": (c_double, (_HANDLE,)),
-    "votess_result_weights": _ARRAY,  # float64
-    "votess_result_walls": _ARRAY,  # float64
     "votess_result_box": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_double))),
     "votess_result_periodic": (c_int, (_HANDLE, POINTER(c_int32))),
     "votess_result_cell": (c_int, (_HANDLE, POINTER(c_int32), *(POINTER(c_double),) * 4)),
     "votess_result_stats": (c_int, (_HANDLE, POINTER(Stats))),
     "votess_delaunay_new": (c_int, (_HANDLE, POINTER(_HANDLE))),
     "votess_delaunay_free": (None, (_HANDLE,)),
-    "votess_delaunay_tetrahedra": _ARRAY,  # int32
-    "votess_delaunay_tetrahedra_shifts": _ARRAY,  # int8
-    "votess_delaunay_tetrahedra_centers": _ARRAY,  # int32
-    "votess_delaunay_polytope_indptr": _ARRAY,  # int64
-    "votess_delaunay_polytope_indices": _ARRAY,  # int32
-    "votess_delaunay_polytope_shifts": _ARRAY,  # int8
-    "votess_delaunay_polytope_centers": _ARRAY,  # int32
+    "votess_delaunay_array": _ARRAY,
     "votess_diagram_new": (c_int, (c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
     "votess_diagram_view": (c_int, (_HANDLE, POINTER(Options), POINTER(_HANDLE))),
     "votess_diagram_free": (None, (_HANDLE,)),
@@ -343,19 +329,13 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     ),
     "votess_rays_new": (c_int, (_HANDLE, c_void_p, c_void_p, c_void_p, c_size_t, c_int32, POINTER(_HANDLE))),
     "votess_rays_free": (None, (_HANDLE,)),
-    "votess_rays_offsets": _ARRAY,  # int64
-    "votess_rays_seeds": _ARRAY,  # int32
-    "votess_rays_lengths": _ARRAY,  # float64
-    "votess_rays_middles": _ARRAY,  # float64
+    "votess_rays_array": _ARRAY,
     "votess_natural_new": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_int32, c_int32, c_int32, c_void_p, POINTER(_HANDLE)),
     ),
     "votess_natural_free": (None, (_HANDLE,)),
-    "votess_natural_indptr": (c_void_p, (_HANDLE, POINTER(c_size_t))),
-    "votess_natural_indices": (c_void_p, (_HANDLE, POINTER(c_size_t))),
-    "votess_natural_weights": (c_void_p, (_HANDLE, POINTER(c_size_t))),
-    "votess_natural_gradients": (c_void_p, (_HANDLE, POINTER(c_size_t))),
+    "votess_natural_array": _ARRAY,
     "votess_diagram_interpolate": (
         c_int,
         (_HANDLE, c_void_p, c_size_t, c_void_p, c_size_t, c_int32, c_int32, c_void_p, c_void_p, c_void_p),
@@ -370,29 +350,16 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
         (c_void_p, c_size_t, c_void_p, POINTER(Options), POINTER(FitOptions), POINTER(_HANDLE)),
     ),
     "votess_fit_free": (None, (_HANDLE,)),
-    "votess_fit_weights": _ARRAY,  # float64
+    "votess_fit_array": _ARRAY,
     "votess_fit_get_stats": (c_int, (_HANDLE, POINTER(FitStats))),
     "votess_fit_result": (c_int, (_HANDLE, POINTER(_HANDLE))),
     "votess_zones_new": (c_int, (_HANDLE, c_void_p, c_size_t, c_int32, POINTER(_HANDLE))),
     "votess_zones_merge": (c_int, (_HANDLE, c_double, POINTER(_HANDLE))),
     "votess_zones_free": (None, (_HANDLE,)),
-    "votess_zones_labels": _ARRAY,  # int32
-    "votess_zones_cores": _ARRAY,  # int32
-    "votess_zones_pairs": _ARRAY,  # int32
-    "votess_zones_saddles": _ARRAY,  # float64
-    "votess_zones_passes": _ARRAY,  # int32
-    "votess_zones_parents": _ARRAY,  # int32
-    "votess_zones_persistence": _ARRAY,  # float64
-    "votess_zones_at_walls": _ARRAY,  # uint8
+    "votess_zones_array": _ARRAY,
     "votess_network_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_network_free": (None, (_HANDLE,)),
-    "votess_network_points": _ARRAY,  # float64
-    "votess_network_vertices": _ARRAY,  # int32
-    "votess_network_vertex_radii": _ARRAY,  # float64
-    "votess_network_at_walls": _ARRAY,  # uint8
-    "votess_network_edges": _ARRAY,  # int32
-    "votess_network_shifts": _ARRAY,  # int8
-    "votess_network_edge_radii": _ARRAY,  # float64
+    "votess_network_array": _ARRAY,
     "votess_network_largest_included": (c_int, (_HANDLE, POINTER(c_double), POINTER(c_int32))),
     "votess_network_largest_free": (
         c_int,
@@ -400,21 +367,10 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     ),
     "votess_pieces_new": (c_int, (_HANDLE, c_double, c_uint32, ProgressCallback, c_void_p, POINTER(_HANDLE))),
     "votess_pieces_free": (None, (_HANDLE,)),
-    "votess_pieces_indptr": _ARRAY,  # int64
-    "votess_pieces_vertex_offsets": _ARRAY,  # int64
-    "votess_pieces_vertices": _ARRAY,  # float64
-    "votess_pieces_triangle_offsets": _ARRAY,  # int64
-    "votess_pieces_triangles": _ARRAY,  # int32
-    "votess_pieces_on_surface": _ARRAY,  # uint8
-    "votess_pieces_sources": _ARRAY,  # int32
-    "votess_pieces_volumes": _ARRAY,  # float64
-    "votess_pieces_centroids": _ARRAY,  # float64
+    "votess_pieces_array": _ARRAY,
     "votess_alpha_new": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p, POINTER(_HANDLE))),
     "votess_alpha_free": (None, (_HANDLE,)),
-    "votess_alpha_seeds": _ARRAY_OF,  # int32
-    "votess_alpha_shifts": _ARRAY_OF,  # int8
-    "votess_alpha_values": _ARRAY_OF,  # float64
-    "votess_alpha_gabriel": _ARRAY_OF,  # uint8
+    "votess_alpha_array": (c_int, (_HANDLE, c_int32, c_char_p, POINTER(Array))),
     "votess_verify": (
         c_int,
         (
@@ -440,7 +396,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_cone_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),
     "votess_hull_new": (c_int, (c_void_p, c_size_t, POINTER(Options), POINTER(_HANDLE))),
     "votess_hull_free": (None, (_HANDLE,)),
-    "votess_hull_walls": _ARRAY,  # float64
+    "votess_hull_array": _ARRAY,
     "votess_device_count": (c_size_t, ()),
     "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),
 }

@@ -72,11 +72,28 @@ def raise_on_failure(status: int) -> None:
 
 
 class Handle:
-    """Owns one object of the library."""
+    """Owns one object of the library, whose functions have names as ``votess_<kind>_free``."""
 
-    def __init__(self, free: Callable[[ctypes.c_void_p], None]) -> None:
+    def __init__(self, kind: str, library: ctypes.CDLL = lib) -> None:
         self.pointer: Any = ctypes.c_void_p()
-        self._free = free  # kept here: module globals may be gone when the interpreter ends
+        self._kind, self._library = kind, library
+        self._free = getattr(library, f"votess_{kind}_free")  # modules may be gone when the interpreter ends
+
+    def array(self, name: str, *part: int) -> npt.NDArray[Any]:
+        """Returns a read-only view of an array, without a copy: (length,), or (length, components) if it has several.
+
+        ``part``: arguments before the name, for kinds with several arrays of a name.
+        """
+        found = _c_api.Array()
+        read = getattr(self._library, f"votess_{self._kind}_array")
+        raise_on_failure(read(self.pointer, *part, name.encode(), ctypes.byref(found)))
+        dtype = np.dtype(f"{found.kind.decode()}{found.bytes}")
+        shape = (found.length,) if found.components == 1 else (found.length, found.components)
+        if found.data:
+            return np.asarray(_Memory(self, found.data, shape, dtype))
+        none = np.empty(shape, dtype)
+        none.flags.writeable = False
+        return none
 
     def free(self) -> None:
         # Cleared first: a signal handler may raise right after the call, and free() may be called again. None is NULL for
@@ -124,26 +141,6 @@ class _Memory:
             "typestr": dtype.str,
             "data": (address, True),  # True: read-only
         }
-
-
-def array_of(
-    result: Handle,
-    name: str,
-    dtype: Any,
-    columns: int = 0,
-    prefix: str = "votess_result_",
-    library: ctypes.CDLL = lib,
-    arguments: Tuple[int, ...] = (),
-) -> npt.NDArray[Any]:
-    """Returns a read-only view of ``<prefix><name>``, without a copy, of shape (length,) or (length / columns, columns)."""
-    length = ctypes.c_size_t()
-    address = getattr(library, prefix + name)(result.pointer, *arguments, ctypes.byref(length))
-    shape = (length.value // columns, columns) if columns else (length.value,)
-    if not address:
-        array = np.empty(shape, dtype)
-        array.flags.writeable = False
-        return array
-    return np.asarray(_Memory(result, address, shape, np.dtype(dtype)))
 
 
 class Callbacks:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence,
 
 import numpy as np
 
+from ._domain import Domain
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
@@ -24,7 +26,7 @@ def _points(file: Any, group: str, where: str) -> str:
     found: Dict[int, List[str]] = {3: [], 2: []}
 
     def visit(path: str, item: Any) -> None:
-        shape = getattr(item, "shape", None) or ()
+        shape: Tuple[int, ...] = getattr(item, "shape", None) or ()
         name = _stem(path).rsplit("/", 1)[-1].lower()
         vectors = len(shape) in (2, 3) and item.dtype.kind == "f" and shape[-1] in found
         if vectors and path.startswith(group) and name not in _VECTORS and not _stem(path).endswith("/box/edges"):
@@ -94,15 +96,13 @@ class _File:
             flags = np.array([_text(word).lower() == "periodic" if isinstance(word, (str, bytes)) else word for word in words])
         return self.element(box, "edges", frame).astype(float), flags.astype(bool)
 
-    def domain(self, frame: int) -> Dict[str, Any]:
+    def domain(self, frame: int) -> Optional[Domain]:
         own = self.file.attrs
         if "periodic" in own:  # a file that votess wrote
             names = ("cell", "origin") if np.size(own.get("cell", ())) else ("box",)
-            found = {name: np.array(own[name], float) for name in names}
-            size = len(np.ravel(own["periodic"]))
-            found = {name: value.reshape(-1, size) if name != "origin" else value for name, value in found.items()}
-            walls = {"walls": np.array(self.file["walls"], float)} if "walls" in self.file else {}
-            return {**found, "periodic": tuple(bool(axis) for axis in np.ravel(own["periodic"])), **walls}
+            found: Any = {name: np.ravel(own[name]).astype(float) for name in names}
+            walls = np.array(self.file["walls"], float) if "walls" in self.file else ()
+            return Domain(**found, periodic=tuple(bool(axis) for axis in np.ravel(own["periodic"])), walls=walls)
         size = self.set.shape[-1]
         periodic: Any = [False] * size
         edges: Any = ()
@@ -122,15 +122,16 @@ class _File:
             periodic = [bool(np.ravel(flag)[0])] * 3
         axes = tuple(bool(axis) for axis in periodic)
         if len(edges) == size:
-            return {"box": np.array([np.zeros(size), edges]), "periodic": axes}
+            return Domain.box(np.concatenate((np.zeros(size), edges)), periodic=axes)
         if len(edges) == size * size and np.any(edges):
-            return {"cell": np.reshape(edges, (size, size)), "origin": np.zeros(size), "periodic": axes}
-        return {"periodic": axes} if any(axes) else {}
+            return Domain.cell(np.reshape(edges, (size, size)), origin=np.zeros(size), periodic=axes)
+        return Domain(periodic=axes) if any(axes) else None
 
     def column(self, path: str, frame: int) -> npt.NDArray[Any]:
-        values = self.file[path]
+        values: Any = self.file[path]
         framed = self.count is not None and values.ndim >= 2 and values.shape[:2] == self.set.shape[:2]
-        return values[frame] if framed else values[()]
+        array: npt.NDArray[Any] = values[frame] if framed else values[()]
+        return array
 
     def find(self, name: str) -> Optional[str]:
         """Returns the path of a column, in the group of the points or at the root."""

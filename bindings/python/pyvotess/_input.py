@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import ctypes
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _c_api
-from ._arguments import as_flag, as_number, require_one_of
-from ._call import Handle, array_of, run
-from ._library import lib
+from ._arguments import as_flag
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+
+    from . import _c_api
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -92,48 +89,53 @@ def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.ND
     return array
 
 
-def as_box(box: Any, planar: bool = False) -> Float64Array:
-    if isinstance(box, str):
-        if box != "none":
-            raise ValueError(f"box is {box!r}: give numbers, 'none' for all of space, or 'hull'")
-        ends = np.full((2, 3), np.inf)
-        ends[0] = -np.inf
-        if planar:
-            ends[:, 2] = 0
-        return ends
+_BOX = "(x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1))"
+
+
+def as_box(box: Any) -> Float64Array:
+    """Returns (2, 3) float64, the lower and the upper corner, in the plane (2, 2)."""
     array = as_float64_or_float32(box, "box").astype(np.float64)
-    if planar:
-        if array.shape not in ((4,), (2, 2)):
+    if array.shape in ((6,), (2, 3), (3, 2)):
+        return np.ascontiguousarray(array.T) if array.shape == (3, 2) else array.reshape(2, 3)
+    if array.shape not in ((4,), (2, 2)):
+        raise ValueError(f"box has shape {array.shape}: give {_BOX}; in the plane (x0, y0, x1, y1) or two pairs of these")
+    corners = array.reshape(2, 2)
+    if array.ndim == 2 and np.all(corners[:, 0] < corners[:, 1]):  # limits of x and y
+        if np.all(corners[0] < corners[1]) and corners[0, 1] != corners[1, 0]:
             raise ValueError(
-                f"box has shape {array.shape}: give (x0, y0, x1, y1), ((x0, y0), (x1, y1)) or ((x0, x1), (y0, y1))"
+                f"box is {corners.tolist()}, which may be two corners or the limits of x and of y: give (x0, y0, x1, y1)"
             )
-        corners = array.reshape(2, 2)
-        if array.ndim == 2 and np.all(corners[:, 0] < corners[:, 1]):  # limits of x and y
-            if np.all(corners[0] < corners[1]) and corners[0, 1] != corners[1, 0]:
-                raise ValueError(
-                    f"box is {corners.tolist()}, which may be two corners or the limits of x and of y: give "
-                    "(x0, y0, x1, y1)"
-                )
-            corners = corners.T
-        return _with_zero(corners, 2)
-    if array.shape not in ((6,), (2, 3), (3, 2)):
+        corners = np.ascontiguousarray(corners.T)
+    return corners
+
+
+def as_cell(cell: Any) -> Float64Array:
+    """Returns (3, 3) float64 edges as rows, in the plane (2, 2)."""
+    array = as_float64_or_float32(cell, "cell").astype(np.float64)
+    if array.size not in (4, 9):
         raise ValueError(
-            f"box has shape {array.shape}: give (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or "
-            "((x0, x1), (y0, y1), (z0, z1))"
+            f"cell has shape {array.shape}: give three vectors ((ax, ay, az), (bx, ...), (cx, ...)), in the plane "
+            "((ax, ay), (bx, by))"
         )
-    return np.ascontiguousarray(array.T) if array.shape == (3, 2) else array.reshape(2, 3)
+    return array.reshape((3, 3) if array.size == 9 else (2, 2))
 
 
-def _with_zero(rows: Float64Array, column: int) -> Float64Array:
-    """Returns the rows with a column of zeros: the missing z."""
-    return np.insert(rows, column, 0.0, axis=1)
+def as_origin(origin: Any) -> Float64Array:
+    """Returns (3,) float64, in the plane (2,)."""
+    array = as_float64_or_float32(origin, "origin").astype(np.float64)
+    if array.size not in (2, 3):
+        raise ValueError(f"origin has shape {array.shape}: give (x, y, z), in the plane (x, y)")
+    return array.ravel()
 
 
-def _as_numbers(values: Any, name: str, shape: Tuple[int, ...], form: str) -> Float64Array:
-    array = as_float64_or_float32(values, name).astype(np.float64)
-    if array.size != int(np.prod(shape)):
-        raise ValueError(f"{name} has shape {array.shape}: give {form}")
-    return array.reshape(shape)
+def as_walls(walls: Any) -> Float64Array:
+    """Returns (M, 4) float64 rows nx, ny, nz, d, in the plane (M, 3) rows nx, ny, d."""
+    array = np.atleast_1d(as_float64_or_float32(walls, "walls")).astype(np.float64)
+    if array.size == 0:
+        return np.empty((0, 4))
+    if array.ndim != 2 or array.shape[1] not in (3, 4):
+        raise ValueError(f"walls has shape {array.shape}: give (M, 4) rows nx, ny, nz, d, in the plane (M, 3) rows nx, ny, d")
+    return array
 
 
 def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
@@ -207,121 +209,38 @@ def as_mesh(mesh: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
 
 
 def as_vector(values: Any, name: str) -> Float64Array:
-    return np.ascontiguousarray(_as_numbers(values, name, (3,), "(x, y, z)"))
+    array = as_float64_or_float32(values, name).astype(np.float64)
+    if array.size != 3:
+        raise ValueError(f"{name} has shape {array.shape}: give (x, y, z)")
+    return np.ascontiguousarray(array.reshape(3))
 
 
-def _as_periodic(periodic: Any, planar: bool) -> Tuple[bool, bool, bool]:
+def as_periodic(periodic: Any, dimensions: Optional[int]) -> Union[bool, Tuple[bool, ...]]:
+    """Returns a flag for each axis, or one for all if the dimensions are unknown. Three flags in the plane name z."""
     if isinstance(periodic, str):
         if len(set(periodic)) != len(periodic) or not set(periodic) <= set("xyz"):
             raise ValueError(f"periodic is {periodic!r}: give axes, such as 'xyz' or 'xy', or False")
-        return ("x" in periodic, "y" in periodic, "z" in periodic)
-    try:
-        given = list(periodic)
-    except TypeError:
-        every = as_flag(periodic, "periodic")
-        return (every, every, every and not planar)
-    flags = [as_flag(flag, "periodic") for flag in given]
-    if planar and len(flags) == 2:
-        flags.append(False)
-    if len(flags) != 3:
+        flags = [axis in periodic for axis in "xyz"]
+    else:
+        try:
+            given = list(periodic)
+        except TypeError:
+            every = as_flag(periodic, "periodic")
+            return every if dimensions is None else (every,) * dimensions
+        flags = [as_flag(flag, "periodic") for flag in given]
+    if dimensions == 2 and len(flags) == 3 and not flags[2]:
+        flags.pop()
+    if len(flags) != 3 and not (len(flags) == 2 and dimensions != 3):
         raise ValueError(f"periodic holds {len(flags)} values: give one for each axis, or True for all")
-    return (flags[0], flags[1], flags[2])
+    return tuple(flags)
 
 
-def _hull_walls(points: Float64Array, options: _c_api.Options) -> Float64Array:
-    """Returns walls around the convex hull, (M, 4), in the library's memory."""
-    hull = Handle(lib.votess_hull_free)
-    run(lib.votess_hull_new, (points.ctypes.data, len(points)), options, ctypes.byref(hull.pointer), None)
-    return array_of(hull, "walls", np.float64, 4, prefix="votess_hull_")
-
-
-@dataclass(frozen=True)
-class Domain:
-    """The arguments of :func:`tessellate` that define the domain."""
-
-    box: Any = None
-    periodic: Any = None
-    weights: Any = None
-    radii: Any = None
-    cell: Any = None
-    origin: Any = None
-    walls: Any = ()
-    mesh: Any = None
-    mesh_repair: Optional[str] = None
-    mesh_tolerance: float = 0.0
-
-    @property
-    def is_hull(self) -> bool:
-        return isinstance(self.box, str) and self.box == "hull"
-
-    @property
-    def is_given(self) -> bool:
-        """Whether there is a box or a cell; else the box is the default one around the points."""
-        return self.box is not None or self.cell is not None
-
-    def fill(self, options: _c_api.Options, points: Optional[npt.NDArray[Any]]) -> List[Any]:
-        """Sets the domain in the options. Returns arrays that must live as long as the options are used.
-
-        ``points``: all of them, None if they come in parts. Then the caller makes the walls of a hull. ``options.planar``
-        is set.
-        """
-        planar = bool(options.planar)
-        count = 0 if points is None else len(points)
-        if self.box is not None and not self.is_hull:
-            lower, upper = as_box(self.box, planar)
-            options.has_box = 1
-            options.box_lower[:] = lower.tolist()
-            options.box_upper[:] = upper.tolist()
-        axes = None if self.periodic is None else _as_periodic(self.periodic, planar)
-        if self.cell is None:
-            options.periodic[:] = axes or (False, False, False)
-        else:
-            if planar:
-                rows = np.zeros((3, 3))
-                rows[:2, :2] = _as_numbers(self.cell, "cell", (2, 2), "two vectors ((ax, ay), (bx, by))")
-            else:
-                rows = _as_numbers(self.cell, "cell", (3, 3), "three vectors ((ax, ay, az), (bx, ...), (cx, ...))")
-            options.has_cell = 1
-            options.cell_periodic[:] = axes or tuple(bool(edge.any()) for edge in rows)
-            options.cell_a[:], options.cell_b[:], options.cell_c[:] = rows.tolist()
-        if self.origin is not None:
-            if self.cell is None:
-                raise ValueError("origin needs cell: the corners of a box define its place")
-            if planar:
-                options.cell_origin[:2] = _as_numbers(self.origin, "origin", (2,), "(x, y)").tolist()
-            else:
-                options.cell_origin[:] = as_vector(self.origin, "origin").tolist()
-        kept: List[Any] = []
-        given_walls = np.atleast_1d(as_float64_or_float32(self.walls, "walls"))
-        if given_walls.size > 0:
-            form = "(M, 3) rows nx, ny, d" if planar else "(M, 4) rows nx, ny, nz, d"
-            rows = _as_numbers(given_walls, "walls", (len(given_walls), 4 - planar), form)
-            walls = np.ascontiguousarray(_with_zero(rows, 2) if planar else rows)
-            options.walls, options.wall_count = walls.ctypes.data, len(walls)
-            kept.append(walls)
-        require_one_of(self.mesh_repair, "mesh_repair", ("merge",))
-        if self.mesh_repair is not None and self.mesh is None:
-            raise ValueError("mesh_repair needs a mesh: give one, or leave mesh_repair out")
-        tolerance = as_number(self.mesh_tolerance, "mesh_tolerance")
-        if tolerance != 0 and self.mesh_repair is None:
-            raise ValueError("mesh_tolerance needs mesh_repair='merge': set it, or leave mesh_tolerance out")
-        if self.mesh is not None:
-            vertices, triangles = as_mesh(self.mesh)
-            options.has_mesh = 1
-            options.mesh_vertices, options.mesh_vertex_count = vertices.ctypes.data, len(vertices)
-            options.mesh_triangles, options.mesh_triangle_count = triangles.ctypes.data, len(triangles)
-            options.mesh_merge = int(self.mesh_repair is not None)
-            options.mesh_tolerance = tolerance
-            kept += [vertices, triangles]
-        if self.is_hull and points is not None:
-            walls = _hull_walls(np.require(points, np.float64, ["C_CONTIGUOUS", "ALIGNED"]), options)
-            options.walls, options.wall_count = walls.ctypes.data, len(walls)
-            kept.append(walls)
-        for name in ("weights", "radii"):
-            values = getattr(self, name)
-            if values is None:
-                continue
+def fill_weights(options: _c_api.Options, weights: Any, radii: Any, count: int) -> List[Any]:
+    """Sets weights and radii of the points. Returns arrays that must live as long as the options are used."""
+    kept = []
+    for name, values in (("weights", weights), ("radii", radii)):
+        if values is not None:
             array = as_one_each(values, name, count, "points")
             setattr(options, name, array.ctypes.data if count else None)
             kept.append(array)
-        return kept
+    return kept

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
 
 import numpy as np
@@ -11,7 +10,8 @@ import numpy as np
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number, as_text, as_want, as_word
 from ._call import Handle, raise_on_failure, run, showing
-from ._input import Domain, as_only, as_points
+from ._domain import Domain, as_domain
+from ._input import as_only, as_points, fill_weights
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -51,26 +51,27 @@ def implied_words(options: _c_api.Options) -> Tuple[str, ...]:
 
 def tessellate_points(
     tessellator: Optional[Handle], options: _c_api.Options, given: Dict[str, Any]
-) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], bool]:
+) -> Tuple[Handle, npt.NDArray[Any], Tuple[str, ...], Domain]:
     """Runs with the arguments of ``tessellate()`` by name, those of its Tessellator set in ``options``.
 
-    Returns the library's result, the (N, 3) or (N, 2) points that it read, the words of ``want`` that it holds, and
-    whether the domain was given.
+    Returns the library's result, the (N, 3) or (N, 2) points that it read, the words of ``want`` that it holds, and the
+    domain as it was given.
     """
     array, progress = as_points(given.pop("points"), planar=True), given.pop("progress")
-    domain = Domain(**{field.name: given.pop(field.name) for field in fields(Domain)})
+    domain = as_domain(given.pop("domain"), given.pop("keywords", {}))
+    weights, radii = given.pop("weights"), given.pop("radii")
     given["planar"] = array.shape[1] == 2
     only = as_only(given.pop("only", None), len(array))
     set_options(options, given)
-    kept = domain.fill(options, array)
+    kept = domain._fill(options, array) + fill_weights(options, weights, radii, len(array))
     if only is not None:
         options.has_only, options.only_count, options.only = 1, len(only), only.ctypes.data
     wanted = implied_words(options)
 
     function = lib.votess_tessellate_f32 if array.dtype == np.float32 else lib.votess_tessellate
-    result = Handle(lib.votess_result_free)
+    result = Handle("result")
     arguments = (tessellator.pointer if tessellator else None, array.ctypes.data, len(array))
     with showing(progress) as call:
         run(function, arguments, options, ctypes.byref(result.pointer), call)
     del kept
-    return result, array, wanted, domain.is_given
+    return result, array, wanted, domain

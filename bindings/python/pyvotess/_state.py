@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple
 import numpy as np
 
 from ._arguments import as_number, require_one_of
-from ._call import Handle, array_of, raise_on_failure, watched
+from ._call import Handle, raise_on_failure, watched
+from ._domain import Domain, text_of_domain
 from ._library import lib
 from .mesh import Faces, Lists, Neighbors, Rows, count_edges
 from .stats import Stats, read_stats
@@ -25,26 +26,21 @@ if TYPE_CHECKING:
     UInt32Array = npt.NDArray[np.uint32]
     UInt8Array = npt.NDArray[np.uint8]
 
-#: The arrays of each word of want: name, type, columns (0: a one-dimensional array).
-ARRAYS: Dict[str, Tuple[Tuple[str, Any, int], ...]] = {
-    "neighbors": (("indptr", np.int64, 0), ("indices", np.int32, 0)),
-    "volumes": (("volumes", np.float64, 0),),
-    "centroids": (("centroids", np.float64, 3),),
-    "counts": (("face_counts", np.uint32, 0), ("edge_counts", np.uint32, 0), ("vertex_counts", np.uint32, 0)),
-    "areas": (("face_areas", np.float64, 0),),
-    "normals": (("face_normals", np.float64, 3),),
-    "surfaces": (("surface_areas", np.float64, 0),),
-    "radii": (("security_radii", np.float64, 0),),
-    "vertices": (
-        ("vertices", np.float64, 3),
-        ("cell_vertex_indptr", np.int64, 0),
-        ("cell_vertex_indices", np.int32, 0),
-    ),
-    "faces": (("face_offsets", np.int64, 0), ("face_vertices", np.int32, 0)),
+#: The arrays of each word of want.
+ARRAYS: Dict[str, Tuple[str, ...]] = {
+    "neighbors": ("indptr", "indices"),
+    "volumes": ("volumes",),
+    "centroids": ("centroids",),
+    "counts": ("face_counts", "edge_counts", "vertex_counts"),
+    "areas": ("face_areas",),
+    "normals": ("face_normals",),
+    "surfaces": ("surface_areas",),
+    "radii": ("security_radii",),
+    "vertices": ("vertices", "cell_vertex_indptr", "cell_vertex_indices"),
+    "faces": ("face_offsets", "face_vertices"),
 }
 # Empty where they do not apply; shifts also where a periodic result has no entries.
-_OPTIONAL = (("shifts", np.int8, 3), ("duplicate_of", np.int32, 0), ("weights", np.float64, 0), ("ids", np.int32, 0),
-             ("mesh_areas", np.float64, 0))  # fmt: skip
+_OPTIONAL = ("shifts", "duplicate_of", "weights", "ids", "mesh_areas")
 
 _Vector = ctypes.c_double * 3
 
@@ -79,23 +75,19 @@ def read_result(result: Handle, wanted: Tuple[str, ...]) -> ResultData:
     def flat(vectors: Any) -> Float64Array:
         return _constant(np.array(vectors)[..., :size])
 
-    arrays = {
-        name: array_of(result, name, dtype, min(columns, size))
-        for word in wanted
-        for name, dtype, columns in ARRAYS[word]
-    }
-    arrays["status"] = array_of(result, "status", np.uint8)
+    arrays = {name: result.array(name) for word in wanted for name in ARRAYS[word]}
+    arrays["status"] = result.array("status")
     axes = (ctypes.c_int32 * 3)()
     raise_on_failure(lib.votess_result_periodic(result.pointer, axes))
-    for name, dtype, columns in _OPTIONAL:
-        array = array_of(result, name, dtype, min(columns, size))
+    for name in _OPTIONAL:
+        array = result.array(name)
         if len(array) or (name == "shifts" and any(axes) and "neighbors" in wanted):
             arrays[name] = array
     lower, upper = _Vector(), _Vector()
     raise_on_failure(lib.votess_result_box(result.pointer, lower, upper))
     has_cell, vectors = ctypes.c_int32(), [_Vector() for _ in range(4)]
     raise_on_failure(lib.votess_result_cell(result.pointer, ctypes.byref(has_cell), *vectors))
-    walls = array_of(result, "walls", np.float64, columns=4)
+    walls = result.array("walls")
     return ResultData(
         arrays=arrays,
         box=flat((lower, upper)),
@@ -120,13 +112,8 @@ def locked(data: ResultData) -> ResultData:
     return data
 
 
-def names_of(word: str) -> Tuple[str, ...]:
-    """Returns the names of the arrays of a word of want."""
-    return tuple(name for name, _, _ in ARRAYS[word])
-
-
 _WORD_OF = {"neighbors": "neighbors", "cell_vertices": "vertices", "faces": "faces"}
-_WORD_OF.update({name: word for word in ARRAYS for name in names_of(word)})
+_WORD_OF.update({name: word for word, names in ARRAYS.items() for name in names})
 
 
 def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None) -> AttributeError:
@@ -138,7 +125,7 @@ def no_attribute(of: object, name: str, wanted: Optional[Tuple[str, ...]] = None
         return AttributeError(f"{name} was not computed: {put}")
     text = f"{type(of).__name__!r} object has no attribute {name!r}"
     if name in ARRAYS and name not in _WORD_OF:  # a word for arrays with other names
-        text += f": the name is {' or '.join(names_of(name))}" + (f"; {put}" if missing else "")
+        text += f": the name is {' or '.join(ARRAYS[name])}" + (f"; {put}" if missing else "")
     return AttributeError(text)
 
 
@@ -171,21 +158,10 @@ class Cells:
     def __len__(self) -> int:
         return len(self.status)
 
-    def _domain(self) -> str:
-        def text(vector: Float64Array) -> str:
-            return f"({', '.join(f'{x:g}' for x in vector)})"
-
-        if self.cell is not None and self.origin is not None:
-            where = f"cell {', '.join(text(edge) for edge in self.cell)} at {text(self.origin)}"
-        else:
-            endless = np.isinf(self.box[:, : 2 if self.planar else 3]).all()
-            where = "domain without end" if endless else f"box {text(self.box[0])} to {text(self.box[1])}"
-        if self.in_mesh:
-            where = f"mesh of volume {self.stats.box_volume:g} in a " + where
-        if len(self.walls):
-            where += f" cut by {len(self.walls)} wall{'s' if len(self.walls) > 1 else ''}"
-        axes = "".join(axis for axis, repeats in zip("xyz" if self.cell is None else "abc", self.periodic) if repeats)
-        return where + (f", periodic {axes}" if axes else "")
+    def _where(self) -> str:
+        """Returns the domain in words."""
+        where = text_of_domain(self.box, self.cell, self.origin, len(self.walls), self.periodic)
+        return f"mesh of volume {self.stats.box_volume:g} in a {where}" if self.in_mesh else where
 
     @property
     def wanted(self) -> Tuple[str, ...]:
@@ -441,11 +417,11 @@ class Cells:
 class SeedCells(Cells):
     """The cells of N seeds. :class:`pyvotess.Tessellation` adds files, pictures and further computations."""
 
-    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain_given: bool) -> None:
+    def __init__(self, result: Handle, points: npt.NDArray[Any], wanted: Tuple[str, ...], domain: Domain) -> None:
         super().__init__(result, wanted)
         self._result: Optional[Handle] = result  # None after unpickling, until needed
         self._points = points
-        self._domain_given = domain_given
+        self._given_domain = domain
         self._places: Optional[Float64Array] = None  # wrapped_points, stored in the pickle
 
     def __getstate__(self) -> Dict[str, Any]:
@@ -453,8 +429,14 @@ class SeedCells(Cells):
         places = self.wrapped_points if any(self.periodic) else None
         return dict(self.__dict__, _result=None, _places=places)
 
-    def _domain(self) -> str:
-        return super()._domain() + ("" if self._domain_given else " around them")
+    def _where(self) -> str:
+        return super()._where() + ("" if self._given_domain._has_ends else " around them")
+
+    @property
+    def domain(self) -> Domain:
+        """The given domain; the default one is the box around the points. With the same points it gives the same cells."""
+        given = self._given_domain
+        return given if given._has_ends or self.in_mesh else given.replace(box=self.box.ravel())
 
     @property
     def neighbors(self) -> Neighbors:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._arguments import as_each_axis
-from ._call import Handle, array_of, raise_on_failure, watched
+from ._call import Handle, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -65,23 +65,20 @@ def make_alpha(t: SeedCells, result: Handle, replicate: Union[int, Sequence[int]
     copies[:dimensions] = as_each_axis(replicate, "replicate", dimensions)
     if np.ndim(replicate) == 0 and any(t.periodic):
         copies[:dimensions][~np.array(t.periodic[:dimensions])] = 1
-    handle = Handle(lib.votess_alpha_free)
+    handle = Handle("alpha")
     arguments = (points.ctypes.data, len(points), copies.ctypes.data, ctypes.byref(handle.pointer))
     raise_on_failure(watched(lib.votess_alpha_new, result.pointer, *arguments))
 
-    def arrays(name: str, dtype: Any, columns: Sequence[int] = (0, 0, 0, 0)) -> Tuple[npt.NDArray[Any], ...]:
-        return tuple(
-            array_of(handle, name, dtype, columns[k], prefix="votess_alpha_", arguments=(k,))
-            for k in range(dimensions + 1)
-        )
+    def arrays(name: str) -> Tuple[npt.NDArray[Any], ...]:
+        return tuple(handle.array(name, k) for k in range(dimensions + 1))
 
     shifts = None
     if any(t.periodic):
-        shifts = tuple(rows.reshape(-1, k + 1, dimensions) for k, rows in enumerate(arrays("shifts", np.int8)))
+        shifts = tuple(rows.reshape(-1, k + 1, dimensions) for k, rows in enumerate(arrays("shifts")))
     return AlphaComplex(
-        simplices=arrays("seeds", np.int32, (1, 2, 3, 4)),
-        values=arrays("values", np.float64),
-        gabriel=tuple(flags.view(np.bool_) for flags in arrays("gabriel", np.uint8)),
+        simplices=tuple(rows.reshape(-1, k + 1) for k, rows in enumerate(arrays("seeds"))),
+        values=arrays("values"),
+        gabriel=tuple(flags.view(np.bool_) for flags in arrays("gabriel")),
         shifts=shifts,
         replicate=tuple(copies[:dimensions].tolist()),
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Tuple, Union, overl
 
 import numpy as np
 
+from ._domain import Domain, as_domain
 from .tessellator import Tessellator, tessellate
 
 if TYPE_CHECKING:
@@ -66,11 +67,11 @@ def _parts_of(atoms: Any) -> _Parts:
 
 def _cells_of(atoms: Any, options: Dict[str, Any], tessellator: Optional[Tessellator]) -> Tessellation:
     positions, edges, origin, periodic = _parts_of(atoms)
-    repeats = tuple(bool(axis) for axis in np.broadcast_to(periodic, 3))
     given = dict(options)
-    if given.get("box") is None and np.any(edges):
-        given.update(cell=edges, origin=origin)
-    given.setdefault("periodic", repeats)
+    if given.get("domain") is None:
+        if given.get("box") is None and np.any(edges):
+            given.update(cell=edges, origin=origin)
+        given.setdefault("periodic", tuple(bool(axis) for axis in np.broadcast_to(periodic, 3)))
     return (tessellator.tessellate if tessellator else tessellate)(positions, **given)
 
 
@@ -85,12 +86,14 @@ def _cells_of_each(frames: Any, options: Dict[str, Any]) -> Iterator[Tessellatio
 
 
 @overload
-def from_ase(atoms: List[Any], **options: Any) -> List[Tessellation]: ...
+def from_ase(atoms: List[Any], domain: Optional[Domain] = ..., **options: Any) -> List[Tessellation]: ...
 @overload
-def from_ase(atoms: Iterator[Any], **options: Any) -> Iterator[Tessellation]: ...
+def from_ase(atoms: Iterator[Any], domain: Optional[Domain] = ..., **options: Any) -> Iterator[Tessellation]: ...
 @overload
-def from_ase(atoms: Any, **options: Any) -> Tessellation: ...
-def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellation], Iterator[Tessellation]]:
+def from_ase(atoms: Any, domain: Optional[Domain] = ..., **options: Any) -> Tessellation: ...
+def from_ase(
+    atoms: Any, domain: Optional[Domain] = None, **options: Any
+) -> Union[Tessellation, List[Tessellation], Iterator[Tessellation]]:
     """Returns the cells of atoms, in the unit cell of the atoms and periodic along its periodic edges.
 
     Parameters
@@ -98,6 +101,7 @@ def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellatio
     atoms : ``ase.Atoms``, a pymatgen Structure, an MDAnalysis Universe or AtomGroup (periodic along all edges if it has
         dimensions), or an OVITO DataCollection. The result has their unit of length. A list or tuple of them gives a
         list of results, and an iterator such as ``ase.io.iread(file)`` an iterator: one :class:`Tessellator` makes all.
+    domain : replaces the cell of the atoms and their periodic flags.
     options : of :func:`tessellate`, except points, cell and origin. ``periodic`` overrides that of the atoms;
         ``box`` replaces their cell.
 
@@ -113,6 +117,7 @@ def from_ase(atoms: Any, **options: Any) -> Union[Tessellation, List[Tessellatio
     for name in ("cell", "origin"):
         if name in options:
             raise TypeError(f"from_ase() takes {name} from the atoms: give positions and {name} to tessellate()")
+    options["domain"] = None if domain is None else as_domain(domain, {})
     if isinstance(atoms, (list, tuple)):
         return list(_cells_of_each(atoms, options))
     if isinstance(atoms, Iterator):

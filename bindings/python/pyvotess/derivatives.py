@@ -24,7 +24,7 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
         raise ValueError("of is 'areas': in a mesh give 'volumes', or tessellate without mesh=")
     if t.shifts is not None:
         raise ValueError("derivatives() in a mesh need a domain that does not repeat: leave out periodic= or mesh=")
-    pieces = t.pieces()
+    pieces = t.pieces()  # type: ignore[attr-defined]
     piece = np.repeat(np.arange(len(pieces)), np.diff(pieces.triangle_offsets))
     inner = ~pieces.on_surface
     i, j = pieces.cells[piece[inner]], pieces.sources[inner].astype(np.int64)

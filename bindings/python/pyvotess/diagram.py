@@ -10,9 +10,10 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_axis, as_each_axis, as_flag, as_word
-from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, OutsideWord, RepairWord, WantName
-from ._call import Handle, Progress, array_of, run, showing
-from ._input import Domain, as_float64_or_float32, as_one_each, as_points
+from ._c_api import BeyondWord, DuplicatesWord, GridWord, NaturalWord, WantName
+from ._call import Handle, Progress, run, showing
+from ._domain import Domain, as_domain, with_short_forms
+from ._input import as_float64_or_float32, as_one_each, as_points, fill_weights
 from ._library import lib
 from ._run import implied_words, new_options
 from ._state import Cells
@@ -21,6 +22,9 @@ from .rays import RayCells
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from ._domain import DomainKeywords
 
 
 def _as_weights(weights: Optional[npt.ArrayLike], queries: int) -> Optional[npt.NDArray[np.float64]]:
@@ -40,7 +44,7 @@ class Probes(Cells):
 
     def __repr__(self) -> str:
         wanted = ", ".join(self.wanted) or "status only"
-        return f"<pyvotess.Probes of {len(self)} queries in a {self._domain()}: {wanted}>"
+        return f"<pyvotess.Probes of {len(self)} queries in a {self._where()}: {wanted}>"
 
 
 class Diagram:
@@ -50,12 +54,12 @@ class Diagram:
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; copied. Or (N, 2): then queries, rays and gradients
         have two components too, the cells of probes are polygons, and grids have two axes.
-    box : as for :func:`tessellate`. Default: none, if no other argument gives a domain.
-    periodic, weights, radii, cell, origin, walls, outside, duplicates, threads, grid_resolution, instructions,
-        progress : as for :func:`tessellate`. Queries run on the CPU.
-    mesh, mesh_repair, mesh_tolerance : as for :func:`tessellate`. A closed triangle mesh cuts the domain: places outside
-        have no answers, rays have their parts inside, and a cell of :meth:`probe` is its part inside. The surface is
-        inside. :meth:`natural_neighbors` and :meth:`interpolate` answer as without the mesh, and grids are 0 outside.
+    domain : as for :func:`tessellate`. Default: all of space. A closed mesh cuts the domain: places outside have no answers,
+        rays have their parts inside, and a cell of :meth:`probe` is its part inside. The surface is inside.
+        :meth:`natural_neighbors` and :meth:`interpolate` answer as without the mesh, and grids are 0 outside.
+    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
+    weights, radii, duplicates, threads, grid_resolution, instructions, progress : as for :func:`tessellate`. Queries run on
+        the CPU.
 
     Each query has a ``progress`` too, and Ctrl-C stops it. A Diagram stays usable after a stopped query. A progress
     callback must not query the Diagram that calls it.
@@ -65,34 +69,28 @@ class Diagram:
     ValueError : bad input; the message names the first offending index and value.
     """
 
+    @with_short_forms
     def __init__(
         self,
         points: npt.ArrayLike,
-        box: Optional[npt.ArrayLike] = None,
-        periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+        domain: Optional[Domain] = None,
+        *,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
-        cell: Optional[npt.ArrayLike] = None,
-        walls: npt.ArrayLike = (),
-        threads: int = 0,
         duplicates: DuplicatesWord = "merge",
-        origin: Optional[npt.ArrayLike] = None,
-        outside: OutsideWord = "error",
+        threads: int = 0,
         grid_resolution: int = 0,
         instructions: str = "",
         progress: Union[None, bool, Progress] = None,
-        mesh: Any = None,
-        mesh_repair: Optional[RepairWord] = None,
-        mesh_tolerance: float = 0.0,
+        **keywords: Unpack[DomainKeywords],
     ) -> None:
         array = np.require(as_points(points, planar=True), np.float64, ["C_CONTIGUOUS", "ALIGNED"])
         options = new_options(
             device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
-            duplicates=duplicates, outside=outside, planar=array.shape[1] == 2,
+            duplicates=duplicates, planar=array.shape[1] == 2,
         )  # fmt: skip
-        domain = Domain(box, periodic, weights, radii, cell, origin, walls, mesh, mesh_repair, mesh_tolerance)
-        kept = domain.fill(options, array)
-        self._handle = Handle(lib.votess_diagram_free)
+        kept = as_domain(domain, keywords)._fill(options, array) + fill_weights(options, weights, radii, len(array))
+        self._handle = Handle("diagram")
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))
             run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
@@ -122,7 +120,7 @@ class Diagram:
         """Runs a query of the library, which calls ``progress``."""
 
         def call(options: Any, _out: None) -> int:
-            view = Handle(lib.votess_diagram_free)
+            view = Handle("diagram")
             status = int(lib.votess_diagram_view(self._handle.pointer, options, ctypes.byref(view.pointer)))
             return status or int(query(view.pointer, *arguments))
 
@@ -183,7 +181,7 @@ class Diagram:
             given = np.full(len(start), given)
         numbers = as_one_each(given, "lengths", len(start), "rays")
         with_middles = as_flag(middles, "middles")
-        rays = Handle(lib.votess_rays_free)
+        rays = Handle("rays")
         self._ask(
             lib.votess_rays_new,
             progress,
@@ -195,10 +193,10 @@ class Diagram:
             ctypes.byref(rays.pointer),
         )
         return RayCells(
-            array_of(rays, "offsets", np.int64, prefix="votess_rays_"),
-            array_of(rays, "seeds", np.int32, prefix="votess_rays_"),
-            array_of(rays, "lengths", np.float64, prefix="votess_rays_"),
-            array_of(rays, "middles", np.float64, self._dimensions, "votess_rays_") if with_middles else None,
+            rays.array("offsets"),
+            rays.array("seeds"),
+            rays.array("lengths"),
+            rays.array("middles") if with_middles else None,
             len(self),
         )
 
@@ -233,7 +231,7 @@ class Diagram:
         array = self._as_queries(queries)
         options = new_options(device="cpu", want=want, list_walls=list_walls)
         numbers = _as_weights(weights, len(array))
-        result = Handle(lib.votess_result_free)
+        result = Handle("result")
         self._ask(
             lib.votess_diagram_probe,
             progress,
@@ -282,7 +280,7 @@ class Diagram:
         array = self._as_queries(queries)
         numbers = _as_weights(weights, len(array))
         with_gradient = as_flag(gradient, "gradient")
-        natural = Handle(lib.votess_natural_free)
+        natural = Handle("natural")
         self._ask(
             lib.votess_natural_new,
             progress,
@@ -294,14 +292,10 @@ class Diagram:
             _address(numbers),
             ctypes.byref(natural.pointer),
         )
-
-        def read(name: str, dtype: Any, columns: int = 0) -> npt.NDArray[Any]:
-            return array_of(natural, name, dtype, columns, prefix="votess_natural_")
-
         return NaturalCoordinates(
-            Neighbors(read("indptr", np.int64), read("indices", np.int32)),
-            read("weights", np.float64),
-            read("gradients", np.float64, self._dimensions) if with_gradient else None,
+            Neighbors(natural.array("indptr"), natural.array("indices")),
+            natural.array("weights"),
+            natural.array("gradients") if with_gradient else None,
         )
 
     @overload

@@ -10,15 +10,19 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_flag, as_number
-from ._c_api import ErrorCode, OutsideWord, PrecisionWord, RepairWord, WantName
-from ._call import Callbacks, Handle, Progress, VotessError, array_of, last_error, raise_on_failure, showing
-from ._input import Domain, as_one_each, as_points
+from ._c_api import ErrorCode, PrecisionWord, WantName
+from ._call import Callbacks, Handle, Progress, VotessError, last_error, raise_on_failure, showing
+from ._domain import Domain, as_domain, with_short_forms
+from ._input import as_one_each, as_points, fill_weights
 from ._library import lib
 from ._run import implied_words, new_options
 from .tessellation import Tessellation
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from ._domain import DomainKeywords
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -61,28 +65,23 @@ class FitError(VotessError):
         return FitError, (str(self), self.weights, self.residual, self.steps)
 
 
+@with_short_forms
 def fit_volumes(
     points: npt.ArrayLike,
     volumes: npt.ArrayLike,
-    box: Optional[npt.ArrayLike] = None,
-    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+    domain: Optional[Domain] = None,
+    *,
     tolerance: float = 1e-9,
     weights: Optional[npt.ArrayLike] = None,
     max_steps: int = 200,
     normalize: bool = False,
     want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
-    cell: Optional[npt.ArrayLike] = None,
-    walls: npt.ArrayLike = (),
-    origin: Optional[npt.ArrayLike] = None,
-    mesh: Any = None,
-    mesh_repair: Optional[RepairWord] = None,
     list_walls: bool = False,
     device: str = "auto",
     threads: int = 0,
     precision: PrecisionWord = "single",
     progress: Union[None, bool, Progress] = None,
-    mesh_tolerance: float = 0.0,
-    outside: OutsideWord = "error",
+    **keywords: Unpack[DomainKeywords],
 ) -> VolumeFit:
     """Returns the power diagram in which the cell of point i has the volume ``volumes[i]``, and its weights.
 
@@ -98,12 +97,12 @@ def fit_volumes(
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
-    mesh, mesh_repair, mesh_tolerance : as for :func:`tessellate`. Without weights each point must have a cell in the mesh.
-    outside : as for :func:`tessellate`. "keep": points outside have cells of their volumes inside; in a periodic domain
-        each must have a cell without weights. "drop": they have no cell, their volumes do not count, and their weights
-        are 0.
-    box, periodic, cell, walls, origin, want, list_walls, device, threads, precision : as for :func:`tessellate`, for the
-        tessellation that is returned. The steps use double precision.
+    domain : as for :func:`tessellate`. In a mesh without weights each point must have a cell. Points outside that are kept
+        have cells of their volumes inside; in a periodic domain each must have a cell without weights. Dropped ones have no
+        cell, their volumes do not count, and their weights are 0.
+    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
+    want, list_walls, device, threads, precision : as for :func:`tessellate`, for the tessellation that is returned. The steps
+        use double precision.
     progress : as for :func:`tessellate`; the fraction is the share of the digits.
 
     Ctrl-C in the main thread stops the fit and raises KeyboardInterrupt.
@@ -117,12 +116,11 @@ def fit_volumes(
     array = as_points(points, planar=True).astype(np.float64, order="C", copy=False)
     count = len(array)
     targets = as_one_each(volumes, "volumes", count, "points")
-    domain = Domain(box, periodic, weights, None, cell, origin, walls, mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
+    given = as_domain(domain, keywords)
     options = new_options(
-        want=want, list_walls=list_walls, device=device, threads=threads, precision=precision, outside=outside,
-        planar=array.shape[1] == 2,
-    )  # fmt: skip
-    kept = domain.fill(options, array)
+        want=want, list_walls=list_walls, device=device, threads=threads, precision=precision, planar=array.shape[1] == 2
+    )
+    kept = given._fill(options, array) + fill_weights(options, weights, None, count)
     wanted = implied_words(options)
     fit_options = _c_api.FitOptions()
     raise_on_failure(lib.votess_fit_options_init(ctypes.byref(fit_options), ctypes.sizeof(fit_options)))
@@ -130,7 +128,7 @@ def fit_volumes(
     fit_options.max_steps = as_count(max_steps, "max_steps", 32)
     fit_options.normalize = as_flag(normalize, "normalize")
 
-    fit = Handle(lib.votess_fit_free)
+    fit = Handle("fit")
     with showing(progress) as show, Callbacks() as callbacks:
         options.progress = callbacks.progress(show)
         status = lib.votess_fit_volumes(
@@ -147,11 +145,11 @@ def fit_volumes(
     stats = _c_api.FitStats(struct_size=ctypes.sizeof(_c_api.FitStats))
     message = last_error()
     raise_on_failure(lib.votess_fit_get_stats(fit.pointer, ctypes.byref(stats)))
-    found = array_of(fit, "weights", np.float64, prefix="votess_fit_")
+    found = fit.array("weights")
     if status == ErrorCode.NOT_CONVERGED:
         raise FitError(message, found.copy(), stats.residual, stats.steps)
-    result = Handle(lib.votess_result_free)
+    result = Handle("result")
     raise_on_failure(lib.votess_fit_result(fit.pointer, ctypes.byref(result.pointer)))
     seconds = FitSeconds(stats.seconds_tessellate, stats.seconds_assemble, stats.seconds_solve, stats.seconds_total)
-    tessellation = Tessellation(result, array, wanted, domain.is_given)
+    tessellation = Tessellation(result, array, wanted, given)
     return VolumeFit(found, tessellation, stats.residual, stats.steps, stats.tessellations, seconds)

@@ -20,6 +20,7 @@ import numpy as np
 from . import _library
 from ._call import VotessError
 from ._c_api import ErrorCode
+from ._domain import SHORT_FORMS, Domain
 from ._frames_of_hdf5 import frames_of
 from .tessellator import Tessellator, tessellate
 
@@ -38,8 +39,7 @@ class Frame:
 
     number: int  #: from 0
     points: Float64Array  #: (N, 3), or (N, 2) in two dimensions
-    #: the arguments box, cell, origin, periodic and walls of :func:`tessellate`; empty if the file states none
-    domain: Dict[str, Any] = field(default_factory=dict)
+    domain: Optional[Domain] = None  #: None if the file states none
     timestep: Optional[float] = None
     ids: Optional[Int64Array] = None  #: (N,)
     species: Optional[List[str]] = None  #: N elements or types
@@ -51,13 +51,19 @@ class Frame:
         return len(self.points)
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Frame {self.number}: {len(self)} points, {', '.join(self.domain) or 'no domain'}>"
+        return f"<pyvotess.Frame {self.number}: {len(self)} points, {'no domain' if self.domain is None else self.domain._text()}>"
 
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
-        """Returns the cells in the domain of the file. Options are those of :func:`tessellate`, and override it."""
-        given = {} if {"box", "cell"} & options.keys() else self.domain
+        """Returns the cells in the domain of the file.
+
+        Options are those of :func:`tessellate`. ``domain``, ``box`` and ``cell`` replace the domain, other short forms change
+        it.
+        """
+        if self.domain is not None and not {"domain", "box", "cell"} & options.keys():
+            short = {name: options.pop(name) for name in SHORT_FORMS if name in options}
+            options["domain"] = self.domain.replace(**short)
         run = tessellator.tessellate if tessellator else tessellate
-        return run(self.points, **{**given, **options})
+        return run(self.points, **options)
 
 
 def _program() -> str:
@@ -109,7 +115,7 @@ def _next_frame(stream: IO[bytes]) -> Optional[Frame]:
     return Frame(
         number=head["frame"],
         points=points,
-        domain=domain,
+        domain=Domain(**domain) if domain else None,
         timestep=float(head["timestep"]) if head["timestep"] else None,
         ids=ids,
         species=species or None,

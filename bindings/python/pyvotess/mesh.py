@@ -13,6 +13,8 @@ from ._arguments import as_count
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    from ._call import Handle
+
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
     Int32Array = npt.NDArray[np.int32]
@@ -167,16 +169,13 @@ def count_edges(rows: Lists, faces: Faces, vertices: Float64Array, edge_threshol
     return table
 
 
-def make_delaunay(read: Any, dimensions: int, periodic: bool) -> Delaunay:
-    """Returns the complex. ``read(name, dtype)`` returns an array of ``votess_delaunay``."""
-    corners = dimensions + 1
-    tetrahedra = read("tetrahedra", np.int32).reshape(-1, corners)
-    indptr = read("polytope_indptr", np.int64)
+def make_delaunay(handle: Handle, dimensions: int, periodic: bool) -> Delaunay:
+    read = handle.array
     return Delaunay(
-        tetrahedra=tetrahedra,
-        centers=read("tetrahedra_centers", np.int32),
-        polytopes=Lists(indptr, read("polytope_indices", np.int32)),
-        polytope_centers=read("polytope_centers", np.int32),
-        shifts=read("tetrahedra_shifts", np.int8).reshape(-1, corners, dimensions) if periodic else None,
-        polytope_shifts=read("polytope_shifts", np.int8).reshape(-1, dimensions) if periodic else None,
+        tetrahedra=read("tetrahedra"),
+        centers=read("tetrahedra_centers"),
+        polytopes=Lists(read("polytope_indptr"), read("polytope_indices")),
+        polytope_centers=read("polytope_centers"),
+        shifts=read("tetrahedra_shifts").reshape(-1, dimensions + 1, dimensions) if periodic else None,
+        polytope_shifts=read("polytope_shifts") if periodic else None,
     )

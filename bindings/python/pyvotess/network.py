@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from ._arguments import as_axis
-from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
+from ._call import Handle, WithHandle, raise_on_failure, watched
 from ._library import lib
 from .pairs import edges_of
 
@@ -121,30 +121,26 @@ class Network(WithHandle):
 
 def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    handle = Handle(lib.votess_network_free)
+    handle = Handle("network")
     raise_on_failure(
         watched(lib.votess_network_new, result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
     )
 
-    def array(name: str, dtype: Any, columns: int = 0) -> Any:
-        return array_of(handle, name, dtype, columns, prefix="votess_network_")
-
-    dimensions = t.box.shape[1]
-    places, edges = array("points", np.float64, dimensions), array("edges", np.int32, 2)
+    places, edges = handle.array("points"), handle.array("edges")
     vectors = places[edges[:, 1]] - places[edges[:, 0]]
     shifts = None
     if any(t.periodic):
-        shifts = array("shifts", np.int8, dimensions)
+        shifts = handle.array("shifts")
         moved = shifts.any(axis=1)
         vectors[moved] += shifts[moved] @ edges_of(t)
     return Network(
         points=places,
-        vertices=array("vertices", np.int32),
-        vertex_radii=array("vertex_radii", np.float64),
-        at_walls=array("at_walls", np.uint8).view(np.bool_),
+        vertices=handle.array("vertices"),
+        vertex_radii=handle.array("vertex_radii"),
+        at_walls=handle.array("at_walls").view(np.bool_),
         edges=edges,
         shifts=shifts,
         vectors=vectors,
-        edge_radii=array("edge_radii", np.float64),
+        edge_radii=handle.array("edge_radii"),
         _handle=handle,
     )

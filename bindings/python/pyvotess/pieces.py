@@ -12,7 +12,7 @@ import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_number, as_path
-from ._call import Callbacks, Handle, Progress, array_of, raise_on_failure, showing
+from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
 from ._input import as_array
 from ._library import lib
 
@@ -137,7 +137,7 @@ class Pieces:
 def make_pieces(
     t: SeedCells, result: Handle, gap: float, threads: int, progress: Union[None, bool, Progress]
 ) -> Pieces:
-    handle = Handle(lib.votess_pieces_free)
+    handle = Handle("pieces")
     distance, count = as_number(gap, "gap"), as_count(threads, "threads", 32)
     with showing(progress) as show, Callbacks() as callbacks:
         status = lib.votess_pieces_new(
@@ -145,18 +145,15 @@ def make_pieces(
         )
     raise_on_failure(status)
 
-    def array(name: str, dtype: Any, columns: int = 0) -> Any:
-        return array_of(handle, name, dtype, columns, prefix="votess_pieces_")
-
     return Pieces(
-        indptr=array("indptr", np.int64),
-        vertex_offsets=array("vertex_offsets", np.int64),
-        vertices=array("vertices", np.float64, 3),
-        triangle_offsets=array("triangle_offsets", np.int64),
-        triangles=array("triangles", np.int32, 3),
-        on_surface=array("on_surface", np.uint8).view(np.bool_),
-        sources=array("sources", np.int32),
-        volumes=array("volumes", np.float64),
-        centroids=array("centroids", np.float64, 3),
+        indptr=handle.array("indptr"),
+        vertex_offsets=handle.array("vertex_offsets"),
+        vertices=handle.array("vertices"),
+        triangle_offsets=handle.array("triangle_offsets"),
+        triangles=handle.array("triangles"),
+        on_surface=handle.array("on_surface").view(np.bool_),
+        sources=handle.array("sources"),
+        volumes=handle.array("volumes"),
+        centroids=handle.array("centroids"),
         ids=np.arange(len(t)) if t.ids is None else np.asarray(t.ids, np.int64),
     )

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 import numpy as np
 
 from ._arguments import as_flag
-from ._c_api import CellStatus, ErrorCode
-from ._call import Handle, Progress, VotessError, array_of, raise_on_failure, watched
+from ._c_api import ErrorCode
+from ._call import Handle, Progress, VotessError, raise_on_failure, watched
 from ._input import as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -48,8 +48,6 @@ class Tessellation(SeedCells):
     def _handle(self) -> Handle:
         """Returns the library's object. For an unpickled result it tessellates the points again."""
         if self._result is None:
-            if self.in_mesh:
-                raise ValueError("a pickle holds no mesh: use the result that tessellate() returned")
             result, differs = self._tessellated_again()
             if differs:
                 raise VotessError(
@@ -61,11 +59,8 @@ class Tessellation(SeedCells):
 
     def _arguments(self, **changed: Any) -> Dict[str, Any]:
         """Returns the arguments of the run, by name."""
-        box = self.box.ravel() if self._domain_given and self.cell is None else None
-        outside = "drop" if np.any(self.status == CellStatus.OUTSIDE) else "keep"
         given: Dict[str, Any] = dict(
-            points=self.points, box=box, periodic=self.periodic, weights=self.weights, radii=None, cell=self.cell,
-            origin=self.origin, walls=self.walls, mesh=None, mesh_repair=None, mesh_tolerance=0.0, outside=outside, only=self.ids, want=self.wanted,
+            points=self.points, domain=self.domain, weights=self.weights, radii=None, only=self.ids, want=self.wanted,
             list_walls=self.lists_walls, min_area=self.least_face, progress=None,
         )  # fmt: skip
         given.update(changed)
@@ -86,7 +81,7 @@ class Tessellation(SeedCells):
         copies = self.stats.duplicates
         seeds = f"{len(self)} seeds" + (f", {copies} duplicate{'s' if copies > 1 else ''}," if copies else "")
         tiny = f"; {self.stats.tiny_faces} tiny faces, see min_face" if self.stats.tiny_faces else ""
-        return f"<pyvotess.Tessellation of {seeds} in a {self._domain()}: {wanted}{tiny}>"
+        return f"<pyvotess.Tessellation of {seeds} in a {self._where()}: {wanted}{tiny}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and with faces a picture of a section."""
@@ -103,13 +98,9 @@ class Tessellation(SeedCells):
         of the lattice. Raises ValueError if this would collapse a face that was kept, or join a corner with its own
         image: then give a smaller ``min_face``.
         """
-        handle = Handle(lib.votess_delaunay_free)
+        handle = Handle("delaunay")
         raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
-        return make_delaunay(
-            lambda name, dtype: array_of(handle, name, dtype, prefix="votess_delaunay_"),
-            self.box.shape[1],
-            self.shifts is not None,
-        )
+        return make_delaunay(handle, self.box.shape[1], self.shifts is not None)
 
     def network(self) -> Network:
         """Returns the vertices and edges of the diagram with the room that they have between seeds. Needs "faces" in want.
@@ -173,7 +164,7 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
-        handle = Handle(lib.votess_zones_free)
+        handle = Handle("zones")
         falls = as_flag(maxima, "maxima")
         arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
         raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
 
 from . import _c_api
-from ._c_api import DuplicatesWord, ErrorCode, OutsideWord, PrecisionWord, RepairWord, WantName
+from ._c_api import DuplicatesWord, ErrorCode, PrecisionWord, WantName
 from ._call import Handle, Progress, VotessError, raise_on_failure
+from ._domain import Domain, with_short_forms
 from ._library import lib
 from ._run import new_options, tessellate_points
 from .tessellation import Tessellation
@@ -19,53 +20,46 @@ if TYPE_CHECKING:
     from types import TracebackType
 
     import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from ._domain import DomainKeywords
 
 
+@with_short_forms
 def tessellate(
     points: npt.ArrayLike,
-    box: Optional[npt.ArrayLike] = None,
-    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+    domain: Optional[Domain] = None,
+    *,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
     want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
-    cell: Optional[npt.ArrayLike] = None,
-    walls: npt.ArrayLike = (),
+    only: Optional[npt.ArrayLike] = None,
     list_walls: bool = False,
+    min_face: float = 0.0,
+    min_area: float = 0.0,
+    duplicates: DuplicatesWord = "merge",
+    progress: Union[None, bool, Progress] = None,
     device: str = "auto",
     threads: int = 0,
     precision: PrecisionWord = "single",
-    duplicates: DuplicatesWord = "merge",
-    progress: Union[None, bool, Progress] = None,
-    origin: Optional[npt.ArrayLike] = None,
-    outside: OutsideWord = "error",
-    min_face: float = 0.0,
-    min_area: float = 0.0,
     grid_resolution: int = 0,
     k_init: int = 0,
     chunk_size: int = 0,
     instructions: str = "",
-    only: Optional[npt.ArrayLike] = None,
-    mesh: Any = None,
-    mesh_repair: Optional[RepairWord] = None,
-    mesh_tolerance: float = 0.0,
+    **keywords: Unpack[DomainKeywords],
 ) -> Tessellation:
     """Returns the Voronoi cells of ``points``. The neighbor lists are exact for the given coordinates.
 
     Parameters
     ----------
     points : (N, 3) array of real numbers, any length unit; N may be 0. Or (N, 2): then the cells are polygons, and
-        box, cell, origin and walls have two components each, see the page "Two dimensions".
+        vectors of the domain and of results have two components, see the page "Two dimensions".
         float64 and float32 in C order are copied; other arrays are converted without loss, also those that have only
         `__dlpack__`. If another thread changes the array during the call, cells are wrong, but nothing crashes.
-    box : (x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1)), the domain.
-        Default: the bounds of the points, each side moved out by half of (longest side / cbrt(N)).
-        A point outside is an error. A bound may be infinite, and "none" stands for all of space. Cells that reach
-        infinity then have volume inf and centroid nan; rows with walls list infinity as -1, and polygons have -1 there.
-        A box may be periodic along its other axes, see the page "Domains".
-        "hull" stands for the convex hull of the points, as ``walls``; no point is outside, not even by rounding.
-    periodic : True, axes such as "xy", or three flags. The box must be given, and points outside are wrapped into it.
-        ``shifts`` is the image of each neighbor. x, y, z mean the edges of a ``cell``.
-        Default: a box is not periodic, a cell is along all edges except those that are 0.
+    domain : the part of space that the cells fill, a :class:`Domain`. Default: the bounds of the points, each side moved out
+        by half of (longest side / cbrt(N)). Points outside are an error.
+    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``: the
+        arguments of :class:`Domain`, which describes them.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
     want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",
@@ -74,9 +68,6 @@ def tessellate(
         vertex_counts), "areas", "normals", "surfaces", "radii", "vertices" (vertices, cell_vertices) and "faces"
         (face_offsets, face_vertices). A name requests its whole group. Arrays with one row for each neighbor add
         "neighbors"; "faces" adds "vertices", and walls to the rows.
-    cell, origin : a triclinic box instead of ``box``: its edges as rows, and its corner. It is periodic along all
-        edges, or those of ``periodic``; elsewhere its faces are walls. Along an edge that is 0 it has no end.
-    walls : (M, 4) rows nx, ny, nz, d: walls that keep n.x <= d, with the ids -7, -8, ...; not in a periodic domain.
     list_walls : list walls as neighbors too: -1 to -6 = xmin, xmax, ymin, ymax, zmin, zmax of the box, or the faces
         of a cell across a, b and c; -7, -8, ... = walls.
     device : where to run: auto = the first GPU, else the CPU; cpu; gpu = the first GPU; lavapipe = the first Vulkan
@@ -97,19 +88,9 @@ def tessellate(
         lists, areas, normals, polygons and face counts; walls and vertices stay. The cell of lower index decides for
         both, so lists stay symmetric. 0 drops none.
     min_area : drop faces below this area, as min_face does; the larger limit counts (length unit squared).
-    outside : "error" or "drop" or "keep"; points outside the domain: an error; or dropped, which leaves an empty
-        cell with the status `outside`; or kept, which gives each the part of its cell inside the domain, or the status
-        `empty`.
     only : the points whose cells to make, as indices or as a mask of N flags. The rows of the result come in this
         order; ``ids`` names their points, and neighbors are indices among all points. Methods for a whole diagram are
         refused. The CPU makes the cells, in the time that they and the sort of all points take.
-    mesh : a closed triangle mesh as the domain: (vertices, triangles), or a mesh of trimesh, PyVista or Open3D. Each cell
-        is its part inside, see the page "Domains". Points may lie outside. Refused with walls and outside,
-        and with "vertices", "faces", "counts" and "radii" in ``want``.
-    mesh_repair : "merge" makes vertices of the mesh at equal places one, as meshes from STL files need. Default: none.
-    mesh_tolerance : with "merge", vertices at most this far apart become one too. A share of the longest side of the
-        mesh's bounds, at most 0.01; 1e-9 closes meshes whose corners differ by rounding. ``stats.moved_vertices`` and
-        ``stats.moved_distance`` report what moved.
     progress : True shows a bar of tqdm if it is installed, else a line on stderr. A callable is called about ten times
         a second with the fraction done. If it returns False, the run stops with :class:`VotessError`; its exceptions
         stop the run and reach the caller.
@@ -154,7 +135,7 @@ class Tessellator:
         del given["self"]
         self._options = new_options(**given)
         self._lock = threading.Lock()
-        self._handle = Handle(lib.votess_tessellator_free)
+        self._handle = Handle("tessellator")
         raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
 
     @contextlib.contextmanager
@@ -169,27 +150,22 @@ class Tessellator:
         finally:
             self._lock.release()
 
+    @with_short_forms
     def tessellate(
         self,
         points: npt.ArrayLike,
-        box: Optional[npt.ArrayLike] = None,
-        periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
+        domain: Optional[Domain] = None,
+        *,
         weights: Optional[npt.ArrayLike] = None,
         radii: Optional[npt.ArrayLike] = None,
         want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
-        cell: Optional[npt.ArrayLike] = None,
-        walls: npt.ArrayLike = (),
+        only: Optional[npt.ArrayLike] = None,
         list_walls: bool = False,
-        duplicates: DuplicatesWord = "merge",
-        progress: Union[None, bool, Progress] = None,
-        origin: Optional[npt.ArrayLike] = None,
-        outside: OutsideWord = "error",
         min_face: float = 0.0,
         min_area: float = 0.0,
-        only: Optional[npt.ArrayLike] = None,
-        mesh: Any = None,
-        mesh_repair: Optional[RepairWord] = None,
-        mesh_tolerance: float = 0.0,
+        duplicates: DuplicatesWord = "merge",
+        progress: Union[None, bool, Progress] = None,
+        **keywords: Unpack[DomainKeywords],
     ) -> Tessellation:
         """As :func:`tessellate`. ValueError after :meth:`close`."""
         given = dict(locals())

@@ -6,7 +6,7 @@ the whole body and a little more. ``np.concatenate`` joins several bodies.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, List
 
 import numpy as np
 
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Float64Array = npt.NDArray[np.float64]
+
+__all__ = ["cone", "cylinder", "sphere"]
+
+
+def __dir__() -> List[str]:
+    return __all__
 
 
 def _walls(function: Any, faces: int, *arguments: Any) -> Float64Array:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 
 from ._arguments import as_number
-from ._call import Handle, WithHandle, array_of, raise_on_failure, watched
+from ._call import Handle, WithHandle, raise_on_failure, watched
 from ._library import lib
 
 if TYPE_CHECKING:
@@ -49,25 +49,22 @@ class Zones(WithHandle):
         ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins zones
         that only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
         """
-        handle = Handle(lib.votess_zones_free)
+        handle = Handle("zones")
         level = as_number(threshold, "threshold")
         raise_on_failure(watched(lib.votess_zones_merge, self._pointer("watershed()"), level, ctypes.byref(handle.pointer)))
         return read_zones(handle, self.at_walls is not None, self.maxima)
 
 
 def read_zones(handle: Handle, lists_walls: bool, maxima: bool) -> Zones:
-    def array(name: str, dtype: Any, columns: int = 0) -> Any:
-        return array_of(handle, name, dtype, columns, prefix="votess_zones_")
-
     return Zones(
-        labels=array("labels", np.int32),
-        cores=array("cores", np.int32),
-        pairs=array("pairs", np.int32, 2),
-        saddles=array("saddles", np.float64),
-        passes=array("passes", np.int32, 2),
-        parents=array("parents", np.int32),
-        persistence=array("persistence", np.float64),
-        at_walls=array("at_walls", np.uint8).view(np.bool_) if lists_walls else None,
+        labels=handle.array("labels"),
+        cores=handle.array("cores"),
+        pairs=handle.array("pairs"),
+        saddles=handle.array("saddles"),
+        passes=handle.array("passes"),
+        parents=handle.array("parents"),
+        persistence=handle.array("persistence"),
+        at_walls=handle.array("at_walls").view(np.bool_) if lists_walls else None,
         maxima=maxima,
         _handle=handle,
     )

@@ -25,7 +25,7 @@ class Differences(unittest.TestCase):
 
     def compare(self, points, weights=None, **domain):
         rng = np.random.default_rng(4)
-        t = autodiff.forward(points, weights, **domain)
+        t = autodiff.forward(points, weights=weights, **domain)
         given = cotangents(t)
         start = {"points": points, "weights": np.zeros(len(points)) if weights is None else weights}
         for by, step in (("points", 1e-7), ("weights", 1e-8)):
@@ -76,7 +76,7 @@ class Differences(unittest.TestCase):
         points[7] = points[3]
         weights = np.zeros(SEEDS)
         weights[:4] = 0.1
-        t = autodiff.forward(points, weights, box=UNIT_BOX)
+        t = autodiff.forward(points, weights=weights, box=UNIT_BOX)
         lost = t.status != 0
         self.assertGreater(lost.sum(), 5)
         given = cotangents(t)
@@ -117,7 +117,7 @@ class Identities(unittest.TestCase):
         for size, box in ((3, UNIT_BOX), (2, SQUARE)):
             points = uniform(400)[:, :size] - 0.5
             weights = 0.001 * uniform(400, seed=7)[:, 0]
-            t = autodiff.forward(points, weights, box=np.repeat((-0.5, 0.5), size))
+            t = autodiff.forward(points, weights=weights, box=np.repeat((-0.5, 0.5), size))
             inner = np.array([len(row) > 0 and row.min() >= 0 for row in t.neighbors])
             self.assertGreater(inner.sum(), 50)
             of_face = np.repeat(inner, np.diff(t.indptr))
@@ -165,7 +165,7 @@ class Identities(unittest.TestCase):
             ("areas has shape", lambda: autodiff.vjp(t, areas=np.ones(3))),
             ("whole cells", lambda: autodiff.vjp(autodiff.forward(points, box=UNIT_BOX, min_face=0.5))),
             ("leave out only=", lambda: autodiff.vjp(vt.tessellate(points, box=UNIT_BOX, want="faces", only=[1]))),
-            ("infinity", lambda: autodiff.vjp(vt.tessellate(points, "none", want="faces"), areas=())),
+            ("infinity", lambda: autodiff.vjp(vt.tessellate(points, box="none", want="faces"), areas=())),
         ):
             t = autodiff.forward(points, box=UNIT_BOX)
             with self.subTest(says), self.assertRaisesRegex(ValueError, says):
@@ -195,7 +195,7 @@ class Jax(unittest.TestCase):
         from jax.test_util import check_grads
 
         def measures(points, weights):
-            m = self.tessellate(points, weights, box=UNIT_BOX, periodic="xy", max_rows=1000)
+            m = self.tessellate(points, weights=weights, box=UNIT_BOX, periodic="xy", max_rows=1000)
             return m.volumes, m.centroids, m.areas
 
         for function in (measures, jax.jit(measures)):
@@ -282,7 +282,7 @@ class Torch(unittest.TestCase):
         import torch
 
         def measures(points, weights):
-            m = self.tessellate(points, weights, box=UNIT_BOX, periodic="xy")
+            m = self.tessellate(points, weights=weights, box=UNIT_BOX, periodic="xy")
             return m.volumes, m.centroids, m.areas
 
         self.assertTrue(torch.autograd.gradcheck(measures, (self.points, self.weights), eps=1e-7, atol=1e-5))

@@ -86,7 +86,7 @@ class Derivatives(unittest.TestCase):
 
     @have("scipy")
     def test_sums(self):
-        t = vt.tessellate(uniform(SEEDS), UNIT_BOX, periodic=True, want="faces,volumes")
+        t = vt.tessellate(uniform(SEEDS), box=UNIT_BOX, periodic=True, want="faces,volumes")
         matrix = t.derivatives()
         self.assertEqual(matrix.shape, (SEEDS, 3 * SEEDS))
         # The volumes always fill the box, and nothing changes when all seeds move alike.
@@ -102,7 +102,7 @@ class Derivatives(unittest.TestCase):
         points, weights = uniform(SEEDS), 0.01 * np.random.default_rng(4).random(SEEDS)
         for periodic in (False, True):
             of_areas, of_faces = (
-                vt.tessellate(points, UNIT_BOX, periodic, weights=weights, want=want).derivatives(by="weights")
+                vt.tessellate(points, box=UNIT_BOX, periodic=periodic, weights=weights, want=want).derivatives(by="weights")
                 for want in ("areas", "faces")
             )
             self.assertLess(np.abs(of_areas - of_faces).max(), 1e-12)
@@ -111,9 +111,9 @@ class Derivatives(unittest.TestCase):
     def test_duplicates_and_none(self):
         points = uniform(20)
         points[7] = points[3]
-        t = vt.tessellate(points, UNIT_BOX, want="faces")
+        t = vt.tessellate(points, box=UNIT_BOX, want="faces")
         self.assertEqual(t.derivatives()[7].nnz, 0)
-        empty = vt.tessellate(np.empty((0, 3)), UNIT_BOX, want="faces")
+        empty = vt.tessellate(np.empty((0, 3)), box=UNIT_BOX, want="faces")
         self.assertEqual(empty.derivatives().shape, (0, 0))
 
     @have("scipy")
@@ -144,7 +144,7 @@ class Derivatives(unittest.TestCase):
     def test_memory(self):
         """Temporary arrays are smaller than a few copies of the matrix."""
         count = 1500
-        t = vt.tessellate(uniform(count), UNIT_BOX, want="faces,areas")
+        t = vt.tessellate(uniform(count), box=UNIT_BOX, want="faces,areas")
         t.derivatives("areas")  # imports
         tracemalloc.start()
         matrix = t.derivatives("areas")
@@ -176,20 +176,20 @@ class Derivatives(unittest.TestCase):
             np.testing.assert_allclose(closed, numeric, atol=1e-6 * np.abs(numeric).max())
         with self.assertRaisesRegex(ValueError, "in a mesh give 'volumes'"):
             t.derivatives("areas")
-        again = vt.tessellate(points, UNIT_BOX, periodic=True, mesh=CUBE, device="cpu")
+        again = vt.tessellate(points, box=UNIT_BOX, periodic=True, mesh=CUBE, device="cpu")
         with self.assertRaisesRegex(ValueError, "leave out periodic= or mesh="):
             again.derivatives()
 
     @have("scipy")
     def test_refused(self):
-        t = vt.tessellate(uniform(20), UNIT_BOX, want="faces")
-        for arguments, says in ((("centroids",), "'volumes' or 'areas'"), (("areas", "radii"), "'points' or 'weights'")):
+        t = vt.tessellate(uniform(20), box=UNIT_BOX, want="faces")
+        for arguments, says in ((("centroids",), "of is 'centroids': the words are volumes, areas"), (("areas", "radii"), "by is 'radii'")):
             with self.assertRaisesRegex(ValueError, says):
                 t.derivatives(*arguments)
         with self.assertRaises(AttributeError):
-            vt.tessellate(uniform(20), UNIT_BOX).derivatives()
+            vt.tessellate(uniform(20), box=UNIT_BOX).derivatives()
         with self.assertRaisesRegex(ValueError, "whole cells"):
-            vt.tessellate(uniform(20), UNIT_BOX, want="faces", min_face=0.5).derivatives()
+            vt.tessellate(uniform(20), box=UNIT_BOX, want="faces", min_face=0.5).derivatives()
 
 
 if __name__ == "__main__":

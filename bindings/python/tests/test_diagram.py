@@ -68,7 +68,7 @@ class Diagrams(unittest.TestCase):
         points, queries = uniform(40), uniform(400, seed=2)
         box = np.eye(3)
         np.testing.assert_array_equal(
-            vt.Diagram(points, UNIT_BOX, periodic=True).locate(queries + (1, -2, 0)),
+            vt.Diagram(points, box=UNIT_BOX, periodic=True).locate(queries + (1, -2, 0)),
             nearest(points, queries, shifts=images(box)),
         )
         cell = np.asarray(CELL, float)
@@ -78,23 +78,23 @@ class Diagrams(unittest.TestCase):
         )
         radii = 0.2 * uniform(40, seed=3)[:, 0]
         expected = nearest(points, queries, radii**2)
-        np.testing.assert_array_equal(vt.Diagram(points, UNIT_BOX, radii=radii).locate(queries), expected)
-        np.testing.assert_array_equal(vt.Diagram(points, UNIT_BOX, weights=radii**2).locate(queries), expected)
+        np.testing.assert_array_equal(vt.Diagram(points, box=UNIT_BOX, radii=radii).locate(queries), expected)
+        np.testing.assert_array_equal(vt.Diagram(points, box=UNIT_BOX, weights=radii**2).locate(queries), expected)
         walls = [(1, 1, 1, 1.5)]
         kept = points.sum(axis=1) <= 1.5
         inside = queries.sum(axis=1) <= 1.5
-        found = vt.Diagram(points, UNIT_BOX, walls=walls, outside="drop").locate(queries)
+        found = vt.Diagram(points, box=UNIT_BOX, walls=walls, outside="drop").locate(queries)
         expected = np.flatnonzero(kept)[nearest(points[kept], queries)]
         np.testing.assert_array_equal(found, np.where(inside, expected, -1))
 
     def test_ties_go_to_the_lowest(self):
         points = lattice(4)
-        d = vt.Diagram(points, (0, 0, 0, 4, 4, 4))
+        d = vt.Diagram(points, box=(0, 0, 0, 4, 4, 4))
         np.testing.assert_array_equal(d.locate([(1, 1, 1), (2, 0.5, 0.5), (4, 4, 4), (0, 0, 3)]), (0, 16, 63, 2))
 
     def test_threads(self):
         points, queries = uniform(5000), uniform(20000, seed=2)
-        d = vt.Diagram(points, UNIT_BOX, threads=2)
+        d = vt.Diagram(points, box=UNIT_BOX, threads=2)
         expected, found = d.locate(queries), [None] * 4
 
         def ask(k):
@@ -110,7 +110,7 @@ class Diagrams(unittest.TestCase):
 
     def test_refused(self):
         points = uniform(5)
-        d = vt.Diagram(points, UNIT_BOX)
+        d = vt.Diagram(points, box=UNIT_BOX)
         for queries, says in [
             ([(0.5, np.nan, 0.5)], "query 0"),
             ([0.5, 0.5, 0.5], "queries has shape"),
@@ -119,9 +119,9 @@ class Diagrams(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, says):
                 d.locate(queries)
         with self.assertRaisesRegex(ValueError, "point 0"):
-            vt.Diagram([(2, 0, 0)], UNIT_BOX)
+            vt.Diagram([(2, 0, 0)], box=UNIT_BOX)
         with self.assertRaisesRegex(ValueError, "weights"):
-            vt.Diagram(points, UNIT_BOX, weights=[1, 2])
+            vt.Diagram(points, box=UNIT_BOX, weights=[1, 2])
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with self.assertRaises(TypeError):
                 copied(d)
@@ -196,7 +196,7 @@ class Probing(unittest.TestCase):
 
     def test_what_it_returns(self):
         points, queries = uniform(300), uniform(200, seed=2)
-        d = vt.Diagram(points, UNIT_BOX, threads=2)
+        d = vt.Diagram(points, box=UNIT_BOX, threads=2)
         probes = d.probe(queries)
         self.assertIsInstance(probes, vt.Probes)
         self.assertEqual(probes.wanted, ("neighbors", "volumes"))
@@ -225,12 +225,12 @@ class Probing(unittest.TestCase):
             self.assertFalse(other.volumes.flags.writeable)
 
     def test_voronoi_indices(self):
-        probes = vt.Diagram(lattice(2), (0, 0, 0, 2, 2, 2)).probe([(1, 1, 1)], "faces")
+        probes = vt.Diagram(lattice(2), box=(0, 0, 0, 2, 2, 2)).probe([(1, 1, 1)], "faces")
         self.assertEqual(probes.voronoi_indices().tolist(), [[8]])  # an octahedron
 
     def test_refused(self):
         points = uniform(5)
-        d = vt.Diagram(points, UNIT_BOX)
+        d = vt.Diagram(points, box=UNIT_BOX)
         for arguments, says in [
             (([(0.5, np.nan, 0.5)],), "query 0"),
             (([0.5, 0.5, 0.5],), "queries has shape"),
@@ -241,7 +241,7 @@ class Probing(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, says):
                 d.probe(*arguments)
         with self.assertRaisesRegex(ValueError, "weight 1 = nan"):
-            vt.Diagram(points, UNIT_BOX, weights=np.zeros(5)).probe(points, weights=[0, np.nan, 0, 0, 0])
+            vt.Diagram(points, box=UNIT_BOX, weights=np.zeros(5)).probe(points, weights=[0, np.nan, 0, 0, 0])
 
 
 
@@ -334,12 +334,12 @@ class NaturalNeighbors(unittest.TestCase):
 
     def test_periodic_and_power(self):
         values = uniform(600, seed=4)[:, 0]
-        periodic = vt.Diagram(self.points, UNIT_BOX, periodic=True)
+        periodic = vt.Diagram(self.points, box=UNIT_BOX, periodic=True)
         field = periodic.interpolate(values, self.queries)
         np.testing.assert_allclose(periodic.interpolate(values, self.queries + (3, -1, 0)), field, rtol=1e-9)
         self.assertTrue(np.all((field >= values.min()) & (field <= values.max())))
         weights = 1e-3 * uniform(600, seed=5)[:, 0]
-        power = vt.Diagram(self.points, UNIT_BOX, weights=weights)
+        power = vt.Diagram(self.points, box=UNIT_BOX, weights=weights)
         c = power.natural_neighbors(self.queries, weights=np.full(900, 1e-3))
         np.testing.assert_array_equal(np.diff(c.neighbors.indptr) > 0, True)
         places = c.weights[:, None] * self.points[c.neighbors.indices]
@@ -359,7 +359,7 @@ class NaturalNeighbors(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, what):
                 call()
         with self.assertRaises(vt.VotessError) as raised:
-            vt.Diagram([(0.5, 0.5, 0.5)], UNIT_BOX, periodic=True).natural_neighbors([(0.1, 0.2, 0.3)])
+            vt.Diagram([(0.5, 0.5, 0.5)], box=UNIT_BOX, periodic=True).natural_neighbors([(0.1, 0.2, 0.3)])
         self.assertEqual(raised.exception.code, vt.ErrorCode.UNSUPPORTED)
 
 
@@ -401,7 +401,7 @@ class InMesh(unittest.TestCase):
 class Stops(unittest.TestCase):
     def queries(self, d, points):
         return {
-            "Diagram": lambda progress: vt.Diagram(points, UNIT_BOX, progress=progress),
+            "Diagram": lambda progress: vt.Diagram(points, box=UNIT_BOX, progress=progress),
             "locate": lambda progress: d.locate(points, progress=progress),
             "probe": lambda progress: d.probe(points, progress=progress).volumes,
             "natural_neighbors": lambda progress: d.natural_neighbors(points, progress=progress).weights,
@@ -411,7 +411,7 @@ class Stops(unittest.TestCase):
 
     def test_progress(self):
         points = uniform(500)
-        d = vt.Diagram(points, UNIT_BOX)
+        d = vt.Diagram(points, box=UNIT_BOX)
         for name, query in self.queries(d, points).items():
             with self.subTest(name):
                 fractions = []
@@ -445,7 +445,7 @@ class Stops(unittest.TestCase):
 
     def test_interrupt(self):
         points = uniform(2000)
-        d = vt.Diagram(points, UNIT_BOX, threads=1)
+        d = vt.Diagram(points, box=UNIT_BOX, threads=1)
         many = uniform(1_000_000, seed=5)
         for query in (lambda: d.to_grid(points, 250, "nearest"), lambda: d.natural_neighbors(many, "laplace")):
             timer = threading.Timer(0.2, _thread.interrupt_main)

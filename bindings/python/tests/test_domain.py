@@ -1,5 +1,7 @@
 """Domains: periodic and triclinic boxes, walls, weights."""
 
+import copy
+import inspect
 import pickle
 import tempfile
 import types
@@ -147,9 +149,9 @@ class Domains(unittest.TestCase):
         for size in (2, 3):
             p = 3 * points(30)[:, :size] - 1
             box = ((0,) * size, (1,) * size)
-            whole = vt.tessellate(p, box, periodic=True)
+            whole = vt.tessellate(p, box=box, periodic=True)
             for only in ([], [3], [7, 2]):
-                t = vt.tessellate(p, box, periodic=True, only=only)
+                t = vt.tessellate(p, box=box, periodic=True, only=only)
                 np.testing.assert_array_equal(t.wrapped_points, whole.wrapped_points)
                 np.testing.assert_array_equal(pickle.loads(pickle.dumps(t)).wrapped_points, whole.wrapped_points)
 
@@ -159,10 +161,10 @@ class Domains(unittest.TestCase):
             box, p = ((0,) * size, (1,) * size), points(2)[:, :size]
             hidden = dict(weights=[1, -9], only=[1])
             for q, given in ((p, hidden), (p, dict(only=[])), (np.empty((0, size)), {})):
-                t = vt.tessellate(q, box, periodic=True, **given)
+                t = vt.tessellate(q, box=box, periodic=True, **given)
                 self.assertEqual((t.shifts.shape, t.shifts.dtype), ((0, size), np.int8))
-                self.assertIsNone(vt.tessellate(q, box, **given).shifts)
-                self.assertIsNone(vt.tessellate(q, box, periodic=True, want="volumes", **given).shifts)
+                self.assertIsNone(vt.tessellate(q, box=box, **given).shifts)
+                self.assertIsNone(vt.tessellate(q, box=box, periodic=True, want="volumes", **given).shifts)
 
     def test_wrapped_points_and_pairs(self):
         edges = np.array([(2.0, 0, 0), (0.8, 1.5, 0), (-0.5, 0.3, 1)])
@@ -310,10 +312,9 @@ class Domains(unittest.TestCase):
             t.save(folder + "/cells.npz")
             with np.load(folder + "/cells.npz") as file:
                 np.testing.assert_array_equal(file["mesh_areas"], t.mesh_areas)
-        self.assertTrue(t.verify().passed)
-        for call in (t.delaunay, again.verify):
-            with self.assertRaisesRegex((ValueError, vt.VotessError), "mesh"):
-                call()
+        self.assertTrue(t.verify().passed and again.verify().passed)
+        with self.assertRaisesRegex((ValueError, vt.VotessError), "mesh"):
+            t.delaunay()
         for mesh, message in (
             ((vertices, triangles[1:]), r"the edge between vertices 0 \(.*\) and 1 \(.*\) belongs to triangle 4 alone"),
             ((vertices, triangles + 1), "triangle 2 names vertex 8, but there are 8"),
@@ -357,7 +358,8 @@ class Domains(unittest.TestCase):
         for message, arguments in [
             ("periodic is 'xx'", {"periodic": "xx"}),
             ("periodic is 'none': give axes, such as 'xyz' or 'xy', or False", {"periodic": "none"}),
-            ("one for each axis", {"periodic": (True, False)}),
+            ("one for each axis", {"box": UNIT, "periodic": (True, False)}),
+            ("periodic has 2 dimensions, but points have 3", {"periodic": (True, False)}),
             ("cell has shape", {"cell": (1, 2, 3)}),
             ("one plane", {"cell": ((1, 0, 0), (2, 0, 0), (0, 0, 1))}),
             ("origin needs cell", {"origin": (0, 0, 0)}),
@@ -366,7 +368,8 @@ class Domains(unittest.TestCase):
             ("periodic= needs a box", {"periodic": "z"}),
             ("walls= and cell=", {"cell": np.eye(3), "walls": [(1, 0, 0, 1)]}),
             ("box has shape", {"box": np.zeros((3, 3))}),
-            ("walls has shape", {"walls": [(1, 0, 0)]}),
+            ("walls has shape", {"walls": (1, 0, 0)}),
+            ("walls has 2 dimensions, but points have 3", {"walls": [(1, 0, 0)]}),
             ("normal is 0", {"walls": [(0, 0, 0, 1)]}),
             ("walls= and periodic=", {"box": UNIT, "periodic": True, "walls": [(1, 0, 0, 1)]}),
             ("point 0.*outside wall 0", {"walls": [(1, 0, 0, 0)]}),
@@ -380,6 +383,153 @@ class Domains(unittest.TestCase):
         ]:
             with self.subTest(message), self.assertRaisesRegex(ValueError, message):
                 vt.tessellate(points(10), **arguments)
+
+
+class Values(unittest.TestCase):
+    """vt.Domain, and the short forms that make one."""
+
+    PAIRS = (  # a domain, its short forms, and the dimensions of points
+        (vt.Domain.box(UNIT, periodic="xy"), {"box": UNIT, "periodic": (True, True, False)}, 3),
+        (vt.Domain.box(((0, 0, 0), (1, 1, 1)), outside="drop"), {"box": ((0, 1),) * 3, "outside": "drop"}, 3),
+        (vt.Domain.box(UNIT, walls=[(1, 1, 0, 1.5)], outside="keep"), {"box": UNIT, "walls": np.array([[1, 1, 0, 1.5]]), "outside": "keep"}, 3),
+        (vt.Domain.box(((0, 1), (0, 1), (-np.inf, np.inf)), periodic="xy"), {"box": (0, 0, -np.inf, 1, 1, np.inf), "periodic": "xy"}, 3),
+        (vt.Domain.cell(2 * np.eye(3), origin=(-1, 0, 0)), {"cell": 2 * np.eye(3), "origin": [-1, 0, 0], "periodic": True}, 3),
+        (vt.Domain.cell(2 * np.eye(3), periodic="x"), {"cell": 2 * np.eye(3), "periodic": [1, 0, 0]}, 3),
+        (vt.Domain.hull(), {"box": "hull"}, 3),
+        (vt.Domain.space(), {"box": "none"}, 3),
+        (vt.Domain.mesh(CUBE), {"mesh": CUBE}, 3),
+        (vt.Domain.mesh(CUBE, repair="merge", tolerance=1e-9, within=vt.Domain.box((-1, -1, -1, 2, 2, 2))),
+         {"mesh": CUBE, "mesh_repair": "merge", "mesh_tolerance": 1e-9, "box": (-1, -1, -1, 2, 2, 2)}, 3),
+        (vt.Domain.box((0, 0, 1, 1), periodic=True), {"box": (0, 0, 1, 1), "periodic": "xy"}, 2),
+        (vt.Domain.cell([(1, 0), (0.2, 1)], periodic=False, outside="keep"),
+         {"cell": [(1, 0), (0.2, 1)], "periodic": False, "outside": "keep"}, 2),
+        (vt.Domain.box((0, 0, 1, 1), walls=[(1, 0, 0.9)], outside="drop"), {"box": (0, 0, 1, 1), "walls": [(1, 0, 0.9)], "outside": "drop"}, 2),
+        (vt.Domain.hull(), {"box": "hull"}, 2),
+        (vt.Domain.space(), {"box": "none", "periodic": False}, 2),
+    )  # fmt: skip
+
+    def test_short_forms_make_the_same_value(self):
+        for domain, short, size in self.PAIRS:
+            with self.subTest(domain):
+                made = vt.Domain(**short)
+                self.assertEqual((made, hash(made), repr(made)), (domain, hash(domain), repr(domain)))
+                self.assertIn(domain.dimensions, (size, None))
+                p = points(40)[:, :size]
+                t, other = vt.tessellate(p, domain, device="cpu"), vt.tessellate(p, device="cpu", **short)
+                self.assertEqual((t.domain, other.domain), (domain, domain))
+                for name in ("indptr", "indices", "volumes", "status"):
+                    np.testing.assert_array_equal(getattr(t, name), getattr(other, name))
+        different = [domain for domain, _, size in self.PAIRS if size == 3]
+        self.assertEqual(len(set(different)), len(different))
+        self.assertNotEqual(vt.Domain.space(), "none")
+
+    def test_a_result_reproduces_by_its_domain(self):
+        for given, size in (({}, 3), ({}, 2), ({"outside": "drop"}, 3), *((short, size) for _, short, size in self.PAIRS)):
+            t = vt.tessellate(points(30)[:, :size], device="cpu", **given)
+            again = vt.tessellate(t.points, t.domain, device="cpu")
+            self.assertEqual(again.domain, t.domain)
+            np.testing.assert_array_equal(again.indices, t.indices)
+            np.testing.assert_array_equal(again.volumes, t.volumes)
+        self.assertEqual(vt.tessellate(points(8)).domain.limits.shape, (2, 3))
+
+    def test_pickles_hold_the_domain(self):
+        for domain, _, size in self.PAIRS:
+            other = pickle.loads(pickle.dumps(domain))
+            self.assertEqual((other, copy.deepcopy(domain), copy.copy(domain)), (domain,) * 3)
+            self.assertEqual(other.periodic, domain.periodic)
+        t = vt.tessellate(points(30), vt.Domain.mesh(CUBE), want="neighbors,volumes", device="cpu")
+        again = pickle.loads(pickle.dumps(t))
+        np.testing.assert_array_equal(again.pieces().volumes, t.pieces().volumes)
+        self.assertTrue(again.verify())
+
+    def test_what_it_tells(self):
+        d = vt.Domain.box(((0, 2), (0, 1), (0, 1)), periodic="x", outside="keep")
+        self.assertEqual((d.periodic, d.outside, d.walls.shape, d.vectors, d.origin), ((True, False, False), "keep", (0, 4), None, None))
+        self.assertEqual(d.limits.tolist(), [[0, 0, 0], [2, 1, 1]])
+        self.assertEqual(repr(d), "<pyvotess.Domain: box (0, 0, 0) to (2, 1, 1), periodic x, outside keep>")
+        d = vt.Domain.cell([(1, 0), (0, 2)], origin=(3, 4))
+        self.assertEqual((d.periodic, d.dimensions, d.origin.tolist(), d.vectors.tolist()), ((True, True), 2, [3, 4], [[1, 0], [0, 2]]))
+        for d, text in ((vt.Domain.hull(), "convex hull"), (vt.Domain.space(), "domain without end"), (vt.Domain(), "default box"),
+                        (vt.Domain.mesh(CUBE), "mesh of 12 triangles in a default box")):  # fmt: skip
+            self.assertEqual(repr(d), f"<pyvotess.Domain: {text}>")
+            self.assertEqual(d.periodic, (False,) * 3)
+
+    def test_it_does_not_change(self):
+        walls, box = np.array([(1, 1, 0, 1.5)]), np.array(UNIT, float)
+        d = vt.Domain.box(box, walls=walls)
+        box[:], walls[:] = 7, 7
+        self.assertEqual(d, vt.Domain.box(UNIT, walls=[(1, 1, 0, 1.5)]))
+        for name in ("periodic", "limits", "_values", "other"):
+            with self.assertRaises(AttributeError):
+                setattr(d, name, 1)
+        for array in (d.limits, d.walls, *vt.Domain.mesh(CUBE).surface):
+            with self.assertRaises(ValueError):
+                array[0] = 0
+        self.assertEqual(d.replace(walls=None, outside="drop"), vt.Domain.box(UNIT, outside="drop"))
+        same = vt.Domain.cell(np.eye(3), origin=(0, 0, 0)), vt.Domain.cell(np.eye(3), periodic="xyz")
+        self.assertEqual(len(set(same)), 1)
+        flat = vt.Domain.box((0, 1, 2, 3))  # as corners; these numbers as limits of x and y would be another box
+        self.assertEqual(flat.replace(periodic="x").limits.tolist(), [[0, 1], [2, 3]])
+
+    def test_every_function_takes_it(self):
+        p, unit, short = points(12), vt.Domain.box(UNIT, periodic=True), {"box": UNIT, "periodic": True}
+        rows = []
+        calls = {
+            "tessellate": (lambda *a, **k: vt.tessellate(p, *a, device="cpu", **k).volumes),
+            "Tessellator.tessellate": (lambda *a, **k: vt.Tessellator("cpu").tessellate(p, *a, **k).volumes),
+            "Diagram": (lambda *a, **k: vt.Diagram(p, *a, **k).probe(p + 0.5, want="volumes").volumes),
+            "lloyd": (lambda *a, **k: vt.lloyd(p, *a, steps=1, device="cpu", **k).energies),
+            "fit_volumes": (lambda *a, **k: vt.fit_volumes(p, np.ones(12), *a, normalize=True, device="cpu", **k).weights),
+            "stream": (lambda *a, **k: vt.tessellate_stream([p], rows.append, *a, memory=10**6, **k) and rows[-1].volumes),
+            "forward": (lambda *a, **k: vt.autodiff.forward(p, *a, device="cpu", **k).volumes),
+            "from_ase": (lambda *a, **k: vt.from_ase(Atoms(p), *a, device="cpu", **k).volumes),
+        }
+        for name, call in calls.items():
+            with self.subTest(name):
+                expected = call(**short)
+                np.testing.assert_array_equal(call(unit), expected)
+                np.testing.assert_array_equal(call(domain=unit), expected)
+                for one, value in short.items():
+                    with self.assertRaisesRegex(ValueError, f"^{one} and domain are both given: put {one} into the domain"):
+                        call(unit, **{one: value})
+                with self.assertRaisesRegex(TypeError, "domain is .*: give a pyvotess.Domain"):
+                    call(UNIT)
+                with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'boxes'"):
+                    call(unit, boxes=UNIT)
+        for name, function in (("tessellate", vt.tessellate), ("Diagram", vt.Diagram), ("lloyd", vt.lloyd), ("fit", vt.fit_volumes),
+                               ("stream", vt.tessellate_stream), ("Tessellator", vt.Tessellator.tessellate)):  # fmt: skip
+            parameters = inspect.signature(function).parameters
+            behind = list(parameters)[list(parameters).index("domain") + 1 :]
+            self.assertEqual({parameters[one].kind for one in behind}, {inspect.Parameter.KEYWORD_ONLY}, name)
+            self.assertLessEqual({"box", "periodic", "cell", "origin", "walls", "mesh", "outside"}, set(behind), name)
+
+    def test_refused_by_name(self):
+        for short, text in (
+            ({"box": (0, 0, 1, 1), "cell": np.eye(3)}, "cell has 3 dimensions, but box has 2: give both the same"),
+            ({"box": UNIT, "walls": [(1, 0, 1)]}, "walls has 2 dimensions, but box has 3"),
+            ({"mesh": CUBE, "box": (0, 0, 1, 1)}, "mesh has 3 dimensions, but box has 2"),
+            ({"origin": (0, 0, 0)}, "origin needs cell"),
+            ({"box": "sphere"}, "box is 'sphere': the words are none, hull"),
+            ({"box": UNIT, "periodic": (True, False)}, "periodic holds 2 values"),
+            ({"outside": "inside"}, "outside is 'inside'"),
+        ):
+            with self.assertRaisesRegex(ValueError, text):
+                vt.Domain(**short)
+        with self.assertRaisesRegex(ValueError, "box has 2 dimensions, but points have 3: give both the same"):
+            vt.tessellate(points(5), vt.Domain.box((0, 0, 1, 1)))
+        with self.assertRaisesRegex(TypeError, "within is 'box': give a pyvotess.Domain"):
+            vt.Domain.mesh(CUBE, within="box")
+        with self.assertRaisesRegex(ValueError, "give either box or cell|box.*cell|cell.*box"):
+            vt.tessellate(points(5), vt.Domain(box=UNIT, cell=np.eye(3)))
+
+
+class Atoms:
+    """Atoms of ASE without a cell."""
+
+    cell, pbc = np.zeros((3, 3)), (False,) * 3
+
+    def __init__(self, positions):
+        self.get_positions = lambda: positions
 
 
 class NoBox(unittest.TestCase):
@@ -425,7 +575,7 @@ class NoBox(unittest.TestCase):
                     self.assertAlmostEqual(t.volumes.sum() / size, 1, places=5 if size < 1 else 13)
         self.assertEqual(vt.Diagram(points(60), box="hull").locate([[9, 9, 9]]).tolist(), [-1])
         start = points(60)
-        relaxed = vt.lloyd(start, 2, box="hull", device="cpu").tessellation  # the first hull stays
+        relaxed = vt.lloyd(start, steps=2, box="hull", device="cpu").tessellation  # the first hull stays
         np.testing.assert_array_equal(relaxed.walls, vt.tessellate(start, box="hull", device="cpu").walls)
         for arguments in ({"periodic": True}, {"walls": [(1, 0, 0, 9)]}, {"cell": np.eye(3)}, {"outside": "keep"}):
             with self.subTest(arguments), self.assertRaisesRegex(ValueError, "hull"):

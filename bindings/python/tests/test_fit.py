@@ -48,27 +48,27 @@ class Exact(unittest.TestCase):
     def test_two_seeds(self):
         """The plane between them is at x = 0.1, where |x - p|^2 - w are equal."""
         points = [(0.25, 0.5, 0.5), (0.75, 0.5, 0.5)]
-        fit = vt.fit_volumes(points, (0.1, 0.9), UNIT_BOX, tolerance=1e-13)
+        fit = vt.fit_volumes(points, (0.1, 0.9), box=UNIT_BOX, tolerance=1e-13)
         self.assertAlmostEqual(fit.weights[1] - fit.weights[0], 0.65**2 - 0.15**2, delta=1e-12)
         self.assertAlmostEqual(fit.weights.sum(), 0, delta=1e-12)
 
     def test_lattice(self):
         for periodic in (True, False):
-            fit = vt.fit_volumes(lattice(4), np.ones(64), (0, 0, 0, 4, 4, 4), periodic)
+            fit = vt.fit_volumes(lattice(4), np.ones(64), box=(0, 0, 0, 4, 4, 4), periodic=periodic)
             self.assertEqual(np.ptp(fit.weights), 0)
             self.assertEqual((fit.steps, fit.tessellations), (0, 2))
 
     def test_mirror(self):
         points, targets = uniform(SEEDS), shares(SEEDS, "lognormal")
         one, other = (
-            vt.fit_volumes(p, targets, UNIT_BOX, tolerance=1e-12).weights for p in (points, points * (-1, 1, 1) + (1, 0, 0))
+            vt.fit_volumes(p, targets, box=UNIT_BOX, tolerance=1e-12).weights for p in (points, points * (-1, 1, 1) + (1, 0, 0))
         )
         self.assertLess(np.abs(one - other).max(), 1e-10 * SEEDS ** (-2 / 3))
 
     def test_one_and_none(self):
-        fit = vt.fit_volumes([(0.2, 0.3, 0.4)], [1], UNIT_BOX, True)
+        fit = vt.fit_volumes([(0.2, 0.3, 0.4)], [1], box=UNIT_BOX, periodic=True)
         self.assertEqual((fit.weights[0], fit.steps), (0, 0))
-        self.assertEqual(len(vt.fit_volumes(np.empty((0, 3)), [], UNIT_BOX).weights), 0)
+        self.assertEqual(len(vt.fit_volumes(np.empty((0, 3)), [], box=UNIT_BOX).weights), 0)
 
 
 class Residuals(unittest.TestCase):
@@ -92,7 +92,7 @@ class Residuals(unittest.TestCase):
             self.assertLessEqual(residual(points, fit.weights, targets, mesh=ELL), 1.001e-9)
             self.assertTrue(fit.tessellation.in_mesh)
         points, targets = uniform(50), shares(50, "lognormal")
-        in_box = vt.fit_volumes(points, targets, UNIT_BOX, tolerance=1e-12)
+        in_box = vt.fit_volumes(points, targets, box=UNIT_BOX, tolerance=1e-12)
         in_mesh = vt.fit_volumes(points, targets, mesh=CUBE, tolerance=1e-12)
         self.assertLess(np.abs(in_mesh.weights - in_box.weights).max(), 1e-11)
         points[7] = 3, 3, 3
@@ -108,10 +108,10 @@ class Residuals(unittest.TestCase):
         points = (centers[which] + random.normal(size=(3000, 3)) * sizes[which, None]) % 1
         targets = shares(3000, "equal")
         for periodic in (False, True):
-            fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic)
+            fit = vt.fit_volumes(points, targets, box=UNIT_BOX, periodic=periodic)
             self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX, periodic=periodic), 1.001e-9)
             self.assertLessEqual(fit.tessellations, 14)
-        mirrored = vt.fit_volumes(points * (-1, 1, 1) + (1, 0, 0), targets, UNIT_BOX, True, threads=2)
+        mirrored = vt.fit_volumes(points * (-1, 1, 1) + (1, 0, 0), targets, box=UNIT_BOX, periodic=True, threads=2)
         self.assertLess(np.abs(mirrored.weights - fit.weights).max(), 1e-10 * 3000 ** (-2 / 3))
 
     def test_plane(self):
@@ -119,7 +119,7 @@ class Residuals(unittest.TestCase):
         for seed in range(20):
             points = uniform(16, seed=seed) * (0.6, 0.6, 0) + (0.2, 0.2, 0.5)
             targets = shares(16, "wide", seed)
-            fit = vt.fit_volumes(points, targets, UNIT_BOX)
+            fit = vt.fit_volumes(points, targets, box=UNIT_BOX)
             self.assertLessEqual(residual(points, fit.weights, targets, box=UNIT_BOX), 1.001e-9, f"seed {seed}")
 
     def test_tight_cluster(self):
@@ -129,28 +129,28 @@ class Residuals(unittest.TestCase):
             for kind in ("equal", "wide"):
                 for periodic in (False, True):
                     targets = shares(40, kind)
-                    fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic)
+                    fit = vt.fit_volumes(points, targets, box=UNIT_BOX, periodic=periodic)
                     error = residual(points, fit.weights, targets, box=UNIT_BOX, periodic=periodic)
                     self.assertLessEqual(error, 1.001e-9, f"size {size}, {kind}, periodic {periodic}")
 
     def test_threads(self):
         points, targets = uniform(3000), shares(3000, "lognormal")
-        one, two = (vt.fit_volumes(points, targets, UNIT_BOX, True, threads=n).weights for n in (1, 2))
+        one, two = (vt.fit_volumes(points, targets, box=UNIT_BOX, periodic=True, threads=n).weights for n in (1, 2))
         self.assertLess(np.abs(one - two).max(), 1e-10 * 3000 ** (-2 / 3))
 
     def test_start(self):
         points, targets = uniform(SEEDS), shares(SEEDS, "lognormal")
-        fit = vt.fit_volumes(points, targets, UNIT_BOX)
-        again = vt.fit_volumes(points, targets, UNIT_BOX, weights=fit.weights + 3)
+        fit = vt.fit_volumes(points, targets, box=UNIT_BOX)
+        again = vt.fit_volumes(points, targets, box=UNIT_BOX, weights=fit.weights + 3)
         self.assertEqual(again.steps, 0)
         self.assertTrue((again.weights == fit.weights + 3).all())
         # These weights leave most cells empty.
-        far = vt.fit_volumes(points, targets, UNIT_BOX, weights=np.arange(SEEDS))
+        far = vt.fit_volumes(points, targets, box=UNIT_BOX, weights=np.arange(SEEDS))
         self.assertLess(np.abs(far.weights - fit.weights).max(), 1e-8)
 
     def test_normalize(self):
         points = uniform(50)
-        fit = vt.fit_volumes(points, np.full(50, 7), UNIT_BOX, normalize=True)
+        fit = vt.fit_volumes(points, np.full(50, 7), box=UNIT_BOX, normalize=True)
         self.assertLess(np.abs(fit.tessellation.volumes * 50 - 1).max(), 1.001e-9)
 
 
@@ -158,7 +158,7 @@ class BadInput(unittest.TestCase):
     def refused(self, says, points=None, volumes=None, **options):
         points = uniform(10) if points is None else points
         with self.assertRaisesRegex(ValueError, says):
-            vt.fit_volumes(points, np.full(len(points), 0.1) if volumes is None else volumes, UNIT_BOX, **options)
+            vt.fit_volumes(points, np.full(len(points), 0.1) if volumes is None else volumes, box=UNIT_BOX, **options)
 
     def test_targets(self):
         self.refused(r"sum to 1\.1.*domain has 1:.*normalize", volumes=np.full(10, 0.11))
@@ -182,18 +182,18 @@ class BadInput(unittest.TestCase):
     def test_steps(self):
         points, targets = uniform(SEEDS), shares(SEEDS, "wide")
         with self.assertRaisesRegex(vt.FitError, "after 3 steps .*max_steps") as caught:
-            vt.fit_volumes(points, targets, UNIT_BOX, max_steps=3)
+            vt.fit_volumes(points, targets, box=UNIT_BOX, max_steps=3)
         error = pickle.loads(pickle.dumps(caught.exception))
         self.assertEqual((error.code, error.steps), (vt.ErrorCode.NOT_CONVERGED, 3))
         self.assertAlmostEqual(residual(points, error.weights, targets, box=UNIT_BOX) / error.residual, 1, places=6)
-        fit = vt.fit_volumes(points, targets, UNIT_BOX, weights=error.weights)
+        fit = vt.fit_volumes(points, targets, box=UNIT_BOX, weights=error.weights)
         self.assertLess(residual(points, fit.weights, targets, box=UNIT_BOX), 1.001e-9)
         with self.assertRaisesRegex(vt.FitError, "raise tolerance="):
-            vt.fit_volumes(points, targets, UNIT_BOX, tolerance=1e-30)
+            vt.fit_volumes(points, targets, box=UNIT_BOX, tolerance=1e-30)
 
     def test_cancelled(self):
         with self.assertRaises(vt.VotessError) as caught:
-            vt.fit_volumes(uniform(3000), shares(3000, "equal"), UNIT_BOX, progress=lambda fraction: fraction < 0.1)
+            vt.fit_volumes(uniform(3000), shares(3000, "equal"), box=UNIT_BOX, progress=lambda fraction: fraction < 0.1)
         self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
 
 
@@ -307,7 +307,7 @@ class FiftyDigits(unittest.TestCase):
                 count = 2 if periodic else 2 + case % 4
                 points = random.random((count, 3))
                 targets = shares(count, "lognormal", case)
-                fit = vt.fit_volumes(points, targets, UNIT_BOX, periodic, tolerance=1e-13)
+                fit = vt.fit_volumes(points, targets, box=UNIT_BOX, periodic=periodic, tolerance=1e-13)
                 weights = [D(float(w)) for w in fit.weights]
                 exact_targets = [D(float(v)) for v in targets]
                 exact_targets[-1] = 1 - sum(exact_targets[:-1])
@@ -323,11 +323,11 @@ class Transport(unittest.TestCase):
     def test_cost(self):
         """Two halves of the box, each moved to a point."""
         points = [(0.1, 0.5, 0.5), (0.3, 0.5, 0.5)]
-        t = vt.fit_volumes(points, (0.5, 0.5), UNIT_BOX, tolerance=1e-13, want="faces").tessellation
+        t = vt.fit_volumes(points, (0.5, 0.5), box=UNIT_BOX, tolerance=1e-13, want="faces").tessellation
         along = sum((b - p) ** 3 - (a - p) ** 3 for a, b, p in ((0, 0.5, 0.1), (0.5, 1, 0.3))) / 3
         self.assertAlmostEqual(vt.transport_cost(t), along + 2 / 12, places=12)
         with self.assertRaisesRegex(ValueError, "transport_cost.*faces"):
-            vt.transport_cost(vt.tessellate(points, UNIT_BOX))
+            vt.transport_cost(vt.tessellate(points, box=UNIT_BOX))
 
     def test_cost_in_a_mesh_in_skewed_cells(self):
         """A lattice of whole numbers has one cost, however skewed its cell is, and costs no more time."""
@@ -363,7 +363,7 @@ class Transport(unittest.TestCase):
                 self.assertGreater(t.least_face, 0)
                 self.assertAlmostEqual(vt.transport_cost(t), whole, places=14, msg=str(domain))
         with self.assertRaisesRegex(ValueError, "transport_cost.*faces"):
-            vt.transport_cost(vt.tessellate(points, UNIT_BOX, min_face=0.1))
+            vt.transport_cost(vt.tessellate(points, box=UNIT_BOX, min_face=0.1))
 
     def test_derivative(self):
         """Moving a seed changes the cost by 2 V (p - c): the weights do not move it (Kantorovich duality)."""
@@ -371,22 +371,22 @@ class Transport(unittest.TestCase):
         way = np.random.default_rng(2).normal(size=points.shape)
 
         def cost(p):
-            return vt.transport_cost(vt.fit_volumes(p, targets, UNIT_BOX, True, tolerance=1e-11, want="faces").tessellation)
+            return vt.transport_cost(vt.fit_volumes(p, targets, box=UNIT_BOX, periodic=True, tolerance=1e-11, want="faces").tessellation)
 
-        t = vt.fit_volumes(points, targets, UNIT_BOX, True, tolerance=1e-11, want="volumes,centroids").tessellation
+        t = vt.fit_volumes(points, targets, box=UNIT_BOX, periodic=True, tolerance=1e-11, want="volumes,centroids").tessellation
         expected = (2 * targets[:, None] * (t.wrapped_points - t.centroids) * way).sum()
         numeric = (cost(points + 1e-6 * way) - cost(points - 1e-6 * way)) / 2e-6
         self.assertAlmostEqual(numeric / expected, 1, places=6)
 
     def test_lloyd(self):
         points, targets = uniform(60), shares(60, "lognormal")
-        relaxed = vt.lloyd(points, 5, box=UNIT_BOX, periodic=True, volumes=targets)
+        relaxed = vt.lloyd(points, steps=5, box=UNIT_BOX, periodic=True, volumes=targets)
         self.assertTrue((np.diff(relaxed.energies) < 0).all(), relaxed.energies)
         t = relaxed.tessellation
         self.assertLess(np.abs(t.volumes / targets - 1).max(), 1.001e-9)
         self.assertLess(residual(relaxed.points, t.weights, targets, box=UNIT_BOX, periodic=True), 1.001e-9)
         with self.assertRaisesRegex(ValueError, "density or volumes"):
-            vt.lloyd(points, 1, lambda x: np.ones(len(x)), box=UNIT_BOX, volumes=targets)
+            vt.lloyd(points, steps=1, density=lambda x: np.ones(len(x)), box=UNIT_BOX, volumes=targets)
 
 
 if __name__ == "__main__":

@@ -89,10 +89,8 @@ class Files(Folder):
                 self.assertEqual(frame.species, ["Zr", "Cu"] * 60)
                 self.assertIsNone(frame.ids)
                 np.testing.assert_array_equal(frame.columns["q"], np.arange(120) / 4)
-                np.testing.assert_array_equal(frame.domain["cell"], EDGES)
-                np.testing.assert_array_equal(frame.domain["origin"], CORNER)
-                self.assertEqual(frame.domain["periodic"], PBC)
-                for t in (frame.tessellate(tessellator), frame.tessellate(), vt.tessellate(frame.points, **frame.domain)):
+                self.assertEqual(frame.domain, vt.Domain.cell(EDGES, origin=CORNER, periodic=PBC))
+                for t in (frame.tessellate(tessellator), frame.tessellate(), vt.tessellate(frame.points, frame.domain)):
                     np.testing.assert_array_equal(t.volumes, expected(frame.number).volumes)
                 self.assertIsNone(frame.tessellate(box=(-99, -99, -99, 99, 99, 99)).cell)
                 frame.points[0] = 0  # belongs to the caller
@@ -116,7 +114,7 @@ class Files(Folder):
         for name in ("a.npy", "a.txt", "a.csv"):
             frame, = vt.read_frames(self.folder / name)
             np.testing.assert_array_equal(frame.points, points)
-            self.assertEqual((frame.number, frame.domain, frame.species), (0, {}, None))
+            self.assertEqual((frame.number, frame.domain, frame.species), (0, None, None))
         np.testing.assert_array_equal(frame.ids, np.arange(120) + 3)
         np.testing.assert_array_equal(frame.columns["m"], np.arange(120))
 

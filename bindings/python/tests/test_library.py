@@ -16,7 +16,7 @@ import numpy as np
 from helpers import EVERYTHING, PACKAGE_PARENT, UNIT_BOX, uniform
 
 import pyvotess as vt  # noqa: E402
-from pyvotess import _c_api, _call, _library, _run  # noqa: E402
+from pyvotess import _c_api, _call, _library, _run, _state  # noqa: E402
 
 
 class Verify(unittest.TestCase):
@@ -141,6 +141,30 @@ class Loading(unittest.TestCase):
             (_c_api.PRECISIONS, _c_api.PrecisionWord),
         ):
             self.assertEqual(set(words), set(typing.get_args(literal)))
+
+    def test_names_of_the_package(self):
+        self.assertEqual(dir(vt), sorted(vt.__all__))
+        self.assertEqual([name for name in dir(vt) if not hasattr(vt, name)], [])
+        self.assertEqual(dir(vt.walls), ["cone", "cylinder", "sphere"])
+
+    def test_arrays_by_name(self):
+        t = vt.tessellate(uniform(10), want="volumes", device="cpu")
+        handle = t._result
+        for name, kind, size in (("volumes", "f8", 10), ("status", "u1", 10), ("indptr", "i8", 0), ("face_counts", "u4", 0), ("shifts", "i1", 0)):
+            self.assertEqual((handle.array(name).dtype, len(handle.array(name))), (np.dtype(kind), size), name)
+        self.assertEqual(handle.array("walls").shape, (0, 4))
+        with self.assertRaisesRegex(ValueError, "name is 'volume': the arrays of result are indptr, indices, shifts, .*, walls$"):
+            handle.array("volume")
+        listed = str(self.error_of(lambda: handle.array("x"))).rsplit(" are ", 1)[1].split(", ")
+        names = {name for names in _state.ARRAYS.values() for name in names}
+        self.assertEqual(set(listed), {*names, *_state._OPTIONAL, "status", "walls"})
+
+    @staticmethod
+    def error_of(call):
+        try:
+            call()
+        except ValueError as error:
+            return error
 
     def test_table_names_every_function_of_the_header(self):
         header = pathlib.Path(__file__).resolve().parents[3] / "include" / "votess" / "votess.h"

@@ -339,7 +339,7 @@ class Outputs:
         if given.pop("weights", None) is not None:
             points = (points, self.weights)
             given["beside"] = "weights"
-        vt.tessellate_stream([points], take, 10**8, **given)
+        vt.tessellate_stream([points], take, memory=10**8, **given)
         t = self.run()
         return all(rows[i] == t.neighbors[i].tolist() for i in range(COUNT))
 

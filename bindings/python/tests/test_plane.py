@@ -301,24 +301,24 @@ class Areas(unittest.TestCase):
         np.testing.assert_allclose(one.points, [(0.5, 0.5)], atol=1e-14)
         self.assertAlmostEqual(one.energies[-1], 1 / 6)
         for points, domain in self.sets(30):
-            result = vt.lloyd(points, 12, over_relaxation=1.5, **domain)
+            result = vt.lloyd(points, steps=12, over_relaxation=1.5, **domain)
             self.assertTrue((np.diff(result.energies) <= 1e-15).all())
             self.assertLess(result.energies[-1], result.energies[0])
             self.assertEqual(result.points.shape, points.shape)
-            constant = vt.lloyd(points, 2, density=lambda x: np.full(len(x), 2.0), **domain)
-            np.testing.assert_allclose(constant.energies, 2 * vt.lloyd(points, 2, **domain).energies, rtol=1e-12)
-        fitted = vt.lloyd(POINTS[:20], 3, volumes=np.full(20, 1.0), normalize=True, box=(-0.5, 0, 1, 1))
+            constant = vt.lloyd(points, steps=2, density=lambda x: np.full(len(x), 2.0), **domain)
+            np.testing.assert_allclose(constant.energies, 2 * vt.lloyd(points, steps=2, **domain).energies, rtol=1e-12)
+        fitted = vt.lloyd(POINTS[:20], steps=3, volumes=np.full(20, 1.0), normalize=True, box=(-0.5, 0, 1, 1))
         np.testing.assert_allclose(fitted.tessellation.volumes, 1.5 / 20, rtol=1e-8)
 
     def test_a_linear_density(self):
         """The rule of three points is exact: centroids are those of the polygon's third moments."""
-        result = vt.lloyd([(0.25, 0.5)], 1, density=lambda x: x[:, 0], box=BOX)
+        result = vt.lloyd([(0.25, 0.5)], steps=1, density=lambda x: x[:, 0], box=BOX)
         np.testing.assert_allclose(result.points, [(2 / 3, 0.5)], atol=1e-14)
         with self.assertRaisesRegex(ValueError, r"density is -1.0 at \(0"):
-            vt.lloyd(POINTS, 1, density=lambda x: -np.ones(len(x)), box=BOX)
+            vt.lloyd(POINTS, steps=1, density=lambda x: -np.ones(len(x)), box=BOX)
 
     def test_refusals(self):
-        for call in (lambda: vt.fit_volumes(POINTS, np.ones(400), box="none", normalize=True), lambda: vt.lloyd(POINTS, 2, box="none")):
+        for call in (lambda: vt.fit_volumes(POINTS, np.ones(400), box="none", normalize=True), lambda: vt.lloyd(POINTS, steps=2, box="none")):
             with self.assertRaisesRegex(ValueError, "end|infinit|finite"):
                 call()
         with self.assertRaisesRegex(ValueError, "the domain has 1:"):
@@ -425,7 +425,7 @@ class Plane(unittest.TestCase):
             t.save(path, columns={"points": POINTS})
             frame, = vt.read_frames(path, columns=())
             np.testing.assert_array_equal(frame.points, POINTS)
-            self.assertEqual(frame.domain["periodic"], (True, False))
+            self.assertEqual(frame.domain.periodic, (True, False))
             again = frame.tessellate(outside="drop")
             self.assertTrue(again.planar)
             np.testing.assert_array_equal(again.volumes, t.volumes)
@@ -472,9 +472,9 @@ class Plane(unittest.TestCase):
 
     def test_refusals(self):
         for text, arguments in (
-            ("box has shape", {"box": (0, 0, 0, 1, 1, 1)}),
-            ("cell", {"cell": np.eye(3)}),
-            ("walls", {"walls": [(1, 0, 0, 1)]}),
+            ("box has 3 dimensions, but points have 2", {"box": (0, 0, 0, 1, 1, 1)}),
+            ("cell has 3", {"cell": np.eye(3)}),
+            ("walls has 3", {"walls": [(1, 0, 0, 1)]}),
             ("z repeats", {"box": BOX, "periodic": "xz"}),
         ):
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):

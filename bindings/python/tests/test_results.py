@@ -167,7 +167,7 @@ class Want(unittest.TestCase):
     def test_words_are_no_attributes(self):
         t = vt.tessellate(uniform(10), want="surfaces")
         rows = []
-        vt.tessellate_stream([uniform(10)], rows.append, 1_000_000)
+        vt.tessellate_stream([uniform(10)], rows.append, memory=1_000_000)
         for name, right in (("normals", "face_normals"), ("radii", "security_radii"), ("surfaces", "surface_areas")):
             for result in (t, rows[0], vt.Diagram(uniform(10)).probe(uniform(2))):
                 with self.assertRaisesRegex(AttributeError, f"'{name}': the name is {right}"):

@@ -149,7 +149,7 @@ class Running(unittest.TestCase):
             "tessellate": lambda: vt.tessellate(points, threads=1),
             "faces": lambda: vt.tessellate(points, threads=1, want="faces", progress=lambda fraction: None),
             "Tessellator": lambda: tessellator.tessellate(points),
-            "stream": lambda: vt.tessellate_stream([points], lambda rows: None, 10_000_000, threads=1),
+            "stream": lambda: vt.tessellate_stream([points], lambda rows: None, memory=10_000_000, threads=1),
             "lloyd": lambda: vt.lloyd(points, threads=1),
         }
         errors = io.StringIO()
@@ -185,12 +185,12 @@ class Running(unittest.TestCase):
         def progress(callbacks, given):
             return callbacks.guarded(_c_api.ProgressCallback, work, 0)
 
-        t = vt.tessellate(uniform(500), UNIT_BOX, periodic=True, want="neighbors,volumes,areas,faces,counts", device="cpu")
+        t = vt.tessellate(uniform(500), box=UNIT_BOX, periodic=True, want="neighbors,volumes,areas,faces,counts", device="cpu")
         network = t.network()
         calls = {
             "delaunay": t.delaunay, "network": t.network, "largest_free": network.largest_free,
             "alpha_complex": t.alpha_complex, "verify": t.verify, "watershed": lambda: t.watershed(t.volumes),
-            "pairs": vt.tessellate(uniform(500), UNIT_BOX, periodic=True, device="cpu").pairs,
+            "pairs": vt.tessellate(uniform(500), box=UNIT_BOX, periodic=True, device="cpu").pairs,
         }  # fmt: skip
         for name, call in calls.items():
             with self.subTest(name):

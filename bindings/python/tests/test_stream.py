@@ -28,7 +28,7 @@ class Stream(unittest.TestCase):
         rows = Rows()
         beside = options.pop("beside", None)
         numbers = {beside: options.pop("numbers")} if beside else {}
-        result = vt.tessellate_stream(pieces, rows, LITTLE, beside=beside, **options)
+        result = vt.tessellate_stream(pieces, rows, memory=LITTLE, beside=beside, **options)
         whole = vt.tessellate(points, device="cpu", **options, **numbers)
         self.assertGreater(result.blocks, 2)
         self.assertEqual([r.first for r in rows.pieces], [0, *np.cumsum([len(r) for r in rows.pieces])[:-1]])
@@ -50,7 +50,7 @@ class Stream(unittest.TestCase):
             self.assertIsNone(rows.pieces[0].shifts)
             self.assertIsNone(rows.pieces[0].duplicate_of)
         self.assertIsNone(result.verified)
-        verified = vt.tessellate_stream([points], lambda rows: None, LITTLE, box=UNIT_BOX, verify=True).verified
+        verified = vt.tessellate_stream([points], lambda rows: None, memory=LITTLE, box=UNIT_BOX, verify=True).verified
         self.assertEqual(verified, vt.VerifyReport(True, "", ("euler",), 64))
         single = points.astype("f4")
         _, result, whole = self.check(single, np.split(single, 2))
@@ -64,7 +64,7 @@ class Stream(unittest.TestCase):
             self.assertEqual((rows.pieces[0].centroids.shape[1], rows.pieces[0].shifts.shape[1]), (2, 2))
         self.check(points, [points], box="hull")
         with self.assertRaisesRegex(ValueError, r"one of pieces has shape \(5000, 3\): it must be \(n, 2\)"):
-            vt.tessellate_stream([points, uniform(5000)], print, LITTLE)
+            vt.tessellate_stream([points, uniform(5000)], print, memory=LITTLE)
 
     def test_hull_and_space(self):
         points = uniform(5000)
@@ -73,9 +73,9 @@ class Stream(unittest.TestCase):
             np.testing.assert_array_equal(result.box, whole.box)
             np.testing.assert_array_equal(rows.all("face_areas"), whole.face_areas)
         with self.assertRaisesRegex(ValueError, "all points lie in one plane"):
-            vt.tessellate_stream([points * (1, 1, 0)], print, LITTLE, box="hull")
+            vt.tessellate_stream([points * (1, 1, 0)], print, memory=LITTLE, box="hull")
         with self.assertRaisesRegex(ValueError, "hull and walls= are both given"):
-            vt.tessellate_stream([points], print, LITTLE, box="hull", walls=[(1, 0, 0, 2)])
+            vt.tessellate_stream([points], print, memory=LITTLE, box="hull", walls=[(1, 0, 0, 2)])
 
     def test_pieces_without_entries(self):
         """An array that is wanted is there, also where no cell of the piece has a neighbor."""
@@ -83,9 +83,9 @@ class Stream(unittest.TestCase):
         weights[:39], weights[39] = -9, 1  # the last seed hides all others
         for periodic, wanted in ((True, ["neighbors", "areas", "normals"]), (False, ["neighbors"]), (True, ["volumes"])):
             rows = Rows()
-            vt.tessellate_stream([(points, weights)], rows, LITTLE, beside="weights", box=UNIT_BOX, periodic=periodic,
+            vt.tessellate_stream([(points, weights)], rows, memory=LITTLE, beside="weights", box=UNIT_BOX, periodic=periodic,
                                  want=wanted, outside="drop")  # fmt: skip
-            whole = vt.tessellate(points, UNIT_BOX, periodic, weights, want=wanted)
+            whole = vt.tessellate(points, box=UNIT_BOX, periodic=periodic, weights=weights, want=wanted)
             for piece in rows.pieces:
                 self.assertEqual(piece.indices is None, "neighbors" not in wanted)
                 self.assertEqual(piece.shifts is None, not periodic or "neighbors" not in wanted)
@@ -95,7 +95,7 @@ class Stream(unittest.TestCase):
                 np.testing.assert_array_equal(rows.all("shifts"), whole.shifts)
                 self.assertEqual(rows.all("face_normals").shape, (len(whole.indices), 3))
         nothing = Rows()
-        vt.tessellate_stream([np.empty((0, 3))], nothing, LITTLE, box=UNIT_BOX, periodic=True, want="areas")
+        vt.tessellate_stream([np.empty((0, 3))], nothing, memory=LITTLE, box=UNIT_BOX, periodic=True, want="areas")
         for piece in nothing.pieces:
             self.assertEqual(piece.shifts.shape, (0, 3))
 
@@ -113,18 +113,18 @@ class Stream(unittest.TestCase):
         points = uniform(3000)
         points[2222, 1] = np.nan
         with self.assertRaisesRegex(ValueError, "^point 2222: y = nan is not finite$"):
-            vt.tessellate_stream(np.split(points, 3), print, LITTLE)
+            vt.tessellate_stream(np.split(points, 3), print, memory=LITTLE)
         points[2222, 1] = 0.5
 
         def broken(rows):
             raise KeyError(rows.first)
 
         with self.assertRaisesRegex(KeyError, "^0$"):
-            vt.tessellate_stream([points], broken, LITTLE)
+            vt.tessellate_stream([points], broken, memory=LITTLE)
         with self.assertRaisesRegex(ZeroDivisionError, "division"):
-            vt.tessellate_stream((points / (1 // k) for k in (1, 0)), print, LITTLE)
+            vt.tessellate_stream((points / (1 // k) for k in (1, 0)), print, memory=LITTLE)
         with self.assertRaises(vt.VotessError) as caught:
-            vt.tessellate_stream([points], print, LITTLE, progress=lambda fraction: False)
+            vt.tessellate_stream([points], print, memory=LITTLE, progress=lambda fraction: False)
         self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
         with tempfile.TemporaryDirectory() as folder:
             for options, error, says in [

@@ -53,8 +53,8 @@ RIGHT = {
     "max_rows": {"None", *_COUNT},
     **dict.fromkeys(("gap", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),
     **dict.fromkeys(("progress", "density", "rows"), _FUNCTION),
-    **dict.fromkeys(("mesh", "mesh_repair", "box", "cell", "origin", "weights", "radii", "beside", "temporary", "ids"), {"None"}),
-    "mesh_tolerance": {"0"}, "want": {"[]", "()", "{}"}, "walls": {"[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
+    **dict.fromkeys(("domain", "within", "mesh", "mesh_repair", "repair", "box", "cell", "origin", "outside", "weights", "radii", "beside", "temporary", "ids"), {"None"}),
+    "mesh_tolerance": {"None", "0"}, "want": {"[]", "()", "{}"}, "walls": {"None", "[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
     "periodic": {"None", "True", "0", "1", "no text", "x"}, "project": {"None", "0", "1"}, "axis": {"None", "0", "1"},
     "limits": {"None", "[1, 2]"}, "view": {"[1, 2]"}, "file": {"None"},
     "instructions": {"no text", "text", "x"}, "device": {"no text", "text", "x"}, "atoms": {"[]", "()"}, "pieces": {"[]", "()"},
@@ -65,7 +65,7 @@ RIGHT = {
     "color": {"None", "x", "nan each"}, "open": {"None"},
 }  # fmt: skip
 #: Other words of messages for a parameter.
-WORDS = {"queries": "query", "origins": "query", "radii": "radius"}
+WORDS = {"queries": "query", "origins": "query", "radii": "radius", "limits": "box", "vectors": "cell", "repair": "mesh_repair"}
 #: Errors that need not name the parameter: the combination with another argument is wrong, which is named.
 OTHERS = {
     ("tessellate in the plane", "points", "nan points"),
@@ -101,7 +101,7 @@ def public_functions():
     """Yields the names of functions, and of methods with parameters of their own."""
     for name in vt.__all__:
         thing = getattr(vt, name)
-        if inspect.isfunction(thing) or thing in (vt.Tessellator, vt.Diagram):
+        if inspect.isfunction(thing) or thing in (vt.Tessellator, vt.Diagram, vt.Domain):
             yield name
         if inspect.isclass(thing):
             for method, function in inspect.getmembers(thing, inspect.isfunction):
@@ -135,6 +135,11 @@ def calls():
         "tessellate in the plane": (
             vt.tessellate, {"points": POINTS[:, :2], "box": (0, 0, 1, 1)}, ("points", "box", "periodic", "walls", "weights"),
         ),
+        "Domain": (vt.Domain, {"box": UNIT_BOX}),
+        "Domain.box": (vt.Domain.box, {"limits": UNIT_BOX}),
+        "Domain.cell": (vt.Domain.cell, {"vectors": CELL}),
+        "Domain.mesh": (vt.Domain.mesh, {"mesh": CUBE, "repair": "merge"}, ("mesh", "repair", "within")),
+        "Domain.replace": (vt.Domain.box(UNIT_BOX).replace, {}),
         "Tessellator": (vt.Tessellator, {}),
         "Tessellator.tessellate": (tessellator.tessellate, domain),
         "tessellate_stream": (vt.tessellate_stream, {"pieces": [POINTS], "rows": list().append, "memory": 10**7, "box": UNIT_BOX}),

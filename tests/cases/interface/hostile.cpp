@@ -156,6 +156,12 @@ TEST_SUITE("api") {
             votess_stats stats{};
             stats.struct_size = hostile.size(sizeof stats);
             note("stats", votess_result_stats(result, &stats));
+            votess_array array{};
+            note("array",
+                 votess_result_array(result, hostile.any<const char*>("volumes", {nullptr, "", "volume", "vertices"}),
+                                     hostile.pointer(&array)));
+            const double* volumes = static_cast<const double*>(array.data);
+            if (array.components == 1 && array.length > 0 && !(volumes[array.length - 1] >= 0)) wrong = "volumes";
             votess_result_free(result);
 
             votess_diagram *diagram = nullptr, *view = nullptr;
@@ -174,6 +180,8 @@ TEST_SUITE("api") {
             note("natural", votess_natural_new(diagram, queries, hostile.count(n), hostile.number(0), hostile.number(1),
                                                hostile.number(0), hostile.any<const double*>(nullptr, {numbers.data()}),
                                                &natural));
+            note("natural_array",
+                 votess_natural_array(natural, hostile.any<const char*>("weights", {nullptr, "walls"}), &array));
             votess_natural_free(natural);
             // As many components as the arrays have room for, or far too many.
             const std::size_t components = hostile.any<std::size_t>(2, {0, 1, 1ull << 61, ~0ull});

@@ -32,6 +32,16 @@ static int failures = 0;
     } while (0)
 #define CHECK_REFUSES(call, text) CHECK_FAILS(call, VOTESS_ERROR_INVALID_ARGUMENT, text)
 
+// Returns the first element of an array and sets *length to its rows. A failure is reported.
+static const void* data_of(votess_status status, const votess_array* array, size_t* length) {
+    CHECK(status == VOTESS_OK);
+    if (length != NULL) *length = array->length;
+    return array->data;
+}
+static votess_array last;
+// ARRAY(zones, handle, "labels", &length)
+#define ARRAY(type, handle, name, length) data_of(votess_##type##_array(handle, name, &last), &last, length)
+
 // Corners of a cube of side 1 in the middle of a box of side 2. Bit 4 of a number is x, bit 2 is y, bit 1 is z.
 static const double cube[24] = {0.5, 0.5, 0.5, 0.5, 0.5, 1.5, 0.5, 1.5, 0.5, 0.5, 1.5, 1.5,
                                 1.5, 0.5, 0.5, 1.5, 0.5, 1.5, 1.5, 1.5, 0.5, 1.5, 1.5, 1.5};
@@ -62,12 +72,16 @@ static void check_version(void) {
 static void check_cube(const votess_result* result) {
     size_t length = 99;
     CHECK(votess_result_size(result) == 8);
-    const int64_t* indptr = votess_result_indptr(result, &length);
+    const int64_t* indptr = ARRAY(result, result, "indptr", &length);
     CHECK(indptr != NULL && length == 9);
-    const int32_t* indices = votess_result_indices(result, &length);
-    CHECK(indices != NULL && length == 24 && indices == votess_result_indices(result, NULL));
-    const double* volumes = votess_result_volumes(result, &length);
-    CHECK(volumes != NULL && length == 8);
+    CHECK(last.kind == 'i' && last.bytes == 8 && last.components == 1);
+    const int32_t* indices = ARRAY(result, result, "indices", &length);
+    CHECK(indices != NULL && length == 24 && indices == ARRAY(result, result, "indices", NULL));
+    CHECK(last.kind == 'i' && last.bytes == 4);
+    const double* volumes = ARRAY(result, result, "volumes", &length);
+    CHECK(volumes != NULL && length == 8 && last.kind == 'f' && last.bytes == 8);
+    const uint8_t* status = ARRAY(result, result, "status", &length);
+    CHECK(status[7] == VOTESS_CELL_CERTIFIED && length == 8 && last.kind == 'u' && last.bytes == 1);
     for (int i = 0; failures == 0 && i < 8; ++i) {
         CHECK(indptr[i] == 3 * i && indptr[i + 1] == 3 * (i + 1) && fabs(volumes[i] - 1) < 1e-13);
         for (int64_t k = indptr[i]; k < indptr[i + 1]; ++k) {
@@ -76,7 +90,12 @@ static void check_cube(const votess_result* result) {
             CHECK(k == indptr[i] || indices[k] > indices[k - 1]);
         }
     }
-    CHECK(votess_result_centroids(result, &length) == NULL && length == 0);  // not wanted
+    CHECK(ARRAY(result, result, "centroids", &length) == NULL && length == 0 && last.components == 3);  // not wanted
+    last.length = 5;
+    CHECK_REFUSES(votess_result_array(result, "volume", &last), "name is 'volume': the arrays of result are indptr, ");
+    CHECK(last.data == NULL && last.length == 0 && strstr(votess_last_error(), ", weights, walls") != NULL);
+    CHECK_REFUSES(votess_result_array(result, NULL, &last), "name is NULL");
+    CHECK_REFUSES(votess_result_array(result, "volumes", NULL), "array is NULL");
 
     votess_stats stats;
     memset(&stats, 0xff, sizeof stats);
@@ -119,9 +138,9 @@ static void check_tessellations(void) {
     CHECK_REFUSES(votess_verify(first, cube, 8, 8, 1, &passed, NULL, NULL, NULL, 4), "failure");
     votess_result_free(first);
 
-    size_t length = 99;
-    CHECK(votess_result_size(NULL) == 0 && votess_result_indptr(NULL, &length) == NULL && length == 0);
-    CHECK(votess_result_volumes(NULL, NULL) == NULL);
+    CHECK(votess_result_size(NULL) == 0);
+    CHECK_REFUSES(votess_result_array(NULL, "volumes", &last), "result is NULL");
+    CHECK(last.data == NULL && last.length == 0);
     votess_stats stats;
     stats.struct_size = sizeof stats;
     CHECK_REFUSES(votess_result_stats(NULL, &stats), "result");
@@ -142,21 +161,22 @@ static void check_pieces(const votess_result* result) {
     CHECK_REFUSES(votess_pieces_new(NULL, 0, 1, NULL, NULL, &pieces), "result");
     CHECK(pieces == NULL && votess_pieces_new(result, 0, 1, NULL, NULL, &pieces) == VOTESS_OK);
     size_t length = 0;
-    CHECK(fabs(votess_pieces_volumes(pieces, &length)[7] - 0.125) < 1e-14 && length == 8);
+    const double* volumes = ARRAY(pieces, pieces, "volumes", &length);
+    CHECK(fabs(volumes[7] - 0.125) < 1e-14 && length == 8);
     const int64_t ids[8] = {8, 7, 6, 5, 4, 3, 2, 1};
     votess_piece_arrays arrays = {sizeof arrays,
                                   0,
                                   8,
-                                  votess_pieces_indptr(pieces, NULL),
+                                  ARRAY(pieces, pieces, "indptr", NULL),
                                   ids,
-                                  votess_pieces_vertex_offsets(pieces, NULL),
-                                  votess_pieces_vertices(pieces, NULL),
-                                  votess_pieces_triangle_offsets(pieces, NULL),
-                                  votess_pieces_triangles(pieces, NULL),
-                                  votess_pieces_on_surface(pieces, &length),
-                                  votess_pieces_centroids(pieces, NULL)};
+                                  ARRAY(pieces, pieces, "vertex_offsets", NULL),
+                                  ARRAY(pieces, pieces, "vertices", NULL),
+                                  ARRAY(pieces, pieces, "triangle_offsets", NULL),
+                                  ARRAY(pieces, pieces, "triangles", NULL),
+                                  ARRAY(pieces, pieces, "on_surface", &length),
+                                  ARRAY(pieces, pieces, "centroids", NULL)};
     CHECK(length == (size_t)arrays.triangle_offsets[8]);
-    CHECK(votess_pieces_sources(pieces, &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
+    CHECK(ARRAY(pieces, pieces, "sources", &length) != NULL && length == (size_t)arrays.triangle_offsets[8]);
     uint64_t bytes = 0;
     CHECK(votess_write_pieces(&arrays, ".stl", count_bytes, &bytes) == VOTESS_OK && bytes == 84 + 50 * length);
     CHECK_REFUSES(votess_write_pieces(&arrays, ".vtu", count_bytes, &bytes), "known are .glb .obj .stl .3mf");
@@ -174,7 +194,7 @@ static void check_pieces(const votess_result* result) {
     CHECK_REFUSES(votess_write_pieces(&arrays, ".obj", count_bytes, &bytes), "struct_size");
     votess_pieces_free(pieces);
     votess_pieces_free(NULL);
-    CHECK(votess_pieces_volumes(NULL, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_pieces_array(NULL, "volumes", &last), "pieces is NULL");
 }
 
 static void check_mesh(void) {
@@ -192,13 +212,13 @@ static void check_mesh(void) {
     CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
     CHECK(votess_result_in_mesh(result) == 1 && votess_result_in_mesh(NULL) == 0);
     size_t length = 0;
-    const double* volumes = votess_result_volumes(result, &length);
+    const double* volumes = ARRAY(result, result, "volumes", &length);
     CHECK(length == 8);
     for (size_t i = 0; i < length; ++i) CHECK(fabs(volumes[i] - 0.125) < 1e-14);
-    const double* areas = votess_result_mesh_areas(result, &length);
+    const double* areas = ARRAY(result, result, "mesh_areas", &length);
     CHECK(length == 8);
     for (size_t i = 0; i < length; ++i) CHECK(fabs(areas[i] - 0.75) < 1e-14);
-    CHECK(votess_result_indices(result, &length) != NULL && length == 24);
+    CHECK(ARRAY(result, result, "indices", &length) != NULL && length == 24);
     check_pieces(result);
     votess_result_free(result);
 }
@@ -378,15 +398,15 @@ static void check_diagram(void) {
     CHECK(rays == NULL);
     CHECK(votess_rays_new(diagram, queries, along, lengths, 2, 1, &rays) == VOTESS_OK);
     size_t rows = 0, pieces = 0;
-    const int64_t* offsets = votess_rays_offsets(rays, &rows);
-    const double* passed = votess_rays_lengths(rays, &pieces);
+    const int64_t* offsets = ARRAY(rays, rays, "offsets", &rows);
+    const double* passed = ARRAY(rays, rays, "lengths", &pieces);
     CHECK(rows == 3 && offsets[0] == 0 && (size_t)offsets[2] == pieces);
-    CHECK(votess_rays_seeds(rays, NULL)[0] == seeds[0]);
+    CHECK(*(const int32_t*)ARRAY(rays, rays, "seeds", NULL) == seeds[0]);
     double sum = 0;
     for (size_t k = 0; k < pieces; ++k) sum += passed[k];
     CHECK(sum > 0.35 - 1e-14 && sum < 0.35 + 1e-14);  // the first leaves the box after 0.1
-    const double* middles = votess_rays_middles(rays, &rows);
-    CHECK(rows == 3 * pieces);
+    const double* middles = ARRAY(rays, rays, "middles", &rows);
+    CHECK(rows == pieces && last.components == 3);
     const double error = cube[3 * seeds[0]] + middles[0] - 1.95;
     CHECK(error > -1e-14 && error < 1e-14);
     votess_rays_free(rays);
@@ -411,7 +431,7 @@ static void check_fit(void) {
     fit_options.normalize = 1;
     CHECK(votess_fit_volumes(points, 2, shares, &options, &fit_options, &fit) == VOTESS_OK);
     size_t length = 0;
-    const double* weights = votess_fit_weights(fit, &length);
+    const double* weights = ARRAY(fit, fit, "weights", &length);
     CHECK(length == 2);
     const double error = weights[1] - weights[0] - 1;
     CHECK(error < 1e-8 && error > -1e-8);
@@ -429,7 +449,8 @@ static void check_fit(void) {
     fit_options.max_steps = 0;
     CHECK_FAILS(votess_fit_volumes(points, 2, targets, &options, &fit_options, &fit), VOTESS_ERROR_NOT_CONVERGED,
                 "raise fit_options.max_steps");
-    CHECK(fit != NULL && votess_fit_weights(fit, &length)[1] == 0 && length == 2);
+    weights = ARRAY(fit, fit, "weights", &length);
+    CHECK(fit != NULL && weights[1] == 0 && length == 2);
     CHECK_REFUSES(votess_fit_result(fit, &result), "did not converge");
     CHECK(result == NULL);
     votess_fit_free(fit);
@@ -449,20 +470,27 @@ static void check_zones(void) {
     votess_result_free(result);
     size_t length = 0;
     const int32_t expected[8] = {0, 0, 0, 1, 0, 1, 1, 1};
-    CHECK(memcmp(votess_zones_labels(zones, &length), expected, sizeof expected) == 0 && length == 8);
-    CHECK(votess_zones_cores(zones, &length)[1] == 7 && length == 2);
-    CHECK(votess_zones_saddles(zones, &length)[0] == 5 && length == 1);
-    CHECK(votess_zones_pairs(zones, &length)[1] == 1 && length == 2);
-    CHECK(votess_zones_passes(zones, &length)[0] == 2 && length == 2);
-    CHECK(votess_zones_parents(zones, NULL)[1] == 0 && votess_zones_persistence(zones, NULL)[1] == 3);
-    CHECK(votess_zones_at_walls(zones, &length) == NULL && length == 0);
+    CHECK(memcmp(ARRAY(zones, zones, "labels", &length), expected, sizeof expected) == 0 && length == 8);
+    const int32_t* cores = ARRAY(zones, zones, "cores", &length);
+    CHECK(cores[1] == 7 && length == 2);
+    const double* saddles = ARRAY(zones, zones, "saddles", &length);
+    CHECK(saddles[0] == 5 && length == 1);
+    const int32_t* pairs = ARRAY(zones, zones, "pairs", &length);
+    CHECK(pairs[1] == 1 && length == 1 && last.components == 2);
+    const int32_t* passes = ARRAY(zones, zones, "passes", &length);
+    CHECK(passes[0] == 2 && length == 1 && last.components == 2);
+    const int32_t* parents = ARRAY(zones, zones, "parents", NULL);
+    const double* persistence = ARRAY(zones, zones, "persistence", NULL);
+    CHECK(parents[1] == 0 && persistence[1] == 3);
+    CHECK(ARRAY(zones, zones, "at_walls", &length) == NULL && length == 0);
     CHECK_REFUSES(votess_zones_merge(zones, NAN, &merged), "threshold");
     CHECK(merged == NULL && votess_zones_merge(zones, 3, &merged) == VOTESS_OK);
     votess_zones_free(zones);
-    CHECK(votess_zones_cores(merged, &length)[0] == 0 && length == 1);
+    cores = ARRAY(zones, merged, "cores", &length);
+    CHECK(cores[0] == 0 && length == 1);
     votess_zones_free(merged);
     votess_zones_free(NULL);
-    CHECK(votess_zones_labels(NULL, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_zones_array(NULL, "labels", &last), "zones is NULL");
 }
 
 static int take_bytes(const votess_bytes* piece, void* user) {
@@ -501,16 +529,17 @@ static void check_network(void) {
     CHECK(votess_network_new(result, cube, 8, &network) == VOTESS_OK);
     votess_result_free(result);
     size_t length = 0;
-    CHECK(votess_network_points(network, &length) != NULL && length == 81);
-    CHECK(votess_network_edges(network, &length) != NULL && length == 108);
-    CHECK(votess_network_shifts(network, &length) == NULL && length == 0);
+    CHECK(ARRAY(network, network, "points", &length) != NULL && length == 27 && last.components == 3);
+    CHECK(ARRAY(network, network, "edges", &length) != NULL && length == 54 && last.components == 2);
+    CHECK(ARRAY(network, network, "shifts", &length) == NULL && length == 0);
     double radius = 0;
     int32_t vertex = -1;
     CHECK(votess_network_largest_included(network, &radius, &vertex) == VOTESS_OK && vertex >= 0);
-    CHECK(votess_network_vertex_radii(network, &length)[vertex] == radius && length == 27);
+    const double* radii = ARRAY(network, network, "vertex_radii", &length);
+    CHECK(radii[vertex] == radius && length == 27);
     votess_network_free(network);
     votess_network_free(NULL);
-    CHECK(votess_network_edges(NULL, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_network_array(NULL, "edges", &last), "network is NULL");
 }
 
 static void check_alpha(void) {
@@ -524,18 +553,21 @@ static void check_alpha(void) {
     CHECK_REFUSES(votess_alpha_new(NULL, cube, 8, NULL, &alpha), "result");
     CHECK(alpha == NULL && votess_alpha_new(result, cube, 8, NULL, &alpha) == VOTESS_OK);
     votess_result_free(result);
-    size_t length = 0, tetrahedra = 0;
-    const double* values = votess_alpha_values(alpha, 3, &tetrahedra);
-    CHECK(tetrahedra == 6 && values[0] == 0.75 && values[5] == 0.75);  // the tetrahedra around a diagonal
-    CHECK(votess_alpha_seeds(alpha, 3, &length)[0] == 0 && length == 4 * tetrahedra);
-    CHECK(votess_alpha_seeds(alpha, 1, &length) != NULL && length == 2 * 19);
-    CHECK(votess_alpha_gabriel(alpha, 2, &length)[0] == 1 && length == 18);
-    CHECK(votess_alpha_shifts(alpha, 0, &length) == NULL && length == 0);
-    CHECK(votess_alpha_values(alpha, 4, &length) == NULL && length == 0);
-    CHECK(strstr(votess_last_error(), "dimension") != NULL);
+    size_t length = 0;
+    const double* values = data_of(votess_alpha_array(alpha, 3, "values", &last), &last, &length);
+    CHECK(length == 6 && values[0] == 0.75 && values[5] == 0.75);  // the tetrahedra around a diagonal
+    const int32_t* seeds = data_of(votess_alpha_array(alpha, 3, "seeds", &last), &last, &length);
+    CHECK(seeds[0] == 0 && length == 6 && last.components == 4);
+    CHECK(votess_alpha_array(alpha, 1, "seeds", &last) == VOTESS_OK && last.length == 19 && last.components == 2);
+    const uint8_t* gabriel = data_of(votess_alpha_array(alpha, 2, "gabriel", &last), &last, &length);
+    CHECK(gabriel[0] == 1 && length == 18);
+    CHECK(data_of(votess_alpha_array(alpha, 0, "shifts", &last), &last, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_alpha_array(alpha, 4, "values", &last), "k is 4");
+    CHECK_REFUSES(votess_alpha_array(alpha, 0, "edges", &last),
+                  "the arrays of alpha are seeds, shifts, values, gabriel");
     votess_alpha_free(alpha);
     votess_alpha_free(NULL);
-    CHECK(votess_alpha_values(NULL, 0, &length) == NULL && length == 0);
+    CHECK_REFUSES(votess_alpha_array(NULL, 0, "values", &last), "alpha is NULL");
 }
 
 #define SEEDS 3000
@@ -571,8 +603,8 @@ static int begin(const votess_stream_head* head, void* user) {
 // The rows must be those of the whole result.
 static int rows(const votess_stream_rows* some, void* user) {
     struct stream* stream = user;
-    const int64_t* indptr = votess_result_indptr(stream->whole, NULL);
-    const int32_t* indices = votess_result_indices(stream->whole, NULL);
+    const int64_t* indptr = ARRAY(result, stream->whole, "indptr", NULL);
+    const int32_t* indices = ARRAY(result, stream->whole, "indices", NULL);
     CHECK(some->first == stream->rows && some->count > 0 && some->volumes != NULL && some->centroids == NULL);
     for (size_t i = 0; i <= some->count; ++i) CHECK(some->indptr[i] == indptr[some->first + i]);
     for (size_t e = 0; e < some->entries; ++e) CHECK(some->indices[e] == indices[(size_t)some->indptr[0] + e]);

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Optional
 import numpy as np
 
 from .._arguments import shown
+from .._domain import SHORT_FORMS, Domain, take_domain
 from .._input import as_float64_or_float32
 from .._motion import blocks, dot, motion_of
 from ..tessellation import Tessellation
@@ -43,14 +44,18 @@ class Measures(NamedTuple):
     offsets: Any  #: (N + 1,) int32
 
 
-def forward(points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None, **options: Any) -> Tessellation:
+def forward(
+    points: npt.ArrayLike, domain: Optional[Domain] = None, *, weights: Optional[npt.ArrayLike] = None, **options: Any
+) -> Tessellation:
     """Returns the cells with the arrays that :func:`vjp` reads: volumes, centroids, areas and faces.
 
-    ``options`` are those of :func:`pyvotess.tessellate`. ``box`` or ``cell`` is needed, because the default box and "hull"
-    move with the points. ``precision`` is "double" by default.
+    ``domain``, or a short form in ``options``, is a box or cell of numbers: the default box and the hull move with the
+    points. The other ``options`` are those of :func:`pyvotess.tessellate`. ``precision`` is "double" by default.
     """
-    if options.get("cell") is None and (options.get("box") is None or isinstance(options["box"], str)):
-        raise ValueError(f"box is {options.get('box')!r}, which has no fixed ends: give box or cell as numbers")
+    where = take_domain({"domain": domain, **options})
+    if where.vectors is None and where.limits is None:
+        word = where._keywords().get("box")
+        raise ValueError(f"box is {word!r}, which has no fixed ends: give a domain, box or cell of numbers")
     instead = {
         "radii": "give weights, the squares of the radii",
         "want": "give want to tessellate(), then call vjp()",
@@ -59,7 +64,8 @@ def forward(points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None, **op
     for name in instead.keys() & options.keys():
         raise ValueError(f"{name} is not an option of derivatives: {instead[name]}")
     options.setdefault("precision", "double")
-    return tessellate(points, weights=weights, want=_WANT, **options)
+    others = {name: value for name, value in options.items() if name not in SHORT_FORMS}
+    return tessellate(points, where, weights=weights, want=_WANT, **others)
 
 
 def _cotangent(values: Any, name: str, array: npt.NDArray[Any]) -> Float64Array:

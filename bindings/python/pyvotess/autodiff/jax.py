@@ -11,6 +11,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from .._arguments import as_count, shown
+from .._domain import Domain
 from ..tessellation import Tessellation
 from . import Measures, forward, vjp
 
@@ -63,7 +64,7 @@ class _Cells:
         arrays: List[Any] = [None if array is None else np.array(array) for array in inputs]  # the memory is JAX's for the call
         last = self.last
         if not last or not all(np.array_equal(a, b) for a, b in zip(arrays, last[0])):
-            self.last = last = [arrays, forward(*arrays, **self.options)]
+            self.last = last = [arrays, forward(arrays[0], weights=arrays[1], **self.options)]
         t: Tessellation = last[1]
         return t
 
@@ -105,12 +106,15 @@ def _jax_array(values: Any, name: str) -> Any:
         raise TypeError(f"{name} is {shown(values)}: give an array of float64 or float32") from error
 
 
-def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = None, **options: Any) -> Measures:
+def tessellate(
+    points: Any, domain: Optional[Domain] = None, *, weights: Any = None, max_rows: Optional[int] = None, **options: Any
+) -> Measures:
     """Returns the measures of the cells as JAX arrays, of the type of ``points``.
 
     Parameters
     ----------
     points, weights : as for :func:`pyvotess.autodiff.forward`, arrays of float64 or float32.
+    domain : as for :func:`pyvotess.autodiff.forward`, a constant.
     max_rows : the length of ``areas`` and ``adjacency``, at least the number of entries of all rows. Padding follows
         the entries: areas 0, and the smallest int32. Default: ``areas``, ``adjacency`` and ``offsets`` are None, because
         JAX needs their length before the run.
@@ -131,5 +135,5 @@ def tessellate(points: Any, weights: Any = None, *, max_rows: Optional[int] = No
     if weights is not None and weights.shape != points.shape[:1]:
         raise ValueError(f"weights has shape {weights.shape} for {len(points)} points: it must be ({len(points)},)")
     rows = None if max_rows is None else as_count(max_rows, "max_rows", 31)
-    found: Measures = _cells_of(_constant(options), rows, points.shape[1]).call(points, weights)
+    found: Measures = _cells_of(_constant({"domain": domain, **options}), rows, points.shape[1]).call(points, weights)
     return found

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Optional
 
 import numpy as np
 import torch
 from torch.autograd.function import once_differentiable
 
+from .._domain import Domain
 from . import Measures, forward, vjp
 
 __all__ = ["tessellate"]
@@ -22,7 +23,7 @@ class _Cells(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, points: Any, weights: Any, options: Any) -> Any:
         ctx.save_for_backward(points, weights)  # then autograd refuses points that change before backward()
-        ctx.t = t = forward(points.detach(), None if weights is None else weights.detach(), **options)
+        ctx.t = t = forward(points.detach(), weights=None if weights is None else weights.detach(), **options)
         rows = t.rows()
         of_rows = tuple(_tensor(array) for array in (rows.status, rows.adjacency, rows.offsets))
         ctx.mark_non_differentiable(*of_rows)
@@ -36,13 +37,13 @@ class _Cells(torch.autograd.Function):
         return _tensor(found.points, points), None if weights is None else _tensor(found.weights, weights), None
 
 
-def tessellate(points: Any, weights: Any = None, **options: Any) -> Measures:
+def tessellate(points: Any, domain: Optional[Domain] = None, *, weights: Any = None, **options: Any) -> Measures:
     """Returns the measures of the cells as tensors, of the type of ``points``.
 
     Parameters
     ----------
     points, weights : as for :func:`pyvotess.autodiff.forward`, tensors on the CPU.
-    options : as for :func:`pyvotess.autodiff.forward`.
+    domain, options : as for :func:`pyvotess.autodiff.forward`.
 
     There are no second derivatives.
     """
@@ -52,5 +53,5 @@ def tessellate(points: Any, weights: Any = None, **options: Any) -> Measures:
             raise ValueError(f"{name} is {kind}: give a tensor of float64 or float32")
         if tensor is not None and tensor.device.type != "cpu":
             raise ValueError(f"{name} is on {tensor.device}: give {name}.cpu()")
-    volumes, centroids, areas, status, adjacency, offsets = _Cells.apply(points, weights, options)
+    volumes, centroids, areas, status, adjacency, offsets = _Cells.apply(points, weights, {"domain": domain, **options})
     return Measures(volumes, centroids, status, areas, adjacency, offsets)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict
 
 import numpy as np
 
-from .._state import names_of
+from .._state import ARRAYS
 from .optional import imported
 
 if TYPE_CHECKING:
@@ -30,8 +30,8 @@ _AFTER_ROWS = ("areas", "normals", "volumes", "centroids", "surfaces", "radii", 
 
 def _result_arrays(t: SeedCells) -> Arrays:
     held = t._data.arrays
-    names = [name for word in _AFTER_ROWS for name in names_of(word)]
-    names = [*names_of("neighbors"), "shifts", *names, "mesh_areas", "status", "duplicate_of"]
+    names = [name for word in _AFTER_ROWS for name in ARRAYS[word]]
+    names = [*ARRAYS["neighbors"], "shifts", *names, "mesh_areas", "status", "duplicate_of"]
     return {name: held[name] for name in names if name in held}
 
 
@@ -48,7 +48,7 @@ def _texts(t: SeedCells) -> Dict[str, str]:
     from .._library import VERSION
 
     return {
-        "domain_from": "option" if t._domain_given else "default",
+        "domain_from": "option" if t._given_domain._has_ends else "default",
         "periodic_from": "option" if any(t.periodic) else "default",
         "version": VERSION,
     }

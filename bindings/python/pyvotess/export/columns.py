@@ -9,7 +9,7 @@ import numpy as np
 
 from .._arguments import shown
 from .._input import as_array, as_float64_or_float32
-from .._state import ARRAYS, names_of
+from .._state import ARRAYS
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -43,7 +43,7 @@ def cell_columns(t: SeedCells) -> Dict[str, npt.NDArray[Any]]:
         columns.update({f"centroid_{axis}": column for axis, column in zip("xyz", t.centroids.T)})
     for word in ("surfaces", "radii", "counts"):
         if word in t.wanted:
-            columns.update({name: getattr(t, name) for name in names_of(word)})
+            columns.update({name: getattr(t, name) for name in ARRAYS[word]})
     columns["status"] = t.status
     if t.duplicate_of is not None:
         columns["duplicate_of"] = t.duplicate_of
@@ -107,7 +107,7 @@ def color_values(t: SeedCells, color: Any) -> Tuple[Float64Array, str]:
         if name in columns:
             labels = {"volume": "area", "area": "perimeter"} if t.planar else {"area": "surface area"}
             return np.asarray(columns[name], np.float64), labels.get(color, color)
-        if name in ARRAYS or any(name in names_of(word) for word in ARRAYS):
+        if name in ARRAYS or any(name in names for names in ARRAYS.values()):
             getattr(t, name)  # raises with the word for want, or the name of the array
         raise ValueError(
             f"color is {color!r}: give 'volume', 'neighbors', 'area', 'x', 'y', 'z' or {len(t)} values; "

@@ -25,7 +25,7 @@ _MAX_POLYGONS = 3_000
 
 def _rows(t: SeedCells) -> List[Tuple[str, str]]:
     stats = t.stats
-    rows = [("seeds", f"{len(t)}"), ("domain", t._domain()), ("arrays", ", ".join(t.wanted) or "status only")]
+    rows = [("seeds", f"{len(t)}"), ("domain", t._where()), ("arrays", ", ".join(t.wanted) or "status only")]
     if "neighbors" in t.wanted:
         rows.append(("mean faces", f"{stats.mean_faces:.4f}"))
     if "volumes" in t.wanted:

@@ -58,7 +58,7 @@ def write_mesh(
 
 def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
     """Writes the pieces of cells in a mesh as polyhedra of a .vtu. ``columns``: as for :func:`write_mesh`."""
-    pieces = t.pieces()
+    pieces = t.pieces()  # type: ignore[attr-defined]
     first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
     count = len(pieces.triangles)
     arrays: Dict[str, Any] = {

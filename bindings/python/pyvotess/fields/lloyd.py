@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
 
 import numpy as np
 
 from .._arguments import as_count, as_flag, as_number
-from .._c_api import OutsideWord, RepairWord
 from .._call import Progress, showing
+from .._domain import Domain, as_domain, with_short_forms
 from .._input import as_array, as_points
 from ..fit import fit_volumes
 from ..pairs import edges_of
@@ -18,7 +18,9 @@ from .moments import Density, uniform_energy, weighted_centroids
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from typing_extensions import Unpack
 
+    from .._domain import DomainKeywords
     from ..tessellation import Tessellation
 
     BoolArray = npt.NDArray[np.bool_]
@@ -83,19 +85,13 @@ def _share(show: Progress, step: int, count: int) -> Progress:
     return lambda fraction: show((step + fraction) / count)
 
 
+@with_short_forms
 def lloyd(
     points: npt.ArrayLike,
+    domain: Optional[Domain] = None,
+    *,
     steps: int = 100,
     density: Optional[Density] = None,
-    *,
-    box: Optional[npt.ArrayLike] = None,
-    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
-    cell: Optional[npt.ArrayLike] = None,
-    origin: Optional[npt.ArrayLike] = None,
-    walls: npt.ArrayLike = (),
-    mesh: Any = None,
-    mesh_repair: Optional[RepairWord] = None,
-    mesh_tolerance: float = 0.0,
     fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     over_relaxation: float = 1.0,
@@ -104,7 +100,7 @@ def lloyd(
     device: str = "auto",
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
-    outside: OutsideWord = "error",
+    **keywords: Unpack[DomainKeywords],
 ) -> Relaxation:
     """Moves each seed to the centroid of its cell, ``steps`` times, towards a centroidal Voronoi diagram.
 
@@ -121,8 +117,10 @@ def lloyd(
     steps : maximum number of steps; 0 returns the energy of the given points.
     density : a function of (K, 3) points, in the plane (K, 2), inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
         called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
-    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance : the domain, as for :func:`tessellate`. The default box, around
-        the initial points, stays fixed. In a mesh the centroid is that of the cell's part inside. It may lie outside.
+    domain : as for :func:`tessellate`. The default box and the hull, around the initial points, stay fixed. In a mesh the
+        centroid is that of the cell's part inside. It may lie outside. Points outside that are kept move to the centroids of
+        their cells inside, or stay without one; not with a density, which is read between seeds and faces. Dropped ones stay.
+    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
         each seed, in the plane the square root of its area. 0 stops only when nothing moves.
@@ -134,8 +132,6 @@ def lloyd(
     normalize : scale ``volumes`` to the volume of the domain.
     device, threads : as for :func:`tessellate`. Measures use double precision, which a named GPU must support.
     progress : as for :func:`tessellate`, as a fraction of all steps.
-    outside : as for :func:`tessellate`. "keep": a seed outside moves to the centroid of its cell inside, or stays without
-        one; not with a density, which is read between seeds and faces. "drop": it stays, and has no cell.
 
     Raises
     ------
@@ -155,12 +151,11 @@ def lloyd(
         raise TypeError(f"density must be a function of points, not {type(density).__name__}")
     if density is not None and volumes is not None:
         raise ValueError("volumes are those of a uniform density: leave out density or volumes")
-    if density is not None and outside == "keep":
+    where = as_domain(domain, keywords)
+    if density is not None and where.outside == "keep":
         raise ValueError("the density is read between seeds and faces, which outside='keep' puts outside: leave one out")
 
-    domain: Dict[str, Any] = {"box": box, "periodic": periodic, "cell": cell, "origin": origin, "walls": walls}
-    domain.update(outside=outside, mesh=mesh, mesh_repair=mesh_repair, mesh_tolerance=mesh_tolerance)
-    want = _WANT if mesh is not None else "faces," + _WANT
+    want = _WANT if where.surface is not None else "faces," + _WANT
     weights: Optional[Float64Array] = None
     energies: List[float] = []
     moved: List[float] = []
@@ -168,15 +163,15 @@ def lloyd(
         for step in range(steps + 1):
             part = None if show is None else _share(show, step, steps + 1)
             if volumes is None:
-                t = kept.tessellate(array, want=want, progress=part, **domain)
+                t = kept.tessellate(array, where, want=want, progress=part)
             else:
                 fit = fit_volumes(
-                    array, volumes, weights=weights, normalize=normalize, want=want, device=device, threads=threads,
-                    precision="double", progress=part, **domain,
+                    array, volumes, where, weights=weights, normalize=normalize, want=want, device=device, threads=threads,
+                    precision="double", progress=part,
                 )  # fmt: skip
                 t, weights = fit.tessellation, fit.weights
-            if cell is None:
-                domain["box"], domain["walls"] = t.box.ravel(), t.walls
+            if step == 0 and where.vectors is None:
+                where = where.replace(box=t.box.ravel(), walls=t.walls)
             places = t.wrapped_points
             way, energy = _measure(t, places, density)
             energies.append(energy)

@@ -15,18 +15,21 @@ import numpy as np
 
 from .. import _c_api
 from .._arguments import as_word
-from .._c_api import DuplicatesWord, OutsideWord, WantName
-from .._call import Callbacks, Handle, Progress, VotessError, array_of, raise_on_failure, showing
-from .._input import Domain, as_array, as_points
-from .._library import lib
+from .._c_api import DuplicatesWord, WantName
+from .._call import Callbacks, Handle, Progress, VotessError, raise_on_failure, showing
+from .._domain import Domain, as_domain, with_short_forms
+from .._input import as_array, as_points, fill_weights
 from .._run import new_options
-from .._state import names_of, no_attribute
+from .._state import ARRAYS, no_attribute
 from ..mesh import Lists
 from ..stats import VerifyReport, as_sample, verify
-from ._library import ARRAYS, Counts, load
+from ._library import Counts, load
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from .._domain import DomainKeywords
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -39,6 +42,11 @@ __all__ = ["MpiCounts", "MpiTessellation", "tessellate"]
 
 _lib, _handle = load()
 _CELLS: Dict[str, int] = {"handed_in": 0, "made": 1}
+_ARRAYS = (
+    "ids", "points", "status", "duplicate_of", "indptr", "indices", "owners", "shifts", "face_areas", "face_normals", "volumes",
+    "centroids", "surface_areas", "security_radii", "face_counts", "edge_counts", "vertex_counts", "send_indptr", "send",
+    "receive_indptr", "receive",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -145,13 +153,10 @@ def _box(result: Handle, dimensions: int) -> Float64Array:
 
 
 def _read(result: Handle, want: int, made: bool, in_box: bool, periodic: bool, dimensions: int) -> MpiTessellation:
-    arrays: Dict[str, Any] = {
-        name: array_of(result, name, dtype, columns and dimensions, prefix="votess_mpi_", library=_lib)
-        for name, (dtype, columns) in ARRAYS.items()
-    }
+    arrays: Dict[str, Any] = {name: result.array(name) for name in _ARRAYS}
     for word, bit in _c_api.WANT_BITS.items():
         if word != "neighbors" and not want & bit:  # rows are always present
-            arrays.update((name, None) for name in names_of(word) if name in arrays)
+            arrays.update((name, None) for name in ARRAYS[word] if name in arrays)
     if not made:
         arrays["points"] = None
     if not periodic:
@@ -179,24 +184,22 @@ def _as_ids(ids: Any, count: int) -> Int64Array:
     return np.ascontiguousarray(array, np.int64)
 
 
+@with_short_forms
 def tessellate(
     points: npt.ArrayLike,
     comm: Any,
+    domain: Optional[Domain] = None,
+    *,
     ids: Optional[npt.ArrayLike] = None,
-    box: Optional[npt.ArrayLike] = None,
-    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     weights: Optional[npt.ArrayLike] = None,
     radii: Optional[npt.ArrayLike] = None,
     want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
-    cell: Optional[npt.ArrayLike] = None,
-    walls: npt.ArrayLike = (),
     list_walls: bool = False,
     threads: int = 1,
     duplicates: DuplicatesWord = "merge",
-    origin: Optional[npt.ArrayLike] = None,
-    outside: OutsideWord = "error",
     cells: Literal["handed_in", "made"] = "handed_in",
     progress: Union[None, bool, Progress] = None,
+    **keywords: Unpack[DomainKeywords],
 ) -> MpiTessellation:
     """Returns Voronoi cells of the points of all ranks. Collective: every rank of ``comm`` calls it.
 
@@ -207,6 +210,7 @@ def tessellate(
     points : (N, 3) or, in the plane, (N, 2) real numbers, the points of this rank; N may be 0 and may differ between
         ranks.
     comm : a communicator of mpi4py.
+    domain : as for :func:`pyvotess.tessellate`, except a mesh.
     ids : (N,) non-negative integers, unique over all ranks; or None on all ranks, which numbers the points rank after
         rank. Of equal points the lowest id keeps the cell.
     weights, radii : (N,) numbers for the points of this rank.
@@ -226,27 +230,27 @@ def tessellate(
     """
     communicator = _handle(comm)
     kept: List[Any] = []
-    result = Handle(_lib.votess_mpi_free)
+    result = Handle("mpi", _lib)
     with contextlib.ExitStack() as stack:
         with _all_or_none(comm):
             array = as_points(points, planar=True).astype(np.float64, copy=False)
             numbers = None if ids is None else _as_ids(ids, len(array))
             options = new_options(
-                device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates, outside=outside,
+                device="cpu", want=want, list_walls=list_walls, threads=threads, duplicates=duplicates,
                 planar=array.shape[1] == 2,
             )  # fmt: skip
             which = as_word(cells, "cells", _CELLS)
-            is_hull = isinstance(box, str) and box == "hull"
-            domain = Domain(None if is_hull else box, periodic, weights, radii, cell, origin, walls)
-            kept += domain.fill(options, array)
+            given = as_domain(domain, keywords)
+            kept += (given.replace(box=None) if given.is_hull else given)._fill(options, array)
+            kept += fill_weights(options, weights, radii, len(array))
             shown = stack.enter_context(showing(progress))
-        if is_hull:
-            hull = Handle(lib.votess_hull_free)
+        if given.is_hull:
+            hull = Handle("hull")
             points_of_rank = (array.ctypes.data, len(array))
             raise_on_failure(
                 _lib.votess_mpi_hull_new(communicator, *points_of_rank, ctypes.byref(options), ctypes.byref(hull.pointer))
             )
-            facets = array_of(hull, "walls", np.float64, 4, prefix="votess_hull_")
+            facets = hull.array("walls")
             options.walls, options.wall_count = facets.ctypes.data, len(facets)
             kept.append(facets)
         with Callbacks() as callbacks:
@@ -263,4 +267,4 @@ def tessellate(
         raise_on_failure(status)
     del kept
     axes = options.cell_periodic if options.has_cell else options.periodic
-    return _read(result, options.want, cells == "made", cell is None, any(axes), array.shape[1])
+    return _read(result, options.want, cells == "made", given.vectors is None, any(axes), array.shape[1])

@@ -8,12 +8,10 @@ import os
 import sys
 from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_uint64, c_void_p
 from pathlib import Path
-from typing import Any, Dict, Tuple
-
-import numpy as np
+from typing import Any, Tuple
 
 from .. import _library
-from .._c_api import Options
+from .._c_api import Array, Options
 
 if sys.platform == "darwin":
     _FILE_NAMES: Tuple[str, ...] = ("libvotess_mpi.dylib",)
@@ -38,32 +36,6 @@ class Counts(ctypes.Structure):
         ("volume_sum", c_double),
         ("exact_cells", c_uint64),
     ]
-
-
-# Arrays of a result: type, columns (0: a one-dimensional array).
-ARRAYS: Dict[str, Tuple[Any, int]] = {
-    "ids": (np.int64, 0),
-    "points": (np.float64, 3),
-    "status": (np.uint8, 0),
-    "duplicate_of": (np.int64, 0),
-    "indptr": (np.int64, 0),
-    "indices": (np.int64, 0),
-    "owners": (np.int32, 0),
-    "shifts": (np.int8, 3),
-    "face_areas": (np.float64, 0),
-    "face_normals": (np.float64, 3),
-    "volumes": (np.float64, 0),
-    "centroids": (np.float64, 3),
-    "surface_areas": (np.float64, 0),
-    "security_radii": (np.float64, 0),
-    "face_counts": (np.uint32, 0),
-    "edge_counts": (np.uint32, 0),
-    "vertex_counts": (np.uint32, 0),
-    "send_indptr": (np.int64, 0),
-    "send": (np.int64, 0),
-    "receive_indptr": (np.int64, 0),
-    "receive": (np.int64, 0),
-}
 
 
 def _find() -> str:
@@ -104,9 +76,8 @@ def _load(size_of_comm: int) -> ctypes.CDLL:
     library.votess_mpi_hull_new.restype = c_int
     library.votess_mpi_hull_new.argtypes = (communicator, c_void_p, c_size_t, POINTER(Options), POINTER(c_void_p))
     library.votess_mpi_free.restype, library.votess_mpi_free.argtypes = None, (c_void_p,)
-    for array in ARRAYS:
-        function = getattr(library, "votess_mpi_" + array)
-        function.restype, function.argtypes = c_void_p, (c_void_p, POINTER(c_size_t))
+    library.votess_mpi_array.restype = c_int
+    library.votess_mpi_array.argtypes = (c_void_p, c_char_p, POINTER(Array))
     library.votess_mpi_box.restype = c_int
     library.votess_mpi_box.argtypes = (c_void_p, c_void_p, c_void_p)
     library.votess_mpi_read_counts.restype = c_int

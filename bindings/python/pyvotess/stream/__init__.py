@@ -21,16 +21,20 @@ import numpy as np
 
 from .. import _c_api
 from .._arguments import as_count, as_flag, require_one_of, as_path, shown
-from .._c_api import OutsideWord, WantName
+from .._c_api import WantName
 from .._call import Callbacks, Progress, raise_on_failure, showing
-from .._input import Domain, as_one_each, as_points
+from .._domain import Domain, as_domain, with_short_forms
+from .._input import as_one_each, as_points
 from .._run import implied_words, new_options
-from .._state import names_of, no_attribute
+from .._state import ARRAYS, no_attribute
 from ..stats import Stats, VerifyReport, stats_of
 from . import _stream_api as _stream
 
 if TYPE_CHECKING:
     import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from .._domain import DomainKeywords
 
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
@@ -113,7 +117,7 @@ class _Source:
         self.dimensions = self._points_of(first[0]).shape[1] if first else 3
 
     def expect(self, wanted: Iterable[str]) -> None:
-        self._present.update(name for word in wanted for name in names_of(word))
+        self._present.update(name for word in wanted for name in ARRAYS[word])
 
     def _pair(self, piece: Any) -> Tuple[Any, Any]:
         if not self._beside:
@@ -173,24 +177,22 @@ class _Source:
         return _stream.GO_ON
 
 
+@with_short_forms
 def tessellate_stream(
     pieces: Iterable[Any],
     rows: Callable[[StreamRows], Any],
+    domain: Optional[Domain] = None,
+    *,
     memory: int,
     temporary: Optional[Union[str, "os.PathLike[str]"]] = None,
     beside: Optional[str] = None,
-    box: Optional[npt.ArrayLike] = None,
-    periodic: Optional[Union[bool, str, Iterable[bool]]] = None,
     want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
-    cell: Optional[npt.ArrayLike] = None,
-    walls: npt.ArrayLike = (),
     list_walls: bool = False,
     threads: int = 0,
     progress: Union[None, bool, Progress] = None,
-    origin: Optional[npt.ArrayLike] = None,
-    outside: OutsideWord = "error",
     instructions: str = "",
     verify: bool = False,
+    **keywords: Unpack[DomainKeywords],
 ) -> StreamResult:
     """Computes Voronoi cells of points larger than memory, on the CPU. The rows are those of :func:`tessellate`.
 
@@ -200,6 +202,7 @@ def tessellate_stream(
         list. Points of a generator, which can be read once, are stored in a temporary file.
     rows : called with :class:`StreamRows`, in the order of the points. Its arrays are copies. An exception ends the
         run.
+    domain : as for :func:`tessellate`, except a mesh.
     memory : bytes that the run may use in addition to the pieces; at least 1,000,000.
     temporary : folder of the temporary files, which have no names and vanish with the run. They take about 140 bytes
         for each point with neighbors and volumes. Default: TMPDIR of the environment, or /tmp.
@@ -224,11 +227,11 @@ def tessellate_stream(
     folder = None if temporary is None else os.fsencode(as_path(temporary, "temporary"))
     source = _Source(pieces, rows, beside)
     options = new_options(
-        device="cpu", want=want, list_walls=list_walls, threads=threads, outside=outside, instructions=instructions,
+        device="cpu", want=want, list_walls=list_walls, threads=threads, instructions=instructions,
         planar=source.dimensions == 2,
     )  # fmt: skip
-    domain = Domain(box, periodic, None, None, cell, origin, walls)
-    kept = domain.fill(options, None)
+    given = as_domain(domain, keywords)
+    kept = given._fill(options, None)
     source.expect(implied_words(options))
     counts = _stream.Counts(struct_size=ctypes.sizeof(_stream.Counts))
     c_stats = _c_api.Stats(struct_size=ctypes.sizeof(_c_api.Stats))
@@ -238,7 +241,7 @@ def tessellate_stream(
             stream = _stream.Stream(
                 struct_size=ctypes.sizeof(_stream.Stream),
                 verify=checks,
-                hull=domain.is_hull,
+                hull=given.is_hull,
                 memory=bytes_of_run,
                 temporary=folder,
                 restart=callbacks.guarded(_stream.Restart, source.restart, _stream.STOP),
@@ -256,4 +259,4 @@ def tessellate_stream(
         names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if counts.checks_skipped & bit)
         failure = counts.failure.decode("utf-8", "replace")
         fields["verified"] = VerifyReport(bool(counts.passed), failure, names, counts.sampled)
-    return StreamResult(source.box if cell is None else None, stats_of(c_stats), **fields)
+    return StreamResult(source.box if given.vectors is None else None, stats_of(c_stats), **fields)

@@ -28,7 +28,7 @@ def domains():
 
 
 def energy(points, density=None, **domain):
-    return vt.lloyd(points, 0, density, **domain).energies[0]
+    return vt.lloyd(points, steps=0, density=density, **domain).energies[0]
 
 
 class Energy(unittest.TestCase):
@@ -74,9 +74,9 @@ class Energy(unittest.TestCase):
     def test_blocks(self):
         points = uniform(SEEDS)
         for density in (None, lambda x: 1 + x[:, 0]):
-            expected = vt.lloyd(points, 1, density, box=UNIT_BOX)
+            expected = vt.lloyd(points, steps=1, density=density, box=UNIT_BOX)
             with mock.patch("pyvotess.fields.moments._FACES", 7):
-                pieces = vt.lloyd(points, 1, density, box=UNIT_BOX)
+                pieces = vt.lloyd(points, steps=1, density=density, box=UNIT_BOX)
             np.testing.assert_allclose(pieces.energies, expected.energies, rtol=1e-13)
             np.testing.assert_allclose(pieces.points, expected.points, rtol=1e-12)
 
@@ -85,7 +85,7 @@ class Steps(unittest.TestCase):
     def test_energy_falls(self):
         for points, domain in domains():
             for over_relaxation in (0.5, 1.0, 1.9):
-                r = vt.lloyd(points, 12, over_relaxation=over_relaxation, **domain)
+                r = vt.lloyd(points, steps=12, over_relaxation=over_relaxation, **domain)
                 self.assertEqual((len(r.energies), len(r.moved)), (13, 12))
                 self.assertLess(np.diff(r.energies).max(), 0, f"{over_relaxation} {domain}")
                 self.assertTrue(r.tessellation.in_mesh or r.tessellation.verify())
@@ -94,7 +94,7 @@ class Steps(unittest.TestCase):
     def test_a_step_goes_to_the_centroids(self):
         for points, domain in domains():
             before = points.copy()
-            r = vt.lloyd(points, 1, **domain)
+            r = vt.lloyd(points, steps=1, **domain)
             t = vt.tessellate(points, want="volumes,centroids", **domain)
             way = t.centroids - t.wrapped_points
             np.testing.assert_allclose(r.points - points, way, atol=1e-14)
@@ -104,8 +104,8 @@ class Steps(unittest.TestCase):
 
     def test_ways_are_not_wrapped(self):
         points = uniform(SEEDS)
-        r = vt.lloyd(points, 5, box=UNIT_BOX, periodic=True)
-        moved = vt.lloyd(points + (3, -2, 0), 5, box=UNIT_BOX, periodic=True)
+        r = vt.lloyd(points, steps=5, box=UNIT_BOX, periodic=True)
+        moved = vt.lloyd(points + (3, -2, 0), steps=5, box=UNIT_BOX, periodic=True)
         np.testing.assert_allclose(moved.points - (3, -2, 0), r.points, atol=1e-12)
         np.testing.assert_allclose(moved.energies, r.energies, rtol=1e-12)
         self.assertLess(np.abs(r.points - points).max(), 0.5)
@@ -113,7 +113,7 @@ class Steps(unittest.TestCase):
     def test_over_relaxation_stays_inside(self):
         seed = np.array([[0.9, 0.05, 0.04]])
         for over_relaxation, expected in ((1.9, np.full(3, 0.25)), (1.2, seed[0] + 1.2 * (0.25 - seed[0]))):
-            r = vt.lloyd(seed, 1, box=UNIT_BOX, walls=TETRAHEDRON, over_relaxation=over_relaxation)
+            r = vt.lloyd(seed, steps=1, box=UNIT_BOX, walls=TETRAHEDRON, over_relaxation=over_relaxation)
             np.testing.assert_allclose(r.points[0], expected, atol=1e-14)
         # Across the edges of a cell, and across a wall that is not normalized.
         points, cell = uniform(8, seed=2), np.array([(1, 0, 0), (-0.9, 1, 0), (0, 0, 1)])
@@ -121,72 +121,72 @@ class Steps(unittest.TestCase):
             (points @ cell + 5, {"cell": cell, "origin": (5, 5, 5), "periodic": "z"}),
             (points / 3, {"box": UNIT_BOX, "walls": [(70, 70, 70, 70)]}),
         ):
-            vt.lloyd(start, 30, over_relaxation=1.99, **domain)
+            vt.lloyd(start, steps=30, over_relaxation=1.99, **domain)
             # With this small over-relaxation no seed leaves the domain.
             t = vt.tessellate(start, want="centroids", **domain)
-            r = vt.lloyd(start, 1, over_relaxation=1.01, **domain)
+            r = vt.lloyd(start, steps=1, over_relaxation=1.01, **domain)
             np.testing.assert_allclose(r.points - start, 1.01 * (t.centroids - t.wrapped_points), atol=1e-13)
 
     def test_outside(self):
         """Seeds outside with a cell move into the domain; the others and dropped ones stay."""
         points = 1.6 * uniform(SEEDS) - 0.3
         inside = ((points > 0) & (points < 1)).all(axis=1)
-        r = vt.lloyd(points, 12, box=UNIT_BOX, outside="keep")
+        r = vt.lloyd(points, steps=12, box=UNIT_BOX, outside="keep")
         first = vt.tessellate(points, box=UNIT_BOX, outside="keep", want="centroids")
         with_cell = first.status == 0
         self.assertTrue(0 < (with_cell & ~inside).sum() and (~with_cell).any())
         self.assertLess(np.diff(r.energies).max(), 0)
         moved = r.points[with_cell]
         self.assertTrue(((moved > 0) & (moved < 1)).all())
-        step = vt.lloyd(points, 1, box=UNIT_BOX, outside="keep").points
+        step = vt.lloyd(points, steps=1, box=UNIT_BOX, outside="keep").points
         np.testing.assert_array_equal(step[~with_cell], points[~with_cell])
         np.testing.assert_allclose(step[with_cell], first.centroids[with_cell], atol=1e-14)
-        r = vt.lloyd(points, 5, box=UNIT_BOX, outside="drop")
+        r = vt.lloyd(points, steps=5, box=UNIT_BOX, outside="drop")
         np.testing.assert_array_equal(r.points[~inside], points[~inside])
-        np.testing.assert_array_equal(r.points[inside], vt.lloyd(points[inside], 5, box=UNIT_BOX).points)
+        np.testing.assert_array_equal(r.points[inside], vt.lloyd(points[inside], steps=5, box=UNIT_BOX).points)
         for outside in ("keep", "drop"):
-            r = vt.lloyd(points, 2, box=UNIT_BOX, outside=outside, volumes=np.ones(SEEDS), normalize=True)
+            r = vt.lloyd(points, steps=2, box=UNIT_BOX, outside=outside, volumes=np.ones(SEEDS), normalize=True)
             kept = inside if outside == "drop" else np.ones(SEEDS, bool)
             np.testing.assert_allclose(r.tessellation.volumes[kept], 1 / kept.sum(), rtol=1e-8)
         with self.assertRaisesRegex(ValueError, "the density is read between seeds and faces"):
-            vt.lloyd(points, 1, lambda x: x[:, 0], box=UNIT_BOX, outside="keep")
+            vt.lloyd(points, steps=1, density=lambda x: x[:, 0], box=UNIT_BOX, outside="keep")
 
     def test_fixed(self):
         points = uniform(SEEDS)
         mask = np.arange(SEEDS) % 3 == 0
         for fixed in (mask, np.flatnonzero(mask), np.flatnonzero(mask).tolist()):
-            r = vt.lloyd(points, 10, box=UNIT_BOX, fixed=fixed)
+            r = vt.lloyd(points, steps=10, box=UNIT_BOX, fixed=fixed)
             np.testing.assert_array_equal(r.points[mask], points[mask])
             self.assertTrue((r.points[~mask] != points[~mask]).any(axis=1).all())
             self.assertLess(np.diff(r.energies).max(), 0)
-        r = vt.lloyd(points, 10, box=UNIT_BOX, fixed=np.ones(SEEDS, bool))
+        r = vt.lloyd(points, steps=10, box=UNIT_BOX, fixed=np.ones(SEEDS, bool))
         self.assertEqual((r.moved.tolist(), len(r.energies)), ([0.0], 2))
 
     def test_tolerance(self):
-        r = vt.lloyd(uniform(SEEDS), 500, box=UNIT_BOX, tolerance=0.02)
+        r = vt.lloyd(uniform(SEEDS), steps=500, box=UNIT_BOX, tolerance=0.02)
         self.assertLessEqual(r.moved[-1], 0.02)
         self.assertGreater(r.moved[:-1].min(), 0.02)
         self.assertEqual(len(r.energies), len(r.moved) + 1)
         # The result does not depend on the unit.
-        large = vt.lloyd(1000 * uniform(SEEDS), 500, box=1000 * np.array(UNIT_BOX), tolerance=0.02)
+        large = vt.lloyd(1000 * uniform(SEEDS), steps=500, box=1000 * np.array(UNIT_BOX), tolerance=0.02)
         self.assertEqual(len(large.moved), len(r.moved))
         # A lattice is centroidal.
-        self.assertEqual(len(vt.lloyd(lattice(3), 9, box=(0, 0, 0, 3, 3, 3), tolerance=1e-12).moved), 1)
+        self.assertEqual(len(vt.lloyd(lattice(3), steps=9, box=(0, 0, 0, 3, 3, 3), tolerance=1e-12).moved), 1)
 
     def test_duplicates_part(self):
         points = np.concatenate((uniform(20), uniform(1)))
-        one = vt.lloyd(points, 1, box=UNIT_BOX)
+        one = vt.lloyd(points, steps=1, box=UNIT_BOX)
         np.testing.assert_array_equal(one.points[20], points[20])
         self.assertEqual(vt.CellStatus(one.tessellation.status[20]), vt.CellStatus.CERTIFIED)
-        self.assertLess(np.diff(vt.lloyd(points, 5, box=UNIT_BOX).energies).max(), 0)
+        self.assertLess(np.diff(vt.lloyd(points, steps=5, box=UNIT_BOX).energies).max(), 0)
 
     def test_the_box_of_the_start_stays(self):
         points = uniform(SEEDS)
-        r = vt.lloyd(points, 3)
+        r = vt.lloyd(points, steps=3)
         np.testing.assert_array_equal(r.tessellation.box, vt.tessellate(points).box)
 
     def test_none(self):
-        r = vt.lloyd(np.empty((0, 3)), 3)
+        r = vt.lloyd(np.empty((0, 3)), steps=3)
         self.assertEqual((r.points.shape, r.energies.tolist()), ((0, 3), [0.0, 0.0]))
 
 
@@ -194,13 +194,13 @@ class Meshes(unittest.TestCase):
     def test_cube(self):
         points = uniform(SEEDS)
         for density in (None, lambda x: 1 + x[:, 0]):
-            r, expected = (vt.lloyd(points, 4, density, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX}))
+            r, expected = (vt.lloyd(points, steps=4, density=density, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX}))
             np.testing.assert_allclose(r.points, expected.points, atol=1e-13)
             # The rule is not exact for the energy of this density, and the tetrahedra differ.
             np.testing.assert_allclose(r.energies, expected.energies, rtol=1e-13 if density is None else 1e-4)
         volumes = np.linspace(1, 2, SEEDS)
         r, expected = (
-            vt.lloyd(points, 2, volumes=volumes, normalize=True, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX})
+            vt.lloyd(points, steps=2, volumes=volumes, normalize=True, **domain) for domain in ({"mesh": CUBE}, {"box": UNIT_BOX})
         )
         np.testing.assert_allclose(r.points, expected.points, atol=1e-9)
         self.assertAlmostEqual(vt.transport_cost(r.tessellation), r.energies[-1], places=14)
@@ -212,7 +212,7 @@ class Meshes(unittest.TestCase):
             points = uniform(SEEDS, seed=8) @ edges
             for density in (None, lambda x: 1 + x[:, 0] * x[:, 1]):
                 r, expected = (
-                    vt.lloyd(points, 3, density, **domain, **more) for more in ({"mesh": (CUBE[0] @ edges, CUBE[1])}, {})
+                    vt.lloyd(points, steps=3, density=density, **domain, **more) for more in ({"mesh": (CUBE[0] @ edges, CUBE[1])}, {})
                 )
                 np.testing.assert_allclose(r.energies, expected.energies, rtol=5e-3 if density else 1e-12)
                 np.testing.assert_allclose(r.points, expected.points, atol=1e-2 if density else 1e-12)
@@ -220,7 +220,7 @@ class Meshes(unittest.TestCase):
     def test_two_boxes(self):
         """The mesh is their union. Seeds outside of it have cells too."""
         points = 2 * uniform(SEEDS, seed=7) * (1, 1, 0.5)
-        r = vt.lloyd(points, 1, mesh=ELL)
+        r = vt.lloyd(points, steps=1, mesh=ELL)
         mass, moment, total = 0, 0, 0
         for box in ((0, 0, 0, 2, 1, 1), (0, 1, 0, 1, 2, 1)):
             t = vt.tessellate(points, box=box, outside="keep", want="faces,volumes,centroids")
@@ -230,28 +230,28 @@ class Meshes(unittest.TestCase):
         np.testing.assert_allclose(r.points, centroids, atol=1e-12)
         self.assertAlmostEqual(r.energies[0], total, places=12)
         self.assertLess(r.energies[1], r.energies[0])
-        r = vt.lloyd(points, 5, lambda x: 1 + x[:, 0] ** 2, mesh=ELL)
+        r = vt.lloyd(points, steps=5, density=lambda x: 1 + x[:, 0] ** 2, mesh=ELL)
         self.assertLess(np.diff(r.energies).max(), 0)
 
     def test_blocks(self):
         points = uniform(SEEDS)
-        expected = vt.lloyd(points, 1, mesh=CUBE)
+        expected = vt.lloyd(points, steps=1, mesh=CUBE)
         with mock.patch("pyvotess.fields.moments._TRIANGLES", 7):
-            np.testing.assert_allclose(vt.lloyd(points, 1, mesh=CUBE).energies, expected.energies, rtol=1e-13)
+            np.testing.assert_allclose(vt.lloyd(points, steps=1, mesh=CUBE).energies, expected.energies, rtol=1e-13)
 
 
 class Densities(unittest.TestCase):
     def test_constant(self):
         for points, domain in domains():
-            plain = vt.lloyd(points, 3, **domain)
-            weighted = vt.lloyd(points, 3, lambda x: np.full(len(x), 2.0), **domain)
+            plain = vt.lloyd(points, steps=3, **domain)
+            weighted = vt.lloyd(points, steps=3, density=lambda x: np.full(len(x), 2.0), **domain)
             np.testing.assert_allclose(weighted.points, plain.points, atol=1e-12)
             np.testing.assert_allclose(weighted.energies, 2 * plain.energies, rtol=1e-12)
 
     def test_line(self):
         """Seeds in a row stay in it. With density x the centroid of a cell from a to b is 2/3 (b^3 - a^3) / (b^2 - a^2)."""
         x = np.sort(uniform(7, seed=3)[:, 0])
-        r = vt.lloyd(np.column_stack((x, np.full((7, 2), 0.5))), 60, lambda p: p[:, 0], box=UNIT_BOX)
+        r = vt.lloyd(np.column_stack((x, np.full((7, 2), 0.5))), steps=60, density=lambda p: p[:, 0], box=UNIT_BOX)
         for _ in range(60):
             ends = np.concatenate(([0], (x[1:] + x[:-1]) / 2, [1]))
             x = 2 / 3 * np.diff(ends**3) / np.diff(ends**2)
@@ -271,7 +271,7 @@ class Densities(unittest.TestCase):
 
         for domain in ({}, {"periodic": True}):
             points = uniform(200)
-            r = vt.lloyd(points, 15, bump, box=UNIT_BOX, **domain)
+            r = vt.lloyd(points, steps=15, density=bump, box=UNIT_BOX, **domain)
             self.assertLess(np.diff(r.energies).max(), 0)
             away = [np.linalg.norm(p - 0.5, axis=1) for p in (points, r.points)]
             self.assertGreater(np.mean(away[1] < 0.3), 1.5 * np.mean(away[0] < 0.3))
@@ -284,7 +284,7 @@ class Densities(unittest.TestCase):
                 seen.append(x)
                 return np.ones(len(x))
 
-            r = vt.lloyd(points, 1, density, **domain)
+            r = vt.lloyd(points, steps=1, density=density, **domain)
             x = np.concatenate(seen)
             t = r.tessellation
             origin, edges = (t.box[0], np.diag(t.box[1] - t.box[0])) if t.cell is None else (t.origin, t.cell)
@@ -294,7 +294,7 @@ class Densities(unittest.TestCase):
 
     def test_no_mass(self):
         points = np.array([[0.1, 0.5, 0.5], [0.9, 0.5, 0.5]])
-        r = vt.lloyd(points, 1, lambda x: np.where(x[:, 0] > 0.5, 1.0, 0.0), box=UNIT_BOX)
+        r = vt.lloyd(points, steps=1, density=lambda x: np.where(x[:, 0] > 0.5, 1.0, 0.0), box=UNIT_BOX)
         np.testing.assert_allclose(r.points, [[0.1, 0.5, 0.5], [0.75, 0.5, 0.5]], atol=1e-14)
 
     def test_refused(self):
@@ -306,11 +306,11 @@ class Densities(unittest.TestCase):
             (lambda x: np.full(len(x), np.inf), "density is inf"),
         ):
             with self.assertRaisesRegex(ValueError, says):
-                vt.lloyd(uniform(5), 1, density, box=UNIT_BOX)
+                vt.lloyd(uniform(5), steps=1, density=density, box=UNIT_BOX)
         with self.assertRaisesRegex(TypeError, "function of points, not list"):
-            vt.lloyd(uniform(5), 1, [1, 2], box=UNIT_BOX)
+            vt.lloyd(uniform(5), steps=1, density=[1, 2], box=UNIT_BOX)
         with self.assertRaisesRegex(ZeroDivisionError, "mine"):
-            vt.lloyd(uniform(5), 1, mock.Mock(side_effect=ZeroDivisionError("mine")), box=UNIT_BOX)
+            vt.lloyd(uniform(5), steps=1, density=mock.Mock(side_effect=ZeroDivisionError("mine")), box=UNIT_BOX)
 
 
 class Calls(unittest.TestCase):
@@ -334,16 +334,16 @@ class Calls(unittest.TestCase):
 
     def test_progress(self):
         shares = []
-        vt.lloyd(uniform(50), 4, box=UNIT_BOX, progress=shares.append)
+        vt.lloyd(uniform(50), steps=4, box=UNIT_BOX, progress=shares.append)
         self.assertEqual((shares[0], shares[-1]), (0.0, 1.0))
         self.assertEqual(shares, sorted(shares))
         self.assertGreaterEqual(len(shares), 5)
         with self.assertRaises(vt.VotessError) as caught:
-            vt.lloyd(uniform(50), 4, box=UNIT_BOX, progress=lambda share: share < 0.5)
+            vt.lloyd(uniform(50), steps=4, box=UNIT_BOX, progress=lambda share: share < 0.5)
         self.assertEqual(caught.exception.code, vt.ErrorCode.CANCELLED)
 
     def test_result(self):
-        r = vt.lloyd(uniform(50).astype(np.float32), 2, box=UNIT_BOX, threads=1, device="cpu")
+        r = vt.lloyd(uniform(50).astype(np.float32), steps=2, box=UNIT_BOX, threads=1, device="cpu")
         self.assertEqual(r.points.dtype, np.float64)
         self.assertIn("50 seeds, 2 steps", repr(r))
         np.testing.assert_allclose(r.tessellation.volumes.sum(), 1)
