@@ -280,8 +280,9 @@ cells, with axes)",
          R"(draw a plane section instead, with axes; also y=VALUE, z=VALUE)",
          {.needs = Needs::all_cells, .with = "--image", .solid = true}},
         {"--color COLUMN",
-         R"(volume (default), neighbors, area, x, y, z, index or a column of --copy or
---density; on a logarithmic scale where values differ widely)",
+         R"(volume (default), neighbors, area, x, y, z, index, the array volumes or
+surface_areas, or a column of --copy or --density; on a logarithmic scale
+where values differ widely)",
          {.needs = Needs::cells}},
         {"--colormap tide|ember|gray", R"(colors of the picture and of .glb; default tide)", {.needs = Needs::cells}},
         {"--cut corner|half|cells|none",

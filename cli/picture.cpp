@@ -1,8 +1,11 @@
 #include "picture.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "failure.hpp"
 #include "files/formats/png.hpp"
@@ -66,6 +69,12 @@ void check_file(const std::string& file, const std::string& input, const std::ve
 Coloring read_coloring(const Typed& typed) {
     Coloring coloring;
     if (const std::string* column = typed.value("--color")) coloring.column = *column;
+    // The names of arrays, unless a column of the input has one.
+    const std::string* const copy = typed.value("--copy");
+    const auto copied = copy ? split(*copy, ',') : std::vector<std::string_view>();
+    for (const auto& [array, column] : {std::pair{"volumes", "volume"}, {"surface_areas", "area"}})
+        if (coloring.column == array && std::ranges::count(copied, std::string_view(array)) == 0)
+            coloring.column = column;
     typed.read_word("--colormap", coloring.colormap);
     return coloring;
 }

@@ -105,7 +105,7 @@ Input random_points_in(const votess::TriangleMesh& mesh, std::uint64_t count, st
         misses = input.size() == 0 ? misses + tries : 0;
         if (misses > most_misses)
             throw bad_input(
-                "--random finds no point inside of the mesh, which fills too little of its bounds: give points");
+                "no random point lies inside of the mesh, which fills too little of its bounds: give points");
     }
     return input;
 }

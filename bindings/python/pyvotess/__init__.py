@@ -14,6 +14,7 @@ from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._domain import Domain
 from ._library import VERSION as __version__
+from ._write_frames import write_frames
 from .alpha import AlphaComplex
 from .atoms import from_ase
 from .diagram import Diagram, Probes
@@ -78,6 +79,7 @@ __all__ = [
     "tessellate_stream",
     "transport_cost",
     "walls",
+    "write_frames",
 ]
 
 

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, Union
 
@@ -52,6 +52,10 @@ class Frame:
 
     def __repr__(self) -> str:
         return f"<pyvotess.Frame {self.number}: {len(self)} points, {'no domain' if self.domain is None else self.domain._text()}>"
+
+    def with_columns(self, **columns: npt.ArrayLike) -> Frame:
+        """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells."""
+        return replace(self, columns={**self.columns, **{name: np.asarray(values) for name, values in columns.items()}})
 
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
         """Returns the cells in the domain of the file.

@@ -100,11 +100,70 @@ class Files(Folder):
         self.assertEqual((last.number, list(last.columns)), (5, ["force", "q"]))
         np.testing.assert_array_equal(last.columns["force"], np.column_stack((np.ones(120), np.full(120, 2), np.arange(120))))
         self.assertEqual(next(vt.read_frames(path, columns=())).columns, {})
-        self.assertEqual(repr(last), "<pyvotess.Frame 5: 120 points, cell, origin, periodic>")
+        self.assertEqual(repr(last), "<pyvotess.Frame 5: 120 points, cell (9, 0, 0), (2, 8, 0), (-1.5, 1, 7) at (-31, 17.5, 4.25), periodic ab>")
         frames = vt.read_frames(path)
         next(frames)
         del frames  # ends the program that reads
         gc.collect()
+
+    def test_write_frames(self):
+        """What is written is read again: boxes and cells of any shape, types and elements, ids, columns of each kind, the plane."""
+        rng = np.random.default_rng(4)
+        turned = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        domains = [vt.Domain.box((-1, 0.1, 2, 3, 4, 5.7), periodic="xz"), vt.Domain.box((0.1, 0.2, 0.3, 1, 2, 3)),
+                   vt.Domain.cell(EDGES, origin=CORNER, periodic=PBC), vt.Domain.cell(EDGES @ turned), vt.Domain.box((0, 0, 1, 1), periodic="x"),
+                   vt.Domain.cell(((2, 0), (0.5, 1)))]
+        for name in ("a.xyz", "a.extxyz", "a.dump", "a.lammpstrj"):
+            frames = []
+            for number in range(24):
+                domain = domains[number % 6]
+                count = int(rng.integers(0, 9))
+                frames.append(vt.Frame(
+                    number, rng.normal(size=(count, domain.dimensions)) * 10.0 ** rng.integers(-9, 9), domain, float(rng.integers(0, 99)),
+                    rng.permutation(count) + 5 if number % 4 != 1 else None,
+                    [None, ["Cu", "Zr"] * 9, ["1", "2"] * 9][number % 3] and [["Cu", "Zr"] * 9, ["1", "2"] * 9][number % 3 - 1][:count],
+                ).with_columns(m=rng.normal(size=count), k=rng.integers(-9, 9, count), v=rng.normal(size=(count, 3)), name=["a", "b"] * 4 if count == 8 else ["c"] * count))
+            vt.write_frames(self.folder / name, iter(frames))
+            numbers = ["m", "k", *(["v_1", "v_2", "v_3"] if "dump" in name or "lammps" in name else ["v"])]
+            read = list(vt.read_frames(self.folder / name, columns=[*numbers, "name"]))
+            self.assertEqual(len(read), 24)
+            for frame, found in zip(frames, read):
+                flat = frame.points.shape[1] == 2
+                np.testing.assert_array_equal(found.points[:, :frame.points.shape[1]], frame.points)
+                self.assertFalse(flat and found.points[:, 2].any())
+                self.assertEqual(found.timestep, frame.timestep)
+                np.testing.assert_array_equal(found.domain.periodic[:2], frame.domain.periodic[:2])
+                self.assertEqual(found.domain.periodic[2], not flat and frame.domain.periodic[2])
+                ends = [d.limits if d.limits is not None else np.concatenate([d.vectors, [np.zeros(d.dimensions) if d.origin is None else d.origin]])
+                        for d in (frame.domain, found.domain)]
+                size = ends[0].shape[1]
+                if len(ends[0]) == len(ends[1]):
+                    np.testing.assert_array_equal(ends[1][[0, 1] if size == 2 else slice(None)][:, :size], ends[0][:2 if size == 2 else None])
+                if frame.ids is not None:
+                    np.testing.assert_array_equal(found.ids, frame.ids)
+                if frame.species is not None:
+                    self.assertEqual(list(found.species or []), list(frame.species))
+                if len(frame) == 0:
+                    continue
+                np.testing.assert_array_equal(np.column_stack([found.columns[k] for k in numbers]),
+                                              np.column_stack([frame.columns[k] for k in ("m", "k", "v")]))
+                self.assertEqual(found.columns["name"].tolist(), list(frame.columns["name"]))
+        box = vt.Domain.box((0, 0, 0, 1, 1, 1))
+        for frame, says in (
+            (vt.Frame(3, np.ones((2, 3))), "frame 3: .* a box or a cell"), (vt.Frame(0, np.ones((2, 3)), vt.Domain.space()), "box or a cell"),
+            (vt.Frame(0, np.ones((2, 3)), vt.Domain.box((0, 0, 0, 1, 1, np.inf))), "infinity"),
+            (vt.Frame(0, np.ones((2, 3)), vt.Domain(box=(0, 0, 0, 1, 1, 1), walls=[(1, 1, 1, 2)])), "cut by 1 wall"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"a b": np.ones(2)}), "'a b' is not a name"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.ones(3)}), "'a' has shape"),
+            (vt.Frame(0, np.ones((2, 3)), box, columns={"a": np.array(["x", "y z"])}), "'a' holds texts"),
+        ):
+            with self.assertRaisesRegex(ValueError, says):
+                vt.write_frames(self.folder / "b.xyz", [vt.Frame(0, np.ones((1, 3)), box), frame])
+        with self.assertRaisesRegex(ValueError, "path is 'b.h5'"):
+            vt.write_frames("b.h5", [])
+        with self.assertRaisesRegex(TypeError, "frames holds something 1: give Frame"):
+            vt.write_frames(self.folder / "b.xyz", [1])
+        self.assertFalse((self.folder / "b.xyz").exists())
 
     def test_files_without_frames(self):
         points = positions(1)
@@ -237,12 +296,13 @@ class Files(Folder):
         names += ["f.h5", "g.h5", "h.h5", "i.h5"]
 
         def same(one, other):
-            self.assertEqual((one.number, one.timestep, one.units, sorted(one.domain), sorted(one.columns)),
-                             (other.number, other.timestep, other.units, sorted(other.domain), sorted(other.columns)))
+            parts = [{} if frame.domain is None else frame.domain._values for frame in (one, other)]
+            self.assertEqual((one.number, one.timestep, one.units, sorted(parts[0]), sorted(one.columns)),
+                             (other.number, other.timestep, other.units, sorted(parts[1]), sorted(other.columns)))
             np.testing.assert_array_equal(one.points, other.points)
             np.testing.assert_array_equal(one.ids, other.ids)
-            for key in one.domain:
-                np.testing.assert_allclose(one.domain[key], other.domain[key], rtol=1e-15, atol=1e-15)
+            for key in parts[0]:
+                np.testing.assert_allclose(parts[0][key], parts[1][key], rtol=1e-15, atol=1e-15)
             for key in one.columns:
                 np.testing.assert_array_equal(one.columns[key], other.columns[key])
 

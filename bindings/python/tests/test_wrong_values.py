@@ -56,7 +56,7 @@ RIGHT = {
     **dict.fromkeys(("domain", "within", "mesh", "mesh_repair", "repair", "box", "cell", "origin", "outside", "weights", "radii", "beside", "temporary", "ids"), {"None"}),
     "mesh_tolerance": {"None", "0"}, "want": {"[]", "()", "{}"}, "walls": {"None", "[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
     "periodic": {"None", "True", "0", "1", "no text", "x"}, "project": {"None", "0", "1"}, "axis": {"None", "0", "1"},
-    "limits": {"None", "[1, 2]"}, "view": {"[1, 2]"}, "file": {"None"},
+    "frames": {"[]", "()", "{}", "no text"}, "limits": {"None", "[1, 2]"}, "view": {"[1, 2]"}, "file": {"None"},
     "instructions": {"no text", "text", "x"}, "device": {"no text", "text", "x"}, "atoms": {"[]", "()"}, "pieces": {"[]", "()"},
     "sample": {"None", "2**32 + 1", *_COUNT}, "rng_seed": {"2**32 + 1", *_COUNT}, "memory": {"2**32 + 1"}, "seeds": {"2**32 + 1", *_FLAG},
     "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "slice": {"None"}, "ax": {"None"},
@@ -78,6 +78,7 @@ NEEDS = {
 }  # fmt: skip
 #: Public functions that are not called here, and why.
 LEFT_OUT = {
+    "Frame.with_columns": "write_frames() checks them",
     "Frame.tessellate": "its arguments are those of tessellate()",
     "StreamRows.neighbors": "an index, as of a list",
     "devices": "no parameters",
@@ -148,6 +149,7 @@ def calls():
         "lloyd of volumes": (vt.lloyd, {**domain, "steps": 0, "volumes": EACH, "normalize": True, "device": "cpu"}),
         "transport_cost": (vt.transport_cost, {"tessellation": t}),
         "from_ase": (vt.from_ase, {"atoms": []}),
+        "write_frames": (vt.write_frames, {"path": "t.xyz", "frames": []}),
         "autodiff.forward": (autodiff.forward, {"points": POINTS, "box": UNIT_BOX, "device": "cpu"}),
         "autodiff.vjp": (autodiff.vjp, {"t": t, "volumes": EACH}),
         "walls.sphere": (walls.sphere, {"center": (0, 0, 0), "radius": 1}),
@@ -231,7 +233,7 @@ class WrongValues(unittest.TestCase):
                     wrong.append(f"{call}: another answer after the wrong calls")
         self.assertFalse(wrong, f"{len(wrong)} wrong answers:\n" + "\n".join(wrong[:100]))
         self.assertEqual({label: repr(VALUES[label]) for label in before}, before, "arguments changed")
-        self.assertLessEqual(set(os.listdir()), {"t.npz", "t.glb", "p.obj"})
+        self.assertLessEqual(set(os.listdir()), {"t.npz", "t.glb", "t.xyz", "p.obj"})
 
 
 class Words(unittest.TestCase):

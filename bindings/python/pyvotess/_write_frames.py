@@ -1,0 +1,152 @@
+"""Frames into extended XYZ and LAMMPS dumps, as clvotess writes them."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Callable, Dict, Iterable, List, Tuple, Union
+
+import numpy as np
+
+from ._arguments import as_path, shown
+from .export.whole_file import whole_file
+from .frames import Frame
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Column = Tuple[str, npt.NDArray[Any]]
+
+
+def _texts(values: npt.NDArray[Any]) -> List[str]:
+    """Returns a text for each row: numbers with the fewest digits that read back the same."""
+    if values.dtype.kind == "U":
+        return list(map(str, values.tolist()))
+    numbers = values.astype(np.int64 if values.dtype.kind in "iub" else np.float64)
+    return [" ".join(map(repr, row)) for row in numbers.reshape(len(numbers), int(np.prod(numbers.shape[1:]))).tolist()]
+
+
+def _named(frame: Frame) -> Dict[str, npt.NDArray[Any]]:
+    """Returns the columns of a frame. Raises ValueError for those that a line cannot hold."""
+    columns = {}
+    for name, given in frame.columns.items():
+        values = np.asarray(given)
+        if values.ndim not in (1, 2) or len(values) != len(frame) or values.dtype.kind not in "iubfU":
+            raise ValueError(f"frame {frame.number}: column {name!r} has shape {values.shape}: give {len(frame)} rows of numbers or words")
+        if values.dtype.kind == "U" and (values.ndim == 2 or not all(word.split() == [word] for word in values.tolist())):
+            raise ValueError(f"frame {frame.number}: column {name!r} holds texts that are not one word")
+        if name.split() != [name] or set(name) & set('":='):
+            raise ValueError(f"frame {frame.number}: {name!r} is not a name for a column: leave blanks, quotes, colons and = out")
+        columns[name] = values
+    return columns
+
+
+def _edges(frame: Frame) -> Tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], List[bool]]:
+    """Returns three edges, their corner, and whether the domain repeats. One of the plane gets the height 1 around z = 0.
+
+    Raises ValueError for a domain that the formats cannot state.
+    """
+    domain = frame.domain
+    if domain is None or domain.surface is not None or len(domain.walls) > 0 or (domain.limits is None and domain.vectors is None):
+        raise ValueError(f"frame {frame.number}: the file states a box or a cell, and its domain is {domain}: give one in Frame.domain")
+    limits, size = domain.limits, frame.points.shape[1]
+    corner, edges = np.full(3, -0.5), np.eye(3)
+    if limits is not None:
+        if not np.isfinite(limits).all():
+            raise ValueError(f"frame {frame.number}: its box reaches infinity: give bounds")
+        corner[:size], edges[:size, :size] = limits[0], np.diag(limits[1] - limits[0])
+    else:
+        corner[:size] = 0 if domain.origin is None else domain.origin
+        edges[:size, :size] = domain.vectors
+    return edges, corner, [*domain.periodic, False][:3]
+
+
+def _rows(columns: List[Column]) -> str:
+    texts = [_texts(values) for _, values in columns]
+    return "".join(" ".join(row) + "\n" for row in zip(*texts))
+
+
+def _places(frame: Frame) -> npt.NDArray[np.float64]:
+    places = np.zeros((len(frame), 3))
+    places[:, : frame.points.shape[1]] = frame.points
+    return places
+
+
+def _species(frame: Frame, otherwise: str) -> Tuple[bool, npt.NDArray[Any]]:
+    """Returns whether the species are types, and a column of types or elements."""
+    words = np.asarray([otherwise] * len(frame) if frame.species is None else frame.species, dtype=str)
+    whole = frame.species is not None and all(word.lstrip("+-").isdigit() for word in words.tolist())
+    return whole, words
+
+
+def _xyz(frame: Frame) -> str:
+    edges, corner, periodic = _edges(frame)
+    whole, species = _species(frame, "X")
+    columns: List[Column] = [("type" if whole else "species", species.astype(np.int64) if whole else species), ("pos", _places(frame))]
+    if frame.ids is not None:
+        columns.append(("id", np.asarray(frame.ids)))
+    columns += _named(frame).items()
+    kinds = {"i": "I", "u": "I", "b": "I", "f": "R", "U": "S"}
+    names = [f"{name}:{kinds[values.dtype.kind]}:{1 if values.ndim == 1 else values.shape[1]}" for name, values in columns]
+    step = "" if frame.timestep is None else f" Timestep={frame.timestep:.17g}"
+    return (
+        f'{len(frame)}\nLattice="{_texts(edges.reshape(1, 9))[0]}" Origin="{_texts(corner.reshape(1, 3))[0]}" '
+        f'pbc="{" ".join("FT"[axis] for axis in periodic)}" frame={frame.number}{step} Properties={":".join(names)}\n' + _rows(columns)
+    )
+
+
+def _dump(frame: Frame) -> str:
+    edges, corner, periodic = _edges(frame)
+    if (edges == np.diag(np.diag(edges))).all() and (np.diag(edges) > 0).all():
+        head, box = "", np.stack([corner, corner + np.diag(edges)], axis=1)
+        if frame.domain is not None and frame.domain.limits is not None:  # without rounding
+            box[: frame.points.shape[1]] = frame.domain.limits.T
+    else:
+        head, box = " abc origin", np.column_stack([edges, corner])
+    flags = "".join(" pp" if axis else " ff" for axis in periodic)
+    bounds = "".join(line + "\n" for line in _texts(box))
+    whole, species = _species(frame, "1")
+    ids = np.arange(1, len(frame) + 1) if frame.ids is None else np.asarray(frame.ids)
+    columns: List[Column] = [("id", ids), ("type" if whole or frame.species is None else "element", species), ("x y z", _places(frame))]
+    for name, values in _named(frame).items():
+        parts = [name] if values.ndim == 1 else [f"{name}_{k + 1}" for k in range(values.shape[1])]
+        columns.append((" ".join(parts), values))
+    step = frame.number if frame.timestep is None else frame.timestep
+    if step != int(step):
+        raise ValueError(f"frame {frame.number}: its timestep is {step!r}, and a dump holds whole numbers: change it")
+    return (
+        f"ITEM: TIMESTEP\n{int(step)}\nITEM: NUMBER OF ATOMS\n{len(frame)}\nITEM: BOX BOUNDS{head}{flags}\n{bounds}"
+        f"ITEM: ATOMS {' '.join(name for name, _ in columns)}\n" + _rows(columns)
+    )
+
+
+_FORMATS: Dict[str, Callable[[Frame], str]] = {".xyz": _xyz, ".extxyz": _xyz, ".dump": _dump, ".lammpstrj": _dump}
+
+
+def write_frames(path: Union[str, os.PathLike[str]], frames: Iterable[Frame]) -> None:
+    """Writes frames to a file that OVITO, ASE and :func:`read_frames` read, one after the other, whole or not at all.
+
+    >>> with vt.Tessellator() as tessellator:
+    ...     cells = (frame.with_columns(volume=frame.tessellate(tessellator).volumes) for frame in vt.read_frames("run.dump"))
+    ...     vt.write_frames("volumes.dump", cells)
+
+    Parameters
+    ----------
+    path : ``.xyz`` or ``.extxyz`` (extended XYZ), ``.dump`` or ``.lammpstrj`` (LAMMPS).
+    frames : may be made one after the other; memory holds one. Their columns are written by name.
+
+    Points of two coordinates get z = 0, and their domain the height 1. Raises ValueError for frames without a box or cell,
+    with walls, and for columns or words that a line cannot hold; OSError when the file cannot be written.
+    """
+    file = as_path(path, "path")
+    make = _FORMATS.get(os.path.splitext(file)[1].lower())
+    if make is None:
+        raise ValueError(f"path is {file!r}: known are {' '.join(_FORMATS)}")
+    try:
+        given = iter(frames)
+    except TypeError:
+        raise TypeError(f"frames is {shown(frames)}: give Frame objects, one after the other") from None
+    with whole_file(file) as name, open(name, "w", encoding="utf-8", newline="\n") as out:
+        for frame in given:
+            if not isinstance(frame, Frame):
+                raise TypeError(f"frames holds something {shown(frame)}: give Frame objects, as read_frames() does")
+            out.write(make(frame))
