@@ -1,9 +1,36 @@
-"""python -m pyvotess: prints where the parts of an installed package are, for builds of other programs."""
+"""python -m pyvotess: prints where the parts of an installed package are, for builds of other programs; or a report."""
 
 import argparse
+import platform
+import sys
+from importlib import metadata
 from pathlib import Path
+from typing import Iterator, Tuple
 
 from . import _library
+from .frames import _program
+from .tessellator import devices
+
+_PACKAGES = ("numpy", "scipy", "h5py", "matplotlib", "pandas", "pyvista", "ase", "jax", "torch", "mpi4py")
+
+
+def _report() -> Iterator[Tuple[str, str]]:
+    """Yields what a report of a fault needs: versions, places, devices."""
+    yield "pyvotess", _library.VERSION
+    yield "library", str(Path(_library.path).resolve() if Path(_library.path).exists() else _library.path)
+    try:
+        yield "clvotess", _program()
+    except ImportError:
+        yield "clvotess", "none: read_frames() needs it"
+    yield "python", f"{platform.python_version()} ({platform.python_implementation()}), {sys.executable}"
+    yield "system", f"{platform.system()} {platform.release()}, {platform.machine()}"
+    for device in devices():
+        yield f"device {device.id}", f"{device.name}: {device.description}"
+    for package in _PACKAGES:
+        try:
+            yield package, metadata.version(package)
+        except metadata.PackageNotFoundError:
+            yield package, "none"
 
 
 def main() -> None:
@@ -14,11 +41,15 @@ def main() -> None:
         ("include-dir", "folder of the C and C++ headers"),
         ("library", "file of the loaded libvotess"),
         ("version", "the version"),
+        ("info", "versions, places and devices, for a report of a fault"),
     ):
         group.add_argument(f"--{part}", action="store_const", const=part, dest="part", help=text)
     part = parser.parse_args().part
     if part == "version":
         print(_library.VERSION)
+    elif part == "info":
+        for name, value in _report():
+            print(f"{name:<12}{value}")
     elif part == "library":
         print(_library.path)
     else:

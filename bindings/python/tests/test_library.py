@@ -142,6 +142,15 @@ class Loading(unittest.TestCase):
         ):
             self.assertEqual(set(words), set(typing.get_args(literal)))
 
+    def test_report(self):
+        """python -m pyvotess --info names what a report of a fault needs."""
+        env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(PACKAGE_PARENT), os.environ.get("PYTHONPATH", "")])}
+        done = subprocess.run([sys.executable, "-m", "pyvotess", "--info"], env=env, capture_output=True, text=True, check=True)
+        report = dict((line[:12].strip(), line[12:]) for line in done.stdout.splitlines())
+        self.assertEqual((report["pyvotess"], report["numpy"]), (vt.__version__, np.__version__))
+        self.assertEqual({name[7:] for name in report if name.startswith("device ")}, {device.id for device in vt.devices()})
+        self.assertIn(sys.executable, report["python"])
+
     def test_names_of_the_package(self):
         self.assertEqual(dir(vt), sorted(vt.__all__))
         self.assertEqual([name for name in dir(vt) if not hasattr(vt, name)], [])
