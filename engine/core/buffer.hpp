@@ -44,7 +44,7 @@ public:
             size_ = capacity_ = 0;
             const std::size_t room = count + count / 8;  // untouched memory costs nothing
             if (room > std::size_t{PTRDIFF_MAX} / sizeof(T)) throw std::bad_array_new_length();
-            memory_.reset(allocate(room * sizeof(T), pages_));
+            memory_ = allocate(room * sizeof(T), pages_);
             capacity_ = room;
         }
         size_ = count;
@@ -65,14 +65,18 @@ public:
         pieces == 1 ? touch_piece(0, 0) : pool.run(pieces, std::cref(touch_piece));  // by reference: no allocation
     }
 
-    static constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
-
     // Returns the memory of a large buffer to the system but keeps its addresses. The contents are lost.
-    void release_pages(std::size_t least = min_released) {
+    void release_pages(std::size_t least = system::min_released) {
         auto* memory = reinterpret_cast<std::byte*>(memory_.get());
         const std::size_t bytes = capacity_ * sizeof(T), before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
         if (bytes >= least && bytes >= before + huge_page)
             system::release_pages(memory + before, (bytes - before) / huge_page * huge_page);
+    }
+
+    // Returns the memory of the elements, and the rest of their last huge page.
+    [[nodiscard]] std::span<std::byte> memory() {
+        return {reinterpret_cast<std::byte*>(data()),
+                std::min(capacity_ * sizeof(T), round_up(size_ * sizeof(T), huge_page))};
     }
 
     operator std::span<T>() { return {data(), size_}; }
@@ -90,21 +94,24 @@ public:
     [[nodiscard]] const T& operator[](std::size_t i) const { return memory_.get()[i]; }
 
 private:
-    static constexpr std::size_t alignment = 64;
-    static constexpr std::size_t huge_page = std::size_t{2} << 20;
-
-    static T* allocate(std::size_t bytes, Pages pages) {
-        auto* memory = static_cast<std::byte*>(::operator new (bytes, std::align_val_t{alignment}));
-        const std::size_t before = -reinterpret_cast<std::uintptr_t>(memory) % huge_page;
-        if (pages == Pages::huge && bytes >= before + huge_page)
-            system::prefer_huge_pages(memory + before, (bytes - before) / huge_page * huge_page);
-        return reinterpret_cast<T*>(memory);
-    }
+    static constexpr std::size_t huge_page = system::huge_page;
 
     struct Free {
-        void operator()(T* memory) const { ::operator delete (memory, std::align_val_t{alignment}); }
+        std::align_val_t alignment{64};
+        void operator()(T* memory) const { ::operator delete(memory, alignment); }
     };
-    std::unique_ptr<T[], Free> memory_;
+    using Memory = std::unique_ptr<T[], Free>;
+
+    static Memory allocate(std::size_t bytes, Pages pages) {
+        Free free;
+        const bool huge = pages == Pages::huge && bytes >= huge_page;
+        if (huge) free.alignment = std::align_val_t{huge_page};
+        void* const memory = ::operator new(bytes, free.alignment);
+        if (huge) system::prefer_huge_pages(memory, bytes / huge_page * huge_page);
+        return Memory(static_cast<T*>(memory), free);
+    }
+
+    Memory memory_;
     std::size_t size_ = 0, capacity_ = 0;
     Pages pages_ = Pages::normal;
 };

@@ -39,6 +39,7 @@
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <new>
 #include <thread>
 
 #include "core/processors.hpp"
@@ -312,6 +313,9 @@ void give_back_memory() {}
 void touch_pages(void*, std::size_t) {}
 void release_pages(void*, std::size_t) {}
 void prefer_huge_pages(void*, std::size_t) {}
+bool move_pages(void*, void*, std::size_t) {
+    return false;
+}
 
 #else
 
@@ -582,6 +586,17 @@ void prefer_huge_pages(void* begin, std::size_t bytes) {
     ::madvise(begin, bytes, MADV_HUGEPAGE);
 }
 
+// Kernels before 5.7, and some sandboxes, refuse the flag. After any other failure `to` may have lost its mapping.
+bool move_pages([[maybe_unused]] void* from, [[maybe_unused]] void* to, [[maybe_unused]] std::size_t bytes) {
+#ifdef MREMAP_DONTUNMAP
+    if (::mremap(from, bytes, bytes, MREMAP_MAYMOVE | MREMAP_FIXED | MREMAP_DONTUNMAP, to) == to) return true;
+    const bool is_mapped = ::madvise(to, bytes, MADV_NORMAL) == 0;
+    if (!is_mapped && ::mmap(to, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) != to)
+        throw std::bad_alloc();
+#endif
+    return false;
+}
+
 #else
 
 unsigned processors() {
@@ -591,6 +606,9 @@ unsigned processors() {
 void touch_pages(void*, std::size_t) {}
 void release_pages(void*, std::size_t) {}
 void prefer_huge_pages(void*, std::size_t) {}
+bool move_pages(void*, void*, std::size_t) {
+    return false;
+}
 
 #endif
 #endif

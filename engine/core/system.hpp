@@ -128,11 +128,17 @@ inline constexpr int closed_pipe = 13;
 // Returns freed memory to the system. Otherwise memory of one size is kept while another size is allocated.
 void give_back_memory();
 
+inline constexpr std::size_t huge_page = std::size_t{2} << 20;
+inline constexpr std::size_t min_released = std::size_t{64} << 20;  // less is not worth the page faults
+
 // Hints for pages, ignored by some systems. Makes pages present, which clears new ones.
 void touch_pages(void* begin, std::size_t bytes);
 // Returns pages to the system and keeps the addresses. The contents are lost.
 void release_pages(void* begin, std::size_t bytes);
 void prefer_huge_pages(void* begin, std::size_t bytes);
+// Moves whole huge pages to the addresses `to`, whose own pages are lost. The addresses `from` get new pages when they
+// are used. Returns false if the system does not move them; then all contents are undefined.
+[[nodiscard]] bool move_pages(void* from, void* to, std::size_t bytes);
 
 // The process that made an object. A child made by fork() has its memory but not its threads and devices, and may
 // neither use nor end them.

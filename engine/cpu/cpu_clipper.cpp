@@ -54,14 +54,13 @@ void CpuClipper::end() {
     job_ = {};
 }
 
-void CpuClipper::release_pages() {
+void CpuClipper::lend_seeds(ResultBuilder& out) {
     sorted_ = searchable_ = false;
-    for (auto* axis : {&seeds_.x, &seeds_.y, &seeds_.z}) axis->release_pages();
-    hierarchy_.release_pages();
+    for (auto* axis : {&seeds_.x, &seeds_.y, &seeds_.z}) out.lend(axis->memory());
+    hierarchy_.for_memory([&](std::span<std::byte> memory) { out.lend(memory); });
 }
 
 void CpuClipper::sort() {
-    if (sorted_) return;
     seeds_.images = nullptr;
     if (job_.domain->is_periodic())
         images_.sort(job_, sorter_, *pool_, seeds_);
@@ -135,7 +134,7 @@ void CpuClipper::gather_beyond() {
 }
 
 void CpuClipper::set_empty(ResultBuilder& out) {
-    if (job_.domain->has_weights()) sort();
+    if (job_.domain->has_weights()) ensure_sorted();
     std::size_t empty = 0;
     const auto set = [&](std::size_t i, CellStatus status) {
         if (job_.only) i = static_cast<std::size_t>(job_.only->row_of(static_cast<std::int32_t>(i)));
@@ -155,13 +154,19 @@ void CpuClipper::build_search() {
     searchable_ = true;
 }
 
-void CpuClipper::prepare() {
+void CpuClipper::ensure_sorted() {
+    if (sorted_) return;
     sort();
+    sorter_.release_scratch();
+}
+
+void CpuClipper::prepare() {
+    ensure_sorted();
     build_search();
 }
 
 std::span<const std::int32_t> CpuClipper::duplicate_of() {
-    sort();
+    ensure_sorted();
     return seeds_.duplicate_of;
 }
 
@@ -296,6 +301,8 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         worker.budget.begin(end - begin);
         for (std::size_t k = begin; k < end; ++k) {
             if (k % cells_per_check == 0) check_stop();
+            if (const std::size_t rows = worker.writer.rows(); rows == CellWriter::few_rows)
+                worker.writer.end_rows(cells.subspan(k - rows, rows));
             const std::size_t seed = seed_at(k);
             if (seed >= stretch_end) {
                 const std::size_t first = seed / Star::alignment * Star::alignment;
@@ -363,7 +370,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
 // Makes the polytopes of cells whose neighbors another engine has certified, for measures that it lacks.
 void CpuClipper::clip_listed(const NeighborLists& lists, ResultBuilder& out, const Share& share) {
     if (lists.cells.empty()) return;
-    sort();
+    ensure_sorted();
     find_positions();
     begin_workers(out);
     const std::size_t count = lists.cells.size(), blocks = ceil_div(count, listed_block);

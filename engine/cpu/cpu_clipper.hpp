@@ -52,8 +52,10 @@ public:
     // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
     // points are only neighbors. powers: by cell, Star::power_found(), or the power of all vertices of a clipped cell.
     void clip_first(std::size_t count, std::span<double> powers, ResultBuilder& out, const Share& share);
-    // Returns large memory to the system for the rows. Call when no more cells are needed.
-    void release_pages();
+    // Lends the sorter's scratch to the rows, from sort() to the end of the job.
+    void lend_scratch(ResultBuilder& out) { out.lend(sorter_.scratch()); }
+    // Lends the seeds. Call when no more cells are needed.
+    void lend_seeds(ResultBuilder& out);
 
 private:
     struct Worker {  // scratch of one thread
@@ -70,6 +72,8 @@ private:
         CellFaces faces;
     };
 
+    // For jobs that are not full runs.
+    void ensure_sorted();
     void gather_weights();
     void gather_beyond();
     void begin_workers(ResultBuilder& out);

@@ -34,13 +34,14 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     progress.report(0);
     clock.enter(&StageSeconds::sort);
     clipper_.sort();
-    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
-        job.snapshot->release_pages();
     clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
     clipper_.build_search();
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
+    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
+        result_.lend(job.snapshot->memory());
+    clipper_.lend_scratch(result_);
     result_.touch(1, 0, clipper_.pool());
     if (job.only)
         clipper_.clip_only(result_, clipping);
@@ -57,7 +58,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     }
     result_.set_duplicates(duplicate_of, clipper_.pool());
     auto all_seeds = job.only ? seeds_around(job, clipper_.duplicate_of()) : nullptr;
-    clipper_.release_pages();
+    clipper_.lend_seeds(result_);
     result_.finish(result, clipper_.pool());
     result.all_seeds = std::move(all_seeds);
     result.stats.device = "cpu";

@@ -24,11 +24,13 @@ public:
 
     void build(const SortedSeeds& seeds, ThreadPool& pool);
 
-    void release_pages() {
-        for (auto& level : levels_) level.release_pages();
-        for (auto& level : weights_) level.release_pages();
-        for (auto& level : rests_) level.release_pages();
-        for (auto& level : bounds_) level.release_pages();
+    // Calls visit(memory) for its arrays.
+    template <class Visit>
+    void for_memory(const Visit& visit) {
+        for (auto& level : levels_) visit(level.memory());
+        for (auto& level : weights_) visit(level.memory());
+        for (auto& level : rests_) visit(level.memory());
+        for (auto& level : bounds_) visit(level.memory());
     }
 
     [[nodiscard]] int top_level() const { return static_cast<int>(counts_.size()) - 1; }

@@ -97,7 +97,7 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     filled_.clear();
     std::uint32_t begin = 0;
     order_buckets(splits_[0], begin);
-    records_.resize_uninitialized(count);
+    if (count > records_.size()) records_.resize_uninitialized(count);
     records_.touch(0, count, pool);
     scatter(cloud, pool, keys);
     sort_buckets(pool, out);
@@ -106,7 +106,6 @@ void SeedSorter::sort_cloud(const Cloud<Real>& cloud, unsigned resolution, Threa
     for (auto* v : {&out.x, &out.y, &out.z}) v->resize_uninitialized(round_up(out.size(), group_size));
     for (auto* v : {&out.x, &out.y, &out.z})
         std::fill(v->begin() + out.size(), v->end(), std::numeric_limits<double>::infinity());
-    records_.release_pages();  // clipping needs much memory
 }
 
 template <class Real>
@@ -250,7 +249,7 @@ void SeedSorter::sort_buckets(ThreadPool& pool, SortedSeeds& out) {
     workers_.resize(pool.size());
     for (BlockSorter& worker : workers_) worker.reserve(most);
     std::atomic<std::size_t> duplicates = 0;
-    run(pool, ceil_div(records_.size(), sort_task), [&](std::size_t task, unsigned worker) {
+    run(pool, ceil_div(out.input.size(), sort_task), [&](std::size_t task, unsigned worker) {
         const auto at = [&](std::size_t begin) { return std::ranges::lower_bound(filled_, begin, {}, &Bucket::begin); };
         std::size_t dropped = 0;
         for (auto s = at(task * sort_task), end = at((task + 1) * sort_task); s != end; ++s) {

@@ -24,6 +24,10 @@ public:
     // number of threads.
     void sort(std::span<const double> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
     void sort(std::span<const float> points, double scale, unsigned resolution, ThreadPool& pool, SortedSeeds& out);
+    // Returns memory that is free until the next sort.
+    [[nodiscard]] std::span<std::byte> scratch() { return records_.memory(); }
+    // Returns it to the system if it is large.
+    void release_scratch() { records_.release_pages(); }
 
 private:
     template <class Real>

@@ -66,7 +66,7 @@ struct Job {
     std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run; ResultBuilder::begin() takes their memory. May be null.
     detail::Result* arrays = nullptr;
-    // Owner of the points. An engine that needs them no more may call release_pages(). May be null.
+    // Owner of the points. An engine that needs them no more may use its memory(). May be null.
     Snapshot* snapshot = nullptr;
 
     [[nodiscard]] std::size_t rows() const { return only ? only->ids().size() : points.count(); }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "core/thread_pool.hpp"
 #include "core/vector3.hpp"
 #include "input/default_box.hpp"
 #include "input/each_option.hpp"
@@ -492,19 +494,27 @@ void make_domain(Job& job) {
 
 }  // namespace
 
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside) {
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside, ThreadPool* pool) {
     constexpr std::size_t block = 4096;
-    Box bounds = no_bounds;
-    for (std::size_t begin = 0; begin < points.count(); begin += block) {
-        check_stop();
-        const std::size_t count = std::min(block, points.count() - begin);
+    const std::size_t blocks = ceil_div(points.count(), block);
+    std::vector<std::optional<Box>> found(blocks);  // none where points have to be checked one by one
+    const auto task = [&](std::size_t index, unsigned) {
+        const std::size_t begin = index * block, count = std::min(block, points.count() - begin);
         Box of_block = no_bounds;
         bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), of_block)
                                        : find_bounds(points.f32.subspan(3 * begin, 3 * count), of_block);
         for (int k = 0; k < 3; ++k)
             if (options.box && !options.periodic[k])
                 good &= of_block.lower[k] >= options.box->lower[k] && of_block.upper[k] <= options.box->upper[k];
-        include(bounds, good ? of_block : check_each(points, begin, begin + count, options, outside));
+        if (good) found[index] = of_block;
+    };
+    if (pool != nullptr && blocks > 1) pool->run(blocks, std::cref(task));
+    Box bounds = no_bounds;
+    for (std::size_t index = 0; index < blocks; ++index) {
+        check_stop();
+        if (pool == nullptr || blocks == 1) task(index, 0);
+        const std::size_t begin = index * block, end = std::min(points.count(), begin + block);
+        include(bounds, found[index] ? *found[index] : check_each(points, begin, end, options, outside));
     }
     return bounds;
 }
@@ -582,11 +592,11 @@ void check_shape(const Points& points) {
                     std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
 }
 
-Job validate(const Points& points, const Options& options) {
+Job validate(const Points& points, const Options& options, ThreadPool* pool) {
     check_options(options);
     check_shape(points);
     Job job;
-    const Box bounds = check_points(points, options, job.outside);
+    const Box bounds = check_points(points, options, job.outside, pool);
     job.points = points;
     job.options = options;
     job.options.want = with_implied(options);

@@ -5,6 +5,8 @@
 
 namespace votess {
 
+class ThreadPool;
+
 // Checks the options alone. The choice of an engine checks whether the device is there.
 void check_options(const Options& options);
 void check_box(const Box& box);
@@ -14,11 +16,13 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
                                    std::uint64_t first = 0);
 // Checks the number of points.
 void check_shape(const Points& points);
-// Checks the points, against a box if there is one, and returns their bounds. outside: as in the job.
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside);
+// Checks the points, against a box if there is one, and returns their bounds. outside: as in the job. pool: null for
+// the calling thread alone.
+Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside,
+                 ThreadPool* pool = nullptr);
 // Returns the box of a run without a cell. bounds: of all `count` seeds.
 Box box_of(const Options& options, const Box& bounds, std::uint64_t count);
-// Checks options and points.
-Job validate(const Points& points, const Options& options);
+// Checks options and points. pool: as for check_points().
+Job validate(const Points& points, const Options& options, ThreadPool* pool = nullptr);
 
 }  // namespace votess

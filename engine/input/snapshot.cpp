@@ -32,9 +32,4 @@ Points Snapshot::take(const Points& points, ThreadPool& pool) {
     return {copy(points.f64, f64_, pool), copy(points.f32, f32_, pool), points.first};
 }
 
-void Snapshot::release_pages() {
-    f64_.release_pages();
-    f32_.release_pages();
-}
-
 }  // namespace votess

@@ -13,10 +13,10 @@ namespace votess {
 
 class Snapshot {
 public:
-    // Copies the points. The copy is valid until the next call of take() or release_pages().
+    // Copies the points. The copy is valid until the next call of take().
     Points take(const Points& points, ThreadPool& pool);
-    // Gives the pages of a large copy back to the system. Its content is lost.
-    void release_pages();
+    // Returns the memory of the copy, for other use when nobody reads it any more.
+    [[nodiscard]] std::span<std::byte> memory() { return f64_.empty() ? f32_.memory() : f64_.memory(); }
 
 private:
     Buffer<double> f64_{Buffer<double>::Pages::huge};

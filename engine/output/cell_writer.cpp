@@ -15,7 +15,7 @@
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t initial_rows = std::size_t{1} << 20;  // ids of a block; memory costs nothing until it is touched
+constexpr std::size_t initial_room = std::size_t{1} << 17;  // entries; memory costs nothing until it is touched
 
 template <class T>
 void grow_to(Buffer<T>& values, std::size_t kept, std::size_t size) {
@@ -60,11 +60,12 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     const Box& box = domain_->box;
     const Vector3 diagonal = minus(box.upper, box.lower);
     tally_.begin(4 * dot(diagonal, diagonal));
-    rows_size_ = 0;
-    // As long as the rows of an earlier job.
-    if (want_.areas) areas_.resize_uninitialized(rows_.size());
-    if (want_.normals) normals_.resize_uninitialized(3 * rows_.size());
-    if (periodic_) shifts_.resize_uninitialized(3 * rows_.size());
+    near_rows_.clear();
+    entries_ = 0;
+    // As long as in an earlier job.
+    if (want_.areas) areas_.resize_uninitialized(room_);
+    if (want_.normals) normals_.resize_uninitialized(3 * room_);
+    if (periodic_) shifts_.resize_uninitialized(3 * room_);
     lengths_.clear();
     polygon_writer_.clear();
 }
@@ -241,12 +242,11 @@ exact::Point CellWriter::place() const {
     return {seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
 }
 
-void CellWriter::grow(std::size_t ids) {
-    const std::size_t size = std::max(initial_rows, 2 * ids);
-    grow_to(rows_, rows_size_, size);
-    if (want_.areas) grow_to(areas_, rows_size_, size);
-    if (want_.normals) grow_to(normals_, 3 * rows_size_, 3 * size);
-    if (periodic_) grow_to(shifts_, 3 * rows_size_, 3 * size);
+void CellWriter::grow(std::size_t entries) {
+    room_ = std::max(initial_room, 2 * entries);
+    if (want_.areas) grow_to(areas_, entries_, room_);
+    if (want_.normals) grow_to(normals_, 3 * entries_, 3 * room_);
+    if (periodic_) grow_to(shifts_, 3 * entries_, 3 * room_);
 }
 
 exact::Shift CellWriter::shift_of(std::size_t face) const {
@@ -317,18 +317,13 @@ void CellWriter::rank_labels() {
 
 void CellWriter::write_row() {
     const std::size_t faces = ranked_ids_.size(), count = faces - hidden_;
-    if (rows_size_ + faces > rows_.size()) grow(rows_size_ + faces);
-    const std::size_t begin = rows_size_;
+    if (entries_ + faces > room_) grow(entries_ + faces);
+    const std::size_t begin = entries_;
     const auto for_listed = [&](auto visit) {  // a face and its entry
         for (std::size_t f = 0; f < faces; ++f)
             if (ranks_[f] >= hidden_) visit(f, begin + ranks_[f] - hidden_);
     };
-    std::int32_t* row = rows_.data() + begin;
-    const std::uint32_t* rank = ranks_.data();
-    if (hidden_ == 0)
-        for (const std::int32_t name : std::span(names_).first(faces)) row[*rank++] = name;
-    else
-        for_listed([&](std::size_t f, std::size_t entry) { rows_[entry] = names_[f]; });
+    if (count > 0) write_steps();
     if (want_.areas) {
         const double square = unscale_ * unscale_;
         for (std::size_t k = 0; k < count; ++k) areas_[begin + k] = face_areas_[hidden_ + k] * square;
@@ -344,8 +339,39 @@ void CellWriter::write_row() {
         else
             std::memset(shifts + 3 * begin, 0, 3 * count);
     }
-    rows_size_ += count;
+    entries_ += count;
     lengths_.push_back(static_cast<std::uint32_t>(count));
+}
+
+// The row of a probe counts from one of its neighbors.
+void CellWriter::write_steps() {
+    const std::size_t faces = ranked_ids_.size();
+    const auto is_seed = [this](std::int32_t id) { return id >= 0 && id != probe_id_; };
+    const auto place_of = [this](std::int32_t id) { return seeds_.images == nullptr ? id : seeds_.images->home(id); };
+    auto place = static_cast<std::int32_t>(seed_);
+    if (probe_ != nullptr) {
+        const auto first = std::ranges::find_if(ranked_ids_, is_seed);
+        place = first == ranked_ids_.end() ? 0 : place_of(*first);
+    }
+    std::int16_t* const row = near_rows_.add_row(place, faces - hidden_);
+    if (wall_faces_ == 0 && !shifted_) {
+        std::uint32_t longest = 0;
+        for (std::size_t f = 0; f < faces; ++f) {
+            const std::int32_t by = ranked_ids_[f] - place;
+            longest = std::max(longest, static_cast<std::uint32_t>(by) + std::uint32_t{NearRows::longest_step});
+            row[ranks_[f]] = static_cast<std::int16_t>(by);
+        }
+        if (longest <= std::uint32_t{2 * NearRows::longest_step}) return;
+    }
+    order_.resize(faces);
+    for (std::size_t f = 0; f < faces; ++f) order_[ranks_[f]] = static_cast<std::uint32_t>(f);
+    for (std::size_t rank = hidden_; rank < faces; ++rank) {
+        const std::uint32_t f = order_[rank];
+        const std::int32_t id = ranked_ids_[f];
+        const std::int16_t step = is_seed(id) ? NearWriter::step(place_of(id) - place) : NearRows::far;
+        row[rank - hidden_] = step;
+        if (step == NearRows::far) near_rows_.add_other(names_[f]);
+    }
 }
 
 void CellWriter::write_polygons() {
@@ -360,15 +386,20 @@ void CellWriter::write_polygons() {
     polygon_writer_.append(polygons_, labels_, order_, hidden_, place());
 }
 
-void CellWriter::end_block(std::span<const std::int32_t> cells) {
+void CellWriter::end_rows(std::span<const std::int32_t> cells) {
     const auto of = [this](const auto& values, bool wanted, std::size_t each) {
-        return std::span(values.data(), wanted ? each * rows_size_ : 0);
+        return std::span(values.data(), wanted ? each * entries_ : 0);
     };
-    out_->add_rows(cells, lengths_, std::span(rows_.data(), rows_size_),
+    out_->add_rows(cells, lengths_, near_rows_.rows(seeds_.input.data()),
                    {of(areas_, want_.areas, 1), of(normals_, want_.normals, 3), of(shifts_, periodic_, 3)});
-    if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
-    rows_size_ = 0;
+    near_rows_.clear();
+    entries_ = 0;
     lengths_.clear();
+}
+
+void CellWriter::end_block(std::span<const std::int32_t> cells) {
+    end_rows(cells.last(lengths_.size()));
+    if (want_.vertices) out_->mesh().add(cells, polygon_writer_.block());
     polygon_writer_.clear();
 }
 

@@ -10,6 +10,7 @@
 #include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
 #include "kernels/star_kernels.hpp"
+#include "output/near_rows.hpp"
 #include "output/polygon_writer.hpp"
 #include "output/result_builder.hpp"
 #include "polytope/cell.hpp"
@@ -54,7 +55,11 @@ public:
     void write_none(std::size_t output, CellStatus status);
     // Skips a cell whose row is in another block.
     void skip_row();
-    // cells: as in ResultBuilder::add_rows.
+    // Stores the rows since the last call. They stay in the cache until then if they are few.
+    static constexpr std::size_t few_rows = 4096;
+    void end_rows(std::span<const std::int32_t> cells);
+    [[nodiscard]] std::size_t rows() const { return lengths_.size(); }
+    // Stores the remaining rows of a block, and the mesh of all its cells. cells: as in ResultBuilder::add_rows.
     void end_block(std::span<const std::int32_t> cells);
 
     [[nodiscard]] const CellCounters& counters() const { return counters_; }
@@ -93,7 +98,8 @@ private:
     [[nodiscard]] exact::Shift shift_of(std::size_t face) const;
     // Writes in the order of rank_faces(). face_normals_ is in the order of the faces.
     void write_row();
-    void grow(std::size_t ids);
+    void write_steps();
+    void grow(std::size_t entries);
     void write_polygons();
 
     const SortedSeeds& seeds_;
@@ -109,8 +115,8 @@ private:
     double unscale_ = 1;
     CellCounters counters_;
     FaceTally tally_;
-    std::size_t rows_size_ = 0;
-    Buffer<std::int32_t> rows_;  // filled up to rows_size_
+    NearWriter near_rows_;
+    std::size_t entries_ = 0, room_ = 0;  // of the rows; arrays below have room for so many
     Buffer<double> areas_, normals_;
     Buffer<std::int8_t> shifts_;
     std::vector<std::uint32_t> lengths_;

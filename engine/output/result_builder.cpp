@@ -79,7 +79,9 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     blocks_.clear();
     settled_ = false;
     touched_cells_ = touched_entries_ = 0;
-    memory_.reset(std::clamp(8 * count, min_segment, max_segment));
+    stock_.clear();
+    for (auto* memory : {&cells_memory_, &ids_memory_, &areas_memory_, &normals_memory_, &shifts_memory_})
+        memory->reset(std::clamp(8 * count, min_segment, max_segment), &stock_);
     counters_ = {};
     faces_.begin(0);
     scale_ = job.scale;
@@ -160,7 +162,19 @@ void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<cons
     check_values(values, ids.size());
     // Otherwise a row from another call would count as one of this block.
     const bool gaps = set_lengths(cells, lengths, ids.size());
-    push(cells, lengths, ids, values, gaps);
+    push(cells, lengths, {.ids = keep_copy(ids, ids_memory_)}, values, gaps);
+}
+
+void ResultBuilder::add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
+                             const NearRows& near, const RowValues& values) {
+    if (!want_neighbors_) return;
+    const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+    if (near.steps.size() < rows) bug("rows and their lengths differ in size");
+    const std::size_t entries = near.steps.size() - rows;
+    check_values(values, entries);
+    const bool gaps = set_lengths(cells, lengths, entries);
+    const NearRows kept{keep_copy(near.steps, ids_memory_), keep_copy(near.others, ids_memory_), near.input};
+    push(cells, lengths, {.near = kept}, values, gaps);
 }
 
 void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
@@ -176,14 +190,14 @@ void ResultBuilder::copy_rows(std::span<const std::int32_t> cells, std::span<con
                                     want_normals_ ? values.normals.subspan(3 * entry, 3 * size) : values.normals,
                                     want_shifts_ ? values.shifts.subspan(3 * entry, 3 * size) : values.shifts};
         set_lengths(part, part_lengths, size);
-        push(part, part_lengths, ids.subspan(entry, size), part_values, true);
+        push(part, part_lengths, {.ids = keep_copy(ids.subspan(entry, size), ids_memory_)}, part_values, true);
         entry += size;
     }
 }
 
 std::span<std::int32_t> ResultBuilder::allocate_cells(std::size_t count) {
     const std::lock_guard lock(mutex_);
-    return {reinterpret_cast<std::int32_t*>(memory_.allocate(count * sizeof(std::int32_t))), count};
+    return {reinterpret_cast<std::int32_t*>(cells_memory_.allocate(count * sizeof(std::int32_t))), count};
 }
 
 void ResultBuilder::count(const CellCounters& counters) {
@@ -226,33 +240,33 @@ bool ResultBuilder::set_lengths(std::span<const std::int32_t> cells, std::span<c
 }
 
 template <class T>
-std::span<const T> ResultBuilder::keep_copy(std::span<const T> values) {
+std::span<const T> ResultBuilder::keep_copy(std::span<const T> values, Arena& memory) {
+    if (values.empty()) return {};
     std::byte* to = nullptr;
     {
         const std::lock_guard lock(mutex_);
-        to = memory_.allocate(values.size_bytes());
+        to = memory.allocate(values.size_bytes());
     }
     std::memcpy(to, values.data(), values.size_bytes());
     return {reinterpret_cast<const T*>(to), values.size()};
 }
 
-void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-                         std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells) {
-    if (ids.empty()) return;
-    const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
-    const auto kept_ids = keep_copy(ids);
-    RowValues kept;
-    if (want_areas_) kept.areas = keep_copy(values.areas);
-    if (want_normals_) kept.normals = keep_copy(values.normals);
-    if (want_shifts_) kept.shifts = keep_copy(values.shifts);
-    std::int32_t* own_cells = nullptr;
-    {
-        const std::lock_guard lock(mutex_);
-        if (copy_cells) own_cells = reinterpret_cast<std::int32_t*>(memory_.allocate(rows * sizeof *own_cells));
-        blocks_.push_back({copy_cells ? std::span<const std::int32_t>(own_cells, rows) : cells, kept_ids, kept});
+void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, Block block,
+                         const RowValues& values, bool copy_cells) {
+    if (block.ids.empty() && block.near.steps.empty()) return;
+    if (want_areas_) block.values.areas = keep_copy(values.areas, areas_memory_);
+    if (want_normals_) block.values.normals = keep_copy(values.normals, normals_memory_);
+    if (want_shifts_) block.values.shifts = keep_copy(values.shifts, shifts_memory_);
+    block.cells = cells;
+    if (copy_cells) {
+        const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
+        const std::span<std::int32_t> own = allocate_cells(rows);
+        for (std::size_t k = 0, kept = 0; k < cells.size(); ++k)
+            if (lengths[k] > 0) own[kept++] = cells[k];
+        block.cells = own;
     }
-    for (std::size_t k = 0; copy_cells && k < cells.size(); ++k)
-        if (lengths[k] > 0) *own_cells++ = cells[k];
+    const std::lock_guard lock(mutex_);
+    blocks_.push_back(block);
 }
 
 void ResultBuilder::set_empty(std::size_t i, CellStatus status) {
@@ -317,10 +331,38 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     settled_ = true;
     if (!want_neighbors_) return;
     sum_lengths(later, pool);
-    const auto size = static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
-    resize_entries(size);
-    touch_entries(size, pool);
-    pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_block(blocks_[index]); });
+    for (auto* memory : {&ids_memory_, &areas_memory_, &normals_memory_, &shifts_memory_}) memory->give_rest();
+    // One array after the other: where the pending values of the largest were, the next ones find pages.
+    if (want_normals_) place_values(&RowValues::normals, normals_memory_, result_.face_normals, 3, pool);
+    if (want_areas_) place_values(&RowValues::areas, areas_memory_, result_.face_areas, 1, pool);
+    if (want_shifts_) place_values(&RowValues::shifts, shifts_memory_, result_.shifts, 3, pool);
+    make_room(result_.indices, 1, true, pool);
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_ids(blocks_[index]); });
+}
+
+template <class T>
+bool ResultBuilder::make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool) {
+    const std::size_t size = components * static_cast<std::size_t>(result_.indptr[result_.indptr.size() - 1]);
+    const bool is_new = size > array.capacity();
+    array.resize_uninitialized(size);
+    if (is_new) stock_.move_to(array.memory());
+    if (is_last) stock_.release();
+    array.touch(is_new ? 0 : std::min(size, components * touched_entries_), size, pool);
+    return is_new;
+}
+
+template <class T>
+void ResultBuilder::place_values(std::span<const T> RowValues::*values, Arena& memory, Buffer<T>& array,
+                                 std::size_t components, ThreadPool& pool) {
+    const bool is_new = make_room(array, components, false, pool);
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
+        const T* from = (blocks_[index].values.*values).data();
+        for_rows(blocks_[index], array, components, [&](std::size_t begin, std::size_t length) {
+            std::copy_n(from, components * length, array.data() + components * begin);
+            from += components * length;
+        });
+    });
+    if (is_new) memory.give_all();
 }
 
 // Turns lengths into the beginnings of rows.
@@ -378,23 +420,36 @@ void ResultBuilder::copy_entries(const std::int32_t* ids, const RowValues& value
     if (want_shifts_) std::copy_n(values.shifts.data() + 3 * from, 3 * count, result_.shifts.data() + 3 * to);
 }
 
-void ResultBuilder::place_block(const Block& block) {
+template <class T, class Place>
+void ResultBuilder::for_rows(const Block& block, const Buffer<T>& array, std::size_t components, Place place) const {
+    constexpr std::size_t usual_length = 15;
     const std::int64_t* const indptr = result_.indptr.data();
     const auto cells = block.cells;
-    std::size_t entry = 0;
     for (std::size_t k = 0; k < cells.size(); ++k) {
         // The engine's order is not the input's, so each row is somewhere else in memory.
         if (k + 2 * lookahead < cells.size()) __builtin_prefetch(indptr + cells[k + 2 * lookahead]);
         if (k + lookahead < cells.size()) {
-            const std::int32_t* const next = result_.indices.data() + indptr[cells[k + lookahead]];
+            const T* const next = array.data() + components * static_cast<std::size_t>(indptr[cells[k + lookahead]]);
             __builtin_prefetch(next, 1);
-            __builtin_prefetch(next + 15, 1);
+            __builtin_prefetch(next + components * usual_length, 1);
         }
         const std::int64_t begin = indptr[cells[k]];
-        const auto length = static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin);
-        copy_entries(block.ids.data(), block.values, entry, static_cast<std::size_t>(begin), length);
-        entry += length;
+        place(static_cast<std::size_t>(begin), static_cast<std::size_t>(indptr[cells[k] + std::ptrdiff_t{1}] - begin));
     }
+}
+
+void ResultBuilder::place_ids(const Block& block) {
+    std::int32_t* const indices = result_.indices.data();
+    NearReader near(block.near);
+    const std::int32_t* ids = block.ids.data();
+    const auto each = [&](auto place) { for_rows(block, result_.indices, 1, place); };
+    if (block.ids.empty())
+        each([&](std::size_t begin, std::size_t length) { near.read(indices + begin, length); });
+    else
+        each([&](std::size_t begin, std::size_t length) {
+            std::copy_n(ids, length, indices + begin);
+            ids += length;
+        });
 }
 
 // Measures at the scale of the job, where no square overflows.

@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "core/arena.hpp"
+#include "core/page_stock.hpp"
 #include "core/thread_pool.hpp"
 #include "input/job.hpp"
 #include "mesh/mesh_builder.hpp"
+#include "output/near_rows.hpp"
 #include "output/small_faces.hpp"
 #include "result/result.hpp"
 
@@ -35,6 +37,10 @@ public:
     // empty row. The other arrays are not initialized: the engine writes them for each cell except duplicates.
     void begin(const Job& job, ThreadPool& pool);
 
+    // Lends memory for pending rows, and its pages for the arrays of rows. It may have any contents, which are lost,
+    // and stays as it is until finish().
+    void lend(std::span<std::byte> memory) { stock_.put(memory); }
+
     // Makes the pages of a share of the arrays present, on all threads, so that later writes do not wait for them.
     // Shares ascend. row: expected entries of a row, 0 if unknown; then the arrays of rows wait for settle().
     void touch(double share, double row, ThreadPool& pool);
@@ -57,6 +63,9 @@ public:
     // requested.
     void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                   std::span<const std::int32_t> ids, const RowValues& values = {});
+    // The same for `near`, which has no rows of length 0. near.input must stay valid until finish() too.
+    void add_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, const NearRows& near,
+                  const RowValues& values = {});
     // Copies `cells` too, and cuts into blocks. From any thread.
     void copy_rows(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
                    std::span<const std::int32_t> ids, const RowValues& values = {});
@@ -89,25 +98,37 @@ public:
 
 private:
     struct Block {
-        std::span<const std::int32_t> cells;  // those that have a row here
-        std::span<const std::int32_t> ids;
-        RowValues values;
+        std::span<const std::int32_t> cells{};  // those that have a row here
+        std::span<const std::int32_t> ids{};    // or `near`
+        NearRows near{};
+        RowValues values{};
     };
 
     void check_values(const RowValues& values, std::size_t ids) const;
     // Stores the lengths. Returns whether some are 0.
     bool set_lengths(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, std::size_t ids);
-    void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths,
-              std::span<const std::int32_t> ids, const RowValues& values, bool copy_cells);
+    // block: its ids, copied; push() copies the rest.
+    void push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, Block block,
+              const RowValues& values, bool copy_cells);
     template <class T>
-    [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values);
+    [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values, Arena& memory);
     void check_status(ThreadPool& pool) const;
     // Sizes the arrays of rows.
     void resize_entries(std::size_t entries);
     // Makes their pages present up to this entry.
     void touch_entries(std::size_t end, ThreadPool& pool);
     void sum_lengths(std::span<const std::uint32_t> later, ThreadPool& pool);
-    void place_block(const Block& block);
+    // Sizes an array of rows, with pages of the stock if it is new, and makes all of its pages present. components: of
+    // an entry. Returns whether it is new.
+    template <class T>
+    bool make_room(Buffer<T>& array, std::size_t components, bool is_last, ThreadPool& pool);
+    // Calls place(begin, length) for the rows of a block: their entries in the result. Prefetches those of `array`.
+    template <class T, class Place>
+    void for_rows(const Block& block, const Buffer<T>& array, std::size_t components, Place place) const;
+    template <class T>
+    void place_values(std::span<const T> RowValues::*values, Arena& memory, Buffer<T>& array, std::size_t components,
+                      ThreadPool& pool);
+    void place_ids(const Block& block);
     // Copies `count` entries, one or more rows.
     void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,
                       std::size_t count);
@@ -122,7 +143,8 @@ private:
     double box_volume_ = 0, scale_ = 1;
     detail::Result result_;  // indptr[i + 1] holds the length of row i until settle()
     std::mutex mutex_;       // guards the following members
-    Arena memory_;
+    PageStock stock_;
+    Arena cells_memory_, ids_memory_, areas_memory_, normals_memory_, shifts_memory_;
     std::vector<Block> blocks_;
     CellCounters counters_;
     FaceTally faces_;

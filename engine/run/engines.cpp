@@ -87,8 +87,8 @@ struct Engines::State {
 Engines::Engines() : state_(std::make_unique<State>()) {}
 Engines::~Engines() = default;
 
-Points Engines::take(const Points& points, unsigned threads) {
-    return state_->snapshot.take(points, state_->clipper.pool_of(threads));
+ThreadPool& Engines::pool_of(unsigned threads) {
+    return state_->clipper.pool_of(threads);
 }
 
 Snapshot& Engines::snapshot() {
@@ -152,7 +152,8 @@ detail::Result run_on(Engines& engines, const Points& points, const Options& opt
     std::optional<Stoppable> stoppable(std::in_place, progress);
     check_options(options);
     check_shape(points);
-    Job job = validate(engines.take(points, options.threads), options);
+    ThreadPool& pool = engines.pool_of(options.threads);
+    Job job = validate(engines.snapshot().take(points, pool), options, &pool);
     stoppable.reset();  // an engine has its own
     job.arrays = &arrays;
     job.snapshot = &engines.snapshot();

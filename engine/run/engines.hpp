@@ -26,8 +26,8 @@ public:
     // and jobs for which there is no GPU or the GPU fails. Throws `unsupported` with the reason for any other device
     // that cannot run it. Fills the result except its seconds.
     void run(const Job& job, StageClock& clock, detail::Result& result);
-    // Copies points with this number of threads, see input/snapshot.hpp.
-    Points take(const Points& points, unsigned threads);
+    // Makes the pool of so many threads, 0 = one for each processor, unless it exists.
+    [[nodiscard]] ThreadPool& pool_of(unsigned threads);
     [[nodiscard]] Snapshot& snapshot();
     // For tests: the engine that a device name means, until it fails.
     void put(const std::string& device, std::unique_ptr<gpu::GpuEngine> engine);
