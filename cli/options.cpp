@@ -389,8 +389,10 @@ when the run ends)",
          {.needs = Needs::one_machine, .with = "--memory"}},
         {"--verify",
          R"(check the result: volume sum, symmetry of the neighbors, Euler's formula,
-and a sample of cells against every point. The sample takes about a second
-and has at least 64 cells, or all; the summary reports its size. If a check
+and each cell by exact signs around it, which proves all neighbors. Where
+there is no such proof (--only, --mesh, --min-face, --min-area, --memory,
+ranks) a sample of cells is compared with every point. It takes about a second
+and has at least 64 cells, or all. The summary tells which it was. If a check
 fails, no file is written and the exit code is 3)",
          {.brief = "check the result; exit code 3 if that fails", .needs = Needs::cells}},
         {"", "tuning: changes speed and memory, never the answer"},

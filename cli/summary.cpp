@@ -100,6 +100,7 @@ void add(const votess::Stats& one, votess::Stats& sum) {
 
 void add(const votess::VerifyReport& one, votess::VerifyReport& sum) {
     sum.sampled += one.sampled;
+    sum.proven &= one.proven;
     if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
 }
 
@@ -189,8 +190,11 @@ std::string plain_summary(const Summary& summary) {
     if (summary.verified) {
         std::string result = summary.verified->passed ? "yes" : "NO";
         for (const std::string& check : summary.verified->skipped) result += ", without " + check;
-        result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
-                  " cells checked against every point";
+        if (summary.verified->proven)
+            result += ", all cells proven";
+        else
+            result += ", " + std::to_string(summary.verified->sampled) + " of " + std::to_string(stats.points) +
+                      " cells checked against every point";
         line("verified", result);
     }
     line("device", stats.device +
@@ -248,6 +252,7 @@ std::string json_summary(const Summary& summary) {
     text += "}";
     member("peak_memory_bytes", std::to_string(stats.peak_memory_bytes));
     member("verified", !summary.verified ? "null" : summary.verified->passed ? "true" : "false");
+    member("proven", !summary.verified ? "null" : summary.verified->proven ? "true" : "false");
     member("verified_cells", summary.verified ? std::to_string(summary.verified->sampled) : "null");
     if (!summary.mesh.empty()) {
         member("mesh", json_string(summary.mesh));

@@ -105,6 +105,7 @@ namespace votess::c {
 void begin_report(const ReportOut& out) {
     require(out.passed, "passed");
     *out.passed = 0;
+    if (out.proven != nullptr) *out.proven = 0;
     if (out.skipped != nullptr) *out.skipped = 0;
     if (out.sampled != nullptr) *out.sampled = 0;
     require_text_buffer(out.failure, out.failure_size, "failure");
@@ -117,16 +118,17 @@ void write_report(const VerifyReport& report, const ReportOut& out) {
     }
     if (out.sampled != nullptr) *out.sampled = report.sampled;
     copy_text(report.failure, out.failure, out.failure_size);
+    if (out.proven != nullptr) *out.proven = report.proven ? 1 : 0;
     *out.passed = report.passed ? 1 : 0;
 }
 
 }  // namespace votess::c
 
 votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
-                            uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled, char* failure,
-                            size_t failure_size) {
+                            uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
+                            char* failure, size_t failure_size) {
     return guarded([&] {
-        const ReportOut out{passed, skipped, sampled, failure, failure_size};
+        const ReportOut out{passed, proven, skipped, sampled, failure, failure_size};
         begin_report(out);
         require(result, "result");
         const auto input = coordinates(points, count, "points", "count", dimensions_of(result->tessellation));

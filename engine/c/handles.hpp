@@ -97,6 +97,7 @@ void require_text_buffer(const char* buffer, std::size_t size, const char* name)
 // Where the report of verify() goes; see votess_verify.
 struct ReportOut {
     int* passed;
+    int* proven;  // this and the next two may be null
     std::uint32_t* skipped;
     std::size_t* sampled;
     char* failure;

@@ -180,6 +180,7 @@ void RowChecker::take_row(const StreamRows& rows, std::size_t k, std::int64_t id
 }
 
 void RowChecker::keep(const StreamRows& rows, std::size_t k, std::int64_t id) {
+    if (id != sample_.cell.value_or(id)) return;
     const std::uint64_t key = scrambled(scrambled(sample_.rng_seed) + static_cast<std::uint64_t>(id));
     if (kept_.size() == sample_.max_cells) {
         if (sample_.max_cells == 0 || key >= kept_.front().key) return;

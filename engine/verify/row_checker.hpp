@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -69,6 +70,7 @@ public:
         std::uint64_t rng_seed = 1;
         double budget = sample_budget;         // no more cells once some rank has done this many distance tests
         std::size_t first_round = min_sample;  // cells in the first round
+        std::optional<std::int64_t> cell{};    // no other one
     };
     // blocks: must outlive this object.
     RowChecker(CheckedRun run, const Sample& sample, RunBlocks& blocks)

@@ -11,12 +11,14 @@
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "input/domain_of_result.hpp"
+#include "input/options.hpp"
 #include "input/supports.hpp"
 #include "plane/sheet.hpp"
 #include "result/handle.hpp"
 #include "result/rows.hpp"
 #include "solid/mesh_cells.hpp"
 #include "unbounded/endless_box.hpp"
+#include "verify/certificate.hpp"
 #include "verify/row_checker.hpp"
 #include "votess/pieces.hpp"
 
@@ -67,6 +69,8 @@ public:
         : r_(result),
           points_(points.begin(), points.end()),  // read once, see input/snapshot.hpp
           names_(result.ids.begin(), result.ids.end()) {}
+
+    [[nodiscard]] std::span<const double> points() const { return points_; }
 
     bool for_rows(const Visit& visit) override {
         std::vector<std::int64_t> ids;
@@ -386,6 +390,7 @@ VerifyReport verify_endless(const Tessellation& t, std::span<const double> point
     const Tessellation far = tessellate(std::span<const double>(copy), options);
     const std::vector<double> places = wrapped_points(far, copy);
     VerifyReport report = verify(far, copy, how);
+    report.proven &= !drops;
     if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, copy);
     const double tolerance = tolerance_of(t);
     ExpectedRow row;
@@ -453,6 +458,7 @@ VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> point
     Options& options = second.options;
     options.want = {.neighbors = true, .volumes = true, .counts = true};
     VerifyReport report = verify(tessellate(std::span<const double>(copy), options), copy, how);
+    report.proven = false;
     report.tiny_faces.reset();
     const solid::MeshArrays mesh(cells.mesh, cells.scale);
     options.mesh = mesh.view();
@@ -488,22 +494,9 @@ VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> point
     return report;
 }
 
-}  // namespace
-
-VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
-    if (t.size() == 0 && points.empty() && !t.is_subset() && !t.probed()) {
-        VerifyReport nothing;
-        nothing.passed = true;
-        nothing.tiny_faces = 0;
-        return nothing;
-    }
-    require(t, "verify");
-    const Result& result = detail::result_of(t.result_);
-    require_points_of(t, result, points);
-    SecondRun second(t, result);
-    if (t.in_mesh()) return verify_in_mesh(t, points, second, options, *result.mesh_cells);
-    if (t.planar()) return verify_plane(t, points, second, options);
-    if (EndlessSides(second.options).any()) return verify_endless(t, points, second, options);
+// Checks the cells of a box or a triclinic box.
+VerifyReport verify_cells(const Tessellation& t, const Result& result, std::span<const double> points,
+                          SecondRun& second, const VerifyOptions& options) {
     const bool single = t.stats().precision == Precision::single;
     CheckedRun run{second.options,
                    points.size() / 3,
@@ -517,16 +510,71 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     run.options.list_walls = t.lists_walls();
     const bool periodic = t.periodic() != std::array<bool, 3>{};
     RowChecker::Sample sample{options.sample.value_or(sample_size(points.size() / 3, 1, periodic)), options.rng_seed};
-    if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
+    if (options.sample) sample.budget = infinity;
     WholeResult whole(result, points);
-    RowChecker checker(std::move(run), sample, whole);
-    whole.for_rows([&](const StreamRows& rows, const RowNames& names) { checker.take(rows, names); });
-    VerifyReport report = checker.report();
-    if (report.passed && !result.face_offsets.empty() && result.least_face == 0) {
+    const auto check = [&](const RowChecker::Sample& cells) {
+        RowChecker checker(run, cells, whole);
+        whole.for_rows([&](const StreamRows& rows, const RowNames& names) { checker.take(rows, names); });
+        return checker.report();
+    };
+    const auto check_polygons_too = [&](VerifyReport& report) {
+        if (!report.passed || result.face_offsets.empty() || result.least_face != 0) return;
         report.failure = check_polygons(result);
         report.passed = report.failure.empty();
+    };
+    const bool provable = !options.sample && !result.indptr.empty() && result.least_face == 0 && !t.is_subset();
+    if (!provable) {
+        VerifyReport report = check(sample);
+        check_polygons_too(report);
+        return report;
     }
-    if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
+    RowChecker::Sample one{0, options.rng_seed, infinity};
+    VerifyReport report = check(one);
+    if (!report.passed) return report;
+    second.options.list_walls = t.lists_walls();
+    const Job job = validate({whole.points(), {}}, second.options);
+    const Certificate::Verdict verdict = Certificate(run, job, result).prove();
+    report.proven = verdict.proven;
+    if (report.proven) return report;
+    // All seeds clip the cell in question.
+    one.max_cells = 1;
+    one.cell = verdict.fault.text.empty() ? verdict.unsettled.id : verdict.fault.id;
+    report = check(one);
+    if (!report.passed) return report;
+    if (verdict.fault.text.empty()) report = check(sample);
+    check_polygons_too(report);
+    if (report.passed && !verdict.fault.text.empty()) {
+        report.passed = false;
+        report.failure = verdict.fault.text;
+    }
+    return report;
+}
+
+}  // namespace
+
+VerifyReport verify(const Tessellation& t, std::span<const double> points, const VerifyOptions& options) {
+    if (t.size() == 0 && points.empty() && !t.is_subset() && !t.probed()) {
+        VerifyReport nothing;
+        nothing.passed = nothing.proven = true;
+        nothing.tiny_faces = 0;
+        return nothing;
+    }
+    require(t, "verify");
+    const Result& result = detail::result_of(t.result_);
+    require_points_of(t, result, points);
+    SecondRun second(t, result);
+    VerifyReport report;
+    if (t.in_mesh())
+        report = verify_in_mesh(t, points, second, options, *result.mesh_cells);
+    else if (t.planar())
+        report = verify_plane(t, points, second, options);
+    else if (EndlessSides(second.options).any())
+        report = verify_endless(t, points, second, options);
+    else {
+        report = verify_cells(t, result, points, second, options);
+        if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
+    }
+    report.proven &= report.passed;
     return report;
 }
 

@@ -415,12 +415,13 @@ VOTESS_API votess_status votess_alpha_array(const votess_alpha* alpha, int32_t k
                                             votess_array* array);
 
 // Checks a result against its points, see verify() in votess.hpp. A failed check is not a failed call.
-// passed: 1 or 0. skipped: VOTESS_CHECK_* bits of the checks whose arrays the result lacks; may be NULL. sample: number
-// of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for about a second's work. sampled: number of cells clipped again, up
-// to the one that failed; may be NULL. failure: failure_size bytes for one line on the first failed check, else "";
+// passed: 1 or 0. proven: 1 if all cells are proven, else 0; may be NULL. skipped: VOTESS_CHECK_* bits of the checks
+// whose arrays the result lacks; may be NULL. sample: number of cells to clip again; VOTESS_SAMPLE_AUTOMATIC for a
+// proof of all cells, or where there is none for about a second's work. sampled: number of cells clipped again, up to
+// the one that failed; may be NULL. failure: failure_size bytes for one line on the first failed check, else "";
 // zero-terminated, cut if too long; NULL with size 0.
 VOTESS_API votess_status votess_verify(const votess_result* result, const double* points, size_t count, size_t sample,
-                                       uint64_t rng_seed, int* passed, uint32_t* skipped, size_t* sampled,
+                                       uint64_t rng_seed, int* passed, int* proven, uint32_t* skipped, size_t* sampled,
                                        char* failure, size_t failure_size);
 
 // Writes Stats::tiny_faces to *tiny_faces, see count_tiny_faces() in votess.hpp. points, count: as for votess_verify.

@@ -468,8 +468,9 @@ struct Delaunay {
 [[nodiscard]] VOTESS_API Delaunay delaunay(const Tessellation& tessellation);
 
 struct VerifyOptions {
-    // Number of cells to clip again. Unset: as many as take about a second, but at least 64 or all. The number depends
-    // on the input alone, not on a clock.
+    // Number of cells to clip again, instead of a proof of all cells. Unset: a proof where one is possible, see
+    // verify(), else as many as take about a second, but at least 64 or all. The number depends on the input alone, not
+    // on a clock.
     std::optional<std::size_t> sample;
     std::uint64_t rng_seed = 1;  // of the sample
 };
@@ -480,11 +481,17 @@ struct VerifyReport {
     std::size_t sampled = 0;           // cells clipped again, up to the one that failed
     // As in Stats, not a failure. Unset for rows found in blocks and of some seeds.
     std::optional<std::uint64_t> tiny_faces;
+    bool proven = false;  // all neighbors, shifts and statuses are proven, and no sample was needed
 };
 // Checks a result from outside, as --verify does:
 //   - volumes sum to that of the domain (relative 1e-9; 1e-4 when stats().precision is single)
 //   - rows ascend and are symmetric; Euler's formula V - E + F = 2 holds for each cell
-//   - a sample of cells equals cells clipped again by every seed, without a search structure
+//   - without a sample, all cells are proven on all threads: the bisectors that a row lists, and the walls, bound a
+//     polytope. Corners and faces of these fit together, and their volumes sum to that of the domain; so they are the
+//     diagram. Seeds without a cell are outside, duplicates, or excluded by a few others. Signs are exact, and numbers
+//     that stand for corners miss a fault with a probability of 2^-64. Volumes, areas, counts and polygons are those of
+//     the polytopes
+//   - else a sample of cells equals cells clipped again by every seed, without a search structure
 //   - with polygons each cell is watertight: every edge occurs twice, in opposite directions, and both cells of a face
 //     have the same polygon
 //   - with areas and normals of all faces each cell is closed: their sum is 0 to 1e-9 of the surface (1e-4 when single)
@@ -494,8 +501,9 @@ struct VerifyReport {
 // their pieces, and sum to the volume of the mesh. Skips checks whose arrays the result lacks, and names them in
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
 // With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
-// check "volumes" is skipped. points: the array given to tessellate(). Throws invalid_argument when its length differs
-// from that of the run, and for cells of probes.
+// check "volumes" is skipped. There is no proof without neighbors, with Options::only, in a mesh, and after min_face or
+// min_area; nor of rows found in blocks. points: the array given to tessellate(). Throws invalid_argument when its
+// length differs from that of the run, and for cells of probes.
 [[nodiscard]] VOTESS_API VerifyReport verify(const Tessellation& tessellation, std::span<const double> points,
                                              const VerifyOptions& options = {});
 

@@ -297,6 +297,7 @@ class Usage(CliTest):
         self.assertAlmostEqual(summary["mean_faces"], summary["faces"] / 20000)
         self.assertTrue(14 < summary["mean_faces"] < 15.6)
         self.assertIsNone(summary["verified"])
+        self.assertIsNone(summary["proven"])
         self.assertIsNone(summary["verified_cells"])
         self.assertGreater(summary["peak_memory_bytes"], 1e6)
         self.assertGreaterEqual(summary["threads"], 1)
@@ -311,10 +312,12 @@ class Usage(CliTest):
     def test_verify(self):
         for extra in [[], ["--list-walls"], ["--want", "neighbors"], ["--want", "volumes", "-o", "out.npz"], ["-t", "1"]]:
             summary = self.json("--random", "5000", "--verify", *extra)
-            self.assertEqual((summary["verified"], summary["verified_cells"]), (True, 5000))
+            self.assertEqual([summary[key] for key in ("verified", "proven", "verified_cells")], [True, True, 0])
         for want in ["volumes", "volumes,faces"]:
             self.assertRegex(self.run_cli("--random", "500", "--verify", "--want", want).stdout,
-                             "(?m)^verified +yes, 500 of 500 cells checked against every point$")
+                             "(?m)^verified +yes, all cells proven$")
+        summary = self.json("--random", "500", "--verify", "--min-face", "1e-3")
+        self.assertEqual([summary[key] for key in ("verified", "proven", "verified_cells")], [True, False, 500])
         with np.load(self.folder / "out.npz") as arrays:
             self.assertNotIn("indices", arrays.files)  # computed for the check, not requested
 

@@ -380,6 +380,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
             c_size_t,
             c_uint64,
             POINTER(c_int),
+            POINTER(c_int),
             POINTER(c_uint32),
             POINTER(c_size_t),
             c_char_p,

@@ -92,6 +92,7 @@ class VerifyReport:
     skipped: Tuple[str, ...]  #: checks without their arrays: "volumes", "symmetry", "euler", "sample"
     sampled: int = 0  #: cells checked by brute force, up to the failed one
     tiny_faces: Optional[int] = None  #: as in :class:`Stats`, not a failure; None for rows from blocks
+    proven: bool = False  #: all neighbors, shifts and statuses are proven, and no sample was needed
 
     def __bool__(self) -> bool:
         return self.passed
@@ -104,14 +105,15 @@ def as_sample(sample: Optional[int], rng_seed: int) -> Tuple[int, int]:
     return cells, as_count(rng_seed, "rng_seed", 64)
 
 
-def verify(function: Any, *arguments: Any) -> VerifyReport:
-    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report."""
-    passed, skipped, sampled = ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
+def verify(function: Any, *arguments: Any, proves: bool = True) -> VerifyReport:
+    """Calls ``votess_verify`` or ``votess_mpi_verify`` and returns the report. Only the first one proves cells."""
+    passed, proven, skipped, sampled = ctypes.c_int(), ctypes.c_int(), ctypes.c_uint32(), ctypes.c_size_t()
     failure = ctypes.create_string_buffer(1024)
     raise_on_failure(
         function(
             *arguments,
             ctypes.byref(passed),
+            *([ctypes.byref(proven)] if proves else []),
             ctypes.byref(skipped),
             ctypes.byref(sampled),
             failure,
@@ -119,4 +121,5 @@ def verify(function: Any, *arguments: Any) -> VerifyReport:
         )
     )
     names = tuple(name for name, bit in _c_api.CHECK_BITS.items() if skipped.value & bit)
-    return VerifyReport(bool(passed.value), failure.value.decode("utf-8", "replace"), names, sampled.value)
+    text = failure.value.decode("utf-8", "replace")
+    return VerifyReport(bool(passed.value), text, names, sampled.value, proven=bool(proven.value))

@@ -133,7 +133,7 @@ TEST_SUITE("api") {
             int passed = 0;
             char text[64];
             note("verify", votess_verify(result, hostile.pointer<const double>(points.data()), hostile.count(n),
-                                         hostile.count(3), 1, hostile.pointer(&passed), nullptr, nullptr,
+                                         hostile.count(3), 1, hostile.pointer(&passed), nullptr, nullptr, nullptr,
                                          hostile.pointer<char>(text), hostile.any<std::size_t>(64, {0, 1})));
             note("wrapped_points", votess_wrapped_points(result, hostile.pointer<const double>(points.data()),
                                                          hostile.count(n), hostile.pointer(room.data())));

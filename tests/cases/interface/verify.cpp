@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <memory>
 
@@ -43,7 +44,10 @@ std::shared_ptr<votess::detail::Result> domain_of(const votess::Tessellation& t)
     result->box = t.box();
     result->periodic = t.periodic();
     result->cell = t.cell();
+    result->walls.assign(t.walls().begin(), t.walls().end());
+    result->planar = t.planar();
     copy(result->weights, t.weights());
+    copy(result->duplicate_of, t.duplicate_of());
     result->lists_walls = t.lists_walls();
     result->stats = t.stats();
     return result;
@@ -69,7 +73,7 @@ std::vector<std::int64_t> some_ids(std::size_t count, test::Random& random) {
 }
 
 // Returns the result with these rows and statuses, and without volumes, so that only rows can be wrong.
-votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& parts) {
+std::shared_ptr<votess::detail::Result> result_with_parts(const votess::Tessellation& t, const Parts& parts) {
     auto result = domain_of(t);
     std::vector<std::int64_t> indptr{0};
     std::vector<std::int32_t> indices;
@@ -85,7 +89,10 @@ votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& part
     copy(result->indices, indices);
     copy(result->shifts, shifts);
     copy(result->status, parts.status);
-    return votess::Tessellation(std::move(result));
+    return result;
+}
+votess::Tessellation with_parts(const votess::Tessellation& t, const Parts& parts) {
+    return votess::Tessellation(result_with_parts(t, parts));
 }
 
 votess::Options rows_only() {
@@ -109,6 +116,159 @@ votess::Options periodic_options(int domain) {
     return options;
 }
 
+// A run and its result, which later loses or gains faces.
+struct ProofCase {
+    test::Coordinates points;
+    std::vector<double> weights;
+    votess::Options options;  // without weights
+    double spacing = 0;
+
+    [[nodiscard]] votess::Tessellation run() const {
+        votess::Options with = options;
+        with.weights = weights;
+        return votess::tessellate(std::span<const double>(points), with);
+    }
+};
+
+constexpr int proof_domains = 11;
+
+void make_case(int domain, test::Random& random, ProofCase& c) {
+    constexpr double inf = std::numeric_limits<double>::infinity();
+    const std::size_t n = 4 + random.below(28);
+    c.options.device = "cpu";
+    c.options.threads = 1;
+    c.options.list_walls = random.chance(0.5);
+    test::Coordinates sides{1, 1, 1};
+    if (random.chance(0.3)) sides = {1, 0.3, 0.1};
+    if (domain == 7) sides = {1, 0.01, 0.03};
+    if (domain < 3 || domain == 4 || domain == 5 || domain == 7) {
+        c.options.box = votess::Box{{0, 0, 0}, {sides[0], sides[1], sides[2]}};
+        const bool all = domain == 1 || domain == 5 || domain == 7;
+        c.options.periodic = {all, all || domain == 2, all};
+    }
+    if (domain == 3) c.options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.7, 0.8}};
+    if (domain == 3) c.options.cell->periodic = {true, random.chance(0.7), true};
+    if (domain == 4) c.options.walls = {{{1, 1, 1}, 0.8 * (sides[0] + sides[1] + sides[2])}, {{-1, 2, 0.5}, 1.1}};
+    if (domain == 6 || domain == 8) c.options.box = votess::Box{{0.2, 0.2, 0.2}, {0.7, 0.8, 0.9}};
+    if (domain == 6) c.options.outside = votess::Outside::keep;
+    if (domain == 3 || domain == 4 || domain == 8) c.options.outside = votess::Outside::drop;
+    if (domain == 9) c.options.planar = true, c.options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+    if (domain == 10) c.options.box = test::cube(-inf, inf);
+    const std::size_t dimensions = c.options.planar ? 2 : 3;
+    if (domain == 5) {  // a lattice, with or without errors
+        const double jitter = std::array{0.0, 1e-14, 1e-4}[random.below(3)];
+        for (int k = 0; k < 27; ++k)
+            for (const int at : {k % 3, k / 3 % 3, k / 9})
+                c.points.push_back(sides[c.points.size() % 3] *
+                                   ((at + 0.25) / 4 * (1 + (random.chance(0.5) ? jitter : 0))));
+    } else {
+        for (std::size_t k = 0; k < dimensions * n; ++k) c.points.push_back(sides[k % dimensions] * random.uniform());
+    }
+    const std::size_t count = c.points.size() / dimensions;
+    c.spacing = std::cbrt(sides[0] * sides[1] * sides[2] / static_cast<double>(count));
+    if (random.chance(0.4))
+        for (std::size_t i = 0; i < count; ++i) c.weights.push_back(random.uniform(0, 0.7 * c.spacing * c.spacing));
+    if (random.chance(0.2))
+        for (std::size_t k = 0; k < dimensions; ++k) c.points[dimensions + k] = c.points[k];  // a duplicate
+}
+
+void insert(std::vector<FaceLabel>& row, const FaceLabel& label) {
+    const auto at = std::ranges::lower_bound(row, label);
+    if (at == row.end() || *at != label) row.insert(at, label);
+}
+void remove_face(Parts& parts, std::size_t i, const FaceLabel& label) {
+    std::erase(parts.rows[i], label);
+    if (label.id >= 0) std::erase(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(i));
+}
+void add_face(Parts& parts, std::size_t i, const FaceLabel& label) {
+    insert(parts.rows[i], label);
+    insert(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(i));
+}
+
+constexpr int kinds_of_damage = 12;
+
+// Changes the parts of a result, or the points, weights or domain that it is verified with. Returns false where the
+// kind does not apply.
+bool damage(int kind, Parts& parts, ProofCase& c, test::Random& random) {
+    const std::size_t n = parts.rows.size(), dimensions = c.options.planar ? 2 : 3;
+    const std::size_t i = random.below(n);
+    auto& row = parts.rows[i];
+    const auto any = [&]() -> FaceLabel { return row[random.below(row.size())]; };
+    const auto move = [&](std::size_t s, double step) {
+        for (std::size_t k = 0; k < dimensions; ++k) {
+            double& x = c.points[dimensions * s + k];
+            x += step * random.uniform(-1, 1);
+            if (c.options.box && c.options.outside == votess::Outside::error)
+                x = std::clamp(x, c.options.box->lower[k], std::nextafter(c.options.box->upper[k], -1.0));
+        }
+    };
+    const double scale = std::pow(10.0, -random.uniform(0, 7));
+    FaceLabel label;
+    if (kind < 5) {
+        if (row.empty()) return false;
+        label = any();
+        if (label.id < 0 && kind > 0) return false;
+    }
+    switch (kind) {
+        case 0:
+            std::erase(row, label);
+            return true;
+        case 1:
+            remove_face(parts, i, label);
+            return true;
+        case 2:
+        case 3: {
+            FaceLabel other = label;
+            other.id = static_cast<std::int32_t>(random.below(n));
+            if (other.id == static_cast<std::int32_t>(i)) return false;
+            if (kind == 2) remove_face(parts, i, label);
+            add_face(parts, i, other);
+            return true;
+        }
+        case 4: {
+            if (c.options.periodic == std::array<bool, 3>{} && !c.options.cell) return false;
+            FaceLabel other = label;
+            other.shift[random.below(3)] += random.chance(0.5) ? 1 : -1;
+            remove_face(parts, i, label);
+            if (other == FaceLabel{static_cast<std::int32_t>(i), {}}) return true;
+            add_face(parts, i, other);
+            return true;
+        }
+        case 5: {
+            while (!row.empty()) remove_face(parts, i, FaceLabel(row.back()));
+            parts.status[i] = votess::CellStatus::empty;
+            return true;
+        }
+        case 6:
+            parts.status[i] = votess::CellStatus::certified;
+            return true;
+        case 7:
+            move(i, c.spacing * scale);
+            return true;
+        case 8:
+            if (c.weights.empty()) return false;
+            c.weights[i] += c.spacing * c.spacing * scale * random.uniform(-1, 1);
+            return true;
+        case 9: {  // rows as if a seed were hidden
+            ProofCase other = c;
+            if (other.weights.empty()) other.weights.assign(n, 0);
+            other.weights[i] -= 100;
+            parts = parts_of(other.run());
+            return true;
+        }
+        case 10:
+            if (c.options.cell || c.options.periodic != std::array<bool, 3>{} || c.options.planar) return false;
+            if (!c.options.box || std::isinf(c.options.box->upper[0])) return false;
+            c.options.walls.push_back(
+                {{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}, random.uniform(0.2, 1)});
+            if (c.options.outside == votess::Outside::error) c.options.outside = votess::Outside::keep;
+            return true;
+        default:
+            for (std::size_t s = 0; s < n; ++s) move(s, c.spacing * scale);
+            return true;
+    }
+}
+
 // Returns the result of an engine with another precision, whose volumes are all larger by this factor.
 votess::Tessellation with_error(const votess::Tessellation& t, votess::Precision precision, double factor) {
     auto result = domain_of(t);
@@ -128,13 +288,15 @@ TEST_SUITE("cases") {
     TEST_CASE("verify says how many cells it tried") {
         const test::PointSet set = test::uniform(400, 97);
         const auto t = test::run(set);
-        CHECK(votess::verify(t, set.points).sampled == 400);
+        CHECK(votess::verify(t, set.points).sampled == 0);
+        CHECK(votess::verify(t, set.points).proven);
         CHECK(votess::verify(t, set.points, {10, 1}).sampled == 10);
         CHECK(votess::verify(t, set.points, {0, 1}).sampled == 0);
         CHECK(votess::verify(t, set.points, {401, 1}).sampled == 400);
+        CHECK_FALSE(votess::verify(t, set.points, {401, 1}).proven);
         for (std::size_t few = 1; few <= 9; ++few) {  // than a round holds
             const test::PointSet seeds = test::uniform(few, 110 + few);
-            CHECK(votess::verify(test::run(seeds), seeds.points).sampled == few);
+            CHECK(votess::verify(test::run(seeds), seeds.points, {few, 1}).sampled == few);
         }
 
         test::Coordinates moved = set.points;  // seen by the sample alone
@@ -151,12 +313,15 @@ TEST_SUITE("cases") {
 
     // The number does not come from a clock.
     TEST_CASE("verify tries more cells where they cost less, and each time the same number") {
+        votess::Options options = rows_only();  // without neighbors, so that there is no proof
+        options.want = {false, true, false, false};
         const test::PointSet small = test::uniform(test::by_size(5000, 500), 98);
-        CHECK(votess::verify(test::run(small, rows_only()), small.points).sampled == small.size());
+        CHECK(votess::verify(test::run(small, options), small.points).sampled == small.size());
         const test::PointSet large = test::uniform(test::by_size(200000, 500), 99);
-        const auto t = test::run(large, rows_only());
+        const auto t = test::run(large, options);
         const auto report = votess::verify(t, large.points);
         CHECK(report.passed);
+        CHECK_FALSE(report.proven);
         CHECK(report.sampled > 500 - 1);
         if (!test::reduced()) {
             CHECK(report.sampled < 3000);
@@ -456,6 +621,56 @@ TEST_SUITE("cases") {
             CHECK(passes(single, sign * 9e-5, 0));
             CHECK_FALSE(passes(single, sign * 2e-4, 0));
         }
+    }
+
+    // VOTESS_TEST_SETS: the number of sets.
+    TEST_CASE("verify proves results, and notices what changes the diagram, and nothing else") {
+        const char* const given = std::getenv("VOTESS_TEST_SETS");
+        const std::size_t sets = given ? std::strtoull(given, nullptr, 10) : test::by_size(110, 22);
+        std::array<std::size_t, kinds_of_damage> changed{}, harmless{};
+        for (std::size_t set = 0; set < sets; ++set) {
+            const int domain = static_cast<int>(set % proof_domains);
+            CAPTURE(set);
+            CAPTURE(domain);
+            test::Random random(1000 + set);
+            ProofCase whole;
+            make_case(domain, random, whole);
+            const votess::Tessellation t = whole.run();
+            const Parts parts = parts_of(t);
+            const votess::VerifyReport good = votess::verify(with_parts(t, parts), whole.points);
+            CHECK(good.failure == "");
+            CHECK(good.proven);
+            for (int kind = 0; kind < kinds_of_damage; ++kind) {
+                CAPTURE(kind);
+                ProofCase c = whole;
+                Parts damaged = parts;
+                if (!damage(kind, damaged, c, random)) continue;
+                if (c.options.outside != votess::Outside::error)  // as verify() sees it
+                    c.options.outside =
+                        std::ranges::find(damaged.status, votess::CellStatus::outside) != damaged.status.end()
+                            ? votess::Outside::drop
+                            : votess::Outside::keep;
+                votess::Tessellation truth;
+                try {
+                    truth = c.run();
+                } catch (const votess::Error&) {
+                    continue;  // a seed has left the domain, or a wall has cut it away
+                }
+                const Parts right = parts_of(truth);
+                const bool is_right = right.rows == damaged.rows && right.status == damaged.status;
+                auto result = result_with_parts(t, damaged);
+                result->walls = c.options.walls;
+                copy(result->weights, c.weights);
+                const auto report = votess::verify(votess::Tessellation(std::move(result)), c.points);
+                CAPTURE(report.failure);
+                CHECK(report.passed == is_right);
+                CHECK(report.proven == is_right);
+                ++(is_right ? harmless : changed)[static_cast<std::size_t>(kind)];
+            }
+        }
+        if (given)
+            for (std::size_t kind = 0; kind < changed.size(); ++kind)
+                MESSAGE("kind " << kind << ": " << changed[kind] << " changed, " << harmless[kind] << " did not");
     }
 
     TEST_CASE("verify names what it skips") {

@@ -121,7 +121,7 @@ class MpiTessellation:
                 raise ValueError(f"points has shape {array.shape}: it must be (N, {self._dimensions})")
             points_of_rank = (None, 0) if array is None else (array.ctypes.data, len(array))
             drawn = as_sample(sample, rng_seed)
-        return verify(_lib.votess_mpi_verify, communicator, self._result.pointer, *points_of_rank, *drawn)
+        return verify(_lib.votess_mpi_verify, communicator, self._result.pointer, *points_of_rank, *drawn, proves=False)
 
 
 @contextlib.contextmanager

@@ -1,0 +1,547 @@
+#include "verify/certificate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/progress.hpp"
+#include "core/scrambled.hpp"
+#include "core/text.hpp"
+
+namespace votess {
+namespace {
+
+using Name = RowPolytope::Name;
+using Shape = RowPolytope::Shape;
+
+constexpr std::size_t cells_at_once = 256;
+constexpr std::size_t buckets = std::size_t{1} << 14;
+constexpr int max_cuts = 200;  // of a seed without a cell
+// Odd numbers without a pattern, which make sums of different terms differ.
+constexpr std::uint64_t factor_a = 0x8ebc6af09c88c6e3, factor_b = 0x589965cc75374cc3, factor_c = 0x1d8e4e27c47d124f,
+                        factor_d = 0xd6e8feb86659fd93;
+
+std::string text_of(const Name& name) {
+    std::string text = std::to_string(name.id);
+    if (name.shift != exact::Shift{})
+        text += " (shift " + std::to_string(name.shift[0]) + " " + std::to_string(name.shift[1]) + " " +
+                std::to_string(name.shift[2]) + ")";
+    return text;
+}
+
+std::uint64_t random_of(std::int32_t id) {
+    return scrambled(0x243f6a8885a308d3 + static_cast<std::uint32_t>(id));
+}
+
+// Linear in the shift.
+std::uint64_t number_of(const exact::Shift& shift) {
+    return static_cast<std::uint64_t>(shift[0]) * factor_a + static_cast<std::uint64_t>(shift[1]) * factor_b +
+           static_cast<std::uint64_t>(shift[2]) * factor_c;
+}
+
+}  // namespace
+
+Certificate::Certificate(const CheckedRun& run, const Job& job, const detail::Result& result)
+    : run_(run),
+      job_(job),
+      result_(result),
+      rows_{result.indptr, result.indices, result.shifts},
+      planes_(job),
+      unscale_(1 / job.scale),
+      pool_(0) {
+    for (unsigned k = 0; k < pool_.size(); ++k) workers_.push_back(std::make_unique<Worker>(planes_));
+}
+
+template <class Task>
+void Certificate::for_cells(const Task& task) {
+    const std::size_t count = result_.status.size();
+    pool_.run((count + cells_at_once - 1) / cells_at_once, [&](std::size_t piece, unsigned worker) {
+        check_stop();
+        const std::size_t begin = piece * cells_at_once, end = std::min(count, begin + cells_at_once);
+        for (std::size_t i = begin; i < end; ++i) task(*workers_[worker], i);
+    });
+}
+
+Certificate::Verdict Certificate::prove() {
+    for (auto& w : workers_) w->sums.assign(buckets, 0);
+    for_cells([&](Worker& w, std::size_t i) {
+        const bool is_outside = !job_.outside.empty() && job_.outside[i] == CellStatus::outside;
+        if (is_outside != (result_.status[i] == CellStatus::outside))
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "seed " + std::to_string(i) +
+                       (is_outside ? " lies outside and is not reported so"
+                                   : " is reported to lie outside, where it does not");
+            });
+        else if (result_.status[i] == CellStatus::certified)
+            check_cell(w, i);
+        else
+            check_other(w, i);
+    });
+    Worker sum(planes_);
+    open_names_.assign(buckets, 0);
+    const auto combine = [&] {
+        for (auto& w : workers_) {
+            sum.fault.merge(w->fault);
+            sum.unsettled.merge(w->unsettled);
+        }
+        return sum.fault.text.empty() && sum.unsettled.text.empty();
+    };
+    for (auto& w : workers_) {
+        for (std::size_t k = 0; k < buckets; ++k) open_names_[k] += w->sums[k];
+        sum.polygons += w->polygons;
+        sum.volume += w->volume;
+        sum.doubt += w->doubt;
+    }
+    if (combine()) check_volume(sum);
+    if (combine() && std::ranges::any_of(open_names_, [](std::uint64_t s) { return s != 0; }))
+        for_cells([&](Worker& w, std::size_t i) { check_names(w, i); });
+    if (combine())
+        for_cells([&](Worker& w, std::size_t i) {
+            if (result_.status[i] == CellStatus::empty) check_hidden(w, i);
+        });
+    Verdict verdict;
+    verdict.proven = combine();
+    if (verdict.proven && sum.polygons != 0) {
+        verdict.proven = false;
+        sum.fault.note(-1, [] { return std::string("two cells have different polygons between them"); });
+    }
+    verdict.fault = std::move(sum.fault);
+    verdict.unsettled = std::move(sum.unsettled);
+    return verdict;
+}
+
+void Certificate::unsettle(Worker& w, std::size_t i) {
+    w.unsettled.note(static_cast<std::int64_t>(i), [&] { return "cell " + std::to_string(i) + " is not settled"; });
+}
+
+bool Certificate::is_live(std::int32_t id) const {
+    const auto i = static_cast<std::size_t>(id);
+    return id >= 0 && i < result_.status.size() && result_.status[i] == CellStatus::certified;
+}
+
+Name Certificate::name(std::size_t entry) const {
+    const FaceLabel label = rows_.label(entry);
+    return {label.id, {label.shift[0], label.shift[1], label.shift[2]}};
+}
+
+// Visits the seeds that the row of an image lists, as images.
+template <class Visit>
+void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
+    const auto row = static_cast<std::size_t>(of.id);
+    for (std::size_t entry = rows_.begin(row); entry < rows_.end(row); ++entry) {
+        Name next = name(entry);
+        if (!is_live(next.id)) continue;
+        for (std::size_t k = 0; k < 3; ++k) next.shift[k] += of.shift[k];
+        visit(next);
+    }
+}
+
+void Certificate::check_cell(Worker& w, std::size_t i) {
+    w.owner = static_cast<std::int32_t>(i);
+    if (!build(w, i)) return;
+    check_numbers(w, i);
+    if (!result_.face_offsets.empty()) check_polygons(w, i);
+    add_names(w, i);
+}
+
+// Makes P_i, condition 1. Walls that the row does not list join where the cell may reach them.
+bool Certificate::build(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    if (!add_row(w, i)) return false;
+    const int listed = polytope.planes();
+    bool sure = polytope.wrap_surely();
+    add_walls(polytope, listed, !sure);
+    if (sure && polytope.planes() == listed) return check_faces(w, i, Shape::solid);
+    return check_faces(w, i, polytope.wrap());
+}
+
+bool Certificate::add_row(Worker& w, std::size_t i) {
+    const Name nearest = rows_.begin(i) == rows_.end(i) ? Name{-1, {}} : name(rows_.end(i) - 1);
+    w.polytope.begin(i, is_live(nearest.id) ? planes_.rounded(i, nearest.id, nearest.shift).length : 1);
+    for (std::size_t entry = rows_.begin(i); entry < rows_.end(i); ++entry) {
+        const Name other = name(entry);
+        const bool itself = other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{};
+        bool exists = other.id < 0 ? planes_.has_wall(other.id) : is_live(other.id) && !itself;
+        for (std::size_t k = 0; k < 3; ++k)
+            exists &= other.shift[k] == 0 || (other.id >= 0 && planes_.domain().periodic[k]);
+        if (!exists) {
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "seed " + std::to_string(i) + " lists " + text_of(other) +
+                       (other.id < 0 ? ", a wall that the domain lacks" : ", which has no cell");
+            });
+            return false;
+        }
+        const RoundedPlane plane = w.polytope.seen(other);
+        if (plane.length == 0 && planes_.same_place(i, other.id, other.shift)) {
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "seed " + std::to_string(i) + " lists " + text_of(other) + ", which lies at its place";
+            });
+            return false;
+        }
+        w.polytope.add(other, plane);
+    }
+    return true;
+}
+
+void Certificate::add_walls(RowPolytope& polytope, int listed, bool all) const {
+    for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
+        if (!planes_.has_wall(id)) continue;
+        bool known = false;
+        for (int f = 0; f < listed && polytope.name(f).id < 0; ++f) known |= polytope.name(f).id == id;
+        if (known) continue;
+        const RoundedPlane wall = polytope.seen({id, {}});
+        if (all || !polytope.is_beyond(wall)) polytope.add({id, {}}, wall);
+    }
+}
+
+bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
+    const RowPolytope& polytope = w.polytope;
+    if (shape == Shape::unsettled) return unsettle(w, i), false;
+    const int listed = static_cast<int>(rows_.end(i) - rows_.begin(i));
+    const std::string seed = "seed " + std::to_string(i);
+    const auto fault = [&](const std::string& text) {
+        w.fault.note(static_cast<std::int64_t>(i), [&] { return text; });
+        return false;
+    };
+    if (shape == Shape::open) return fault("cell " + std::to_string(i) + " is not closed by the faces that it lists");
+    if (shape == Shape::flat)
+        return fault("cell " + std::to_string(i) + " has no volume within the faces that it lists");
+    if (shape == Shape::repeated) {
+        const auto [f, g] = polytope.repeated();
+        return fault(seed + " lists " + text_of(polytope.name(f)) + " and " + text_of(polytope.name(g)) +
+                     " for one face");
+    }
+    for (int f = 0; f < polytope.planes(); ++f) {
+        if (f < listed && !polytope.has_face(f))
+            return fault(seed + " lists " + text_of(polytope.name(f)) + ", with which its cell shares no face");
+        if (f >= listed && polytope.has_face(f) && run_.options.list_walls)
+            return fault(seed + " does not list wall " + text_of(polytope.name(f)) + ", which bounds its cell");
+    }
+    return true;
+}
+
+// Compares volume, areas and counts. The bounds of rounding are those of the corners here and of the result.
+void Certificate::check_numbers(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    RowPolytope::Measures& m = w.measures;
+    polytope.measure(m);
+    const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
+    w.volume += m.volume * square * unscale;
+    w.doubt += m.error * m.surface * square * unscale;
+    const double tolerance = run_.tolerance.cell + double_tolerance.cell;
+    const auto compare = [&](const char* what, double given, double found, double allowed) {
+        if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "cell " + std::to_string(i) + " has " + what + " " + number(given) + ", its faces give " +
+                   number(found);
+        });
+    };
+    if (!result_.volumes.empty())
+        compare("volume", result_.volumes[i], m.volume * square * unscale,
+                (tolerance * m.volume + m.error * m.surface) * square * unscale);
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_areas.empty(); ++e)
+        compare("a face of area", result_.face_areas[e], m.areas[e - rows_.begin(i)] * square,
+                (tolerance * m.surface + 4 * m.error * m.diameter) * square);
+    if (!result_.surface_areas.empty())
+        compare("surface", result_.surface_areas[i], m.surface * square,
+                (tolerance * m.surface + 4 * m.error * m.diameter * polytope.planes()) * square);
+    if (result_.face_counts.empty()) return;
+    std::size_t faces = 0;
+    for (int f = 0; f < polytope.planes(); ++f) faces += polytope.has_face(f) ? 1 : 0;
+    const auto count = [&](const char* what, std::uint32_t given, std::size_t found) {
+        compare(what, given, static_cast<double>(found), 0);
+    };
+    count("a number of faces", result_.face_counts[i], faces);
+    count("a number of edges", result_.edge_counts[i], polytope.edges().size());
+    count("a number of vertices", result_.vertex_counts[i], polytope.corners().size());
+}
+
+// A vertex of the result has the name of a corner if the same faces meet there. The directed edges of all polygons, as
+// pairs of names, must be those of the faces; then each polygon runs once around its face. Sums of random numbers
+// compare them, and the polygons of both cells of a face.
+void Certificate::check_polygons(Worker& w, std::size_t i) {
+    const RowPolytope& polytope = w.polytope;
+    const auto fault = [&] {
+        w.fault.note(static_cast<std::int64_t>(i),
+                     [&] { return "cell " + std::to_string(i) + " has polygons that are not those of its faces"; });
+    };
+    const auto edge = [](std::uint64_t face, std::uint64_t from, std::uint64_t to) {
+        return scrambled(face + from * factor_a + to * factor_b);
+    };
+    w.keys.clear();
+    for (int f = 0; f < polytope.planes(); ++f) w.keys.push_back(scrambled(static_cast<std::uint64_t>(f)));
+    w.corner_keys.assign(polytope.corners().size(), 0);
+    for (std::size_t v = 0; v < w.corner_keys.size(); ++v)
+        for (const int f : polytope.through(static_cast<int>(v)))
+            if (polytope.has_face(f)) w.corner_keys[v] += w.keys[static_cast<std::size_t>(f)];
+    std::uint64_t sum = 0;
+    for (const RowPolytope::Edge& e : polytope.edges()) {
+        const std::uint64_t from = w.corner_keys[static_cast<std::size_t>(e.from)],
+                            to = w.corner_keys[static_cast<std::size_t>(e.to)];
+        sum += edge(w.keys[static_cast<std::size_t>(e.left)], from, to) +
+               edge(w.keys[static_cast<std::size_t>(e.right)], to, from);
+    }
+    const std::size_t first = static_cast<std::size_t>(result_.face_offsets[rows_.begin(i)]),
+                      last = static_cast<std::size_t>(result_.face_offsets[rows_.end(i)]);
+    std::size_t size = 16;
+    while (size < 2 * polytope.corners().size()) size *= 2;
+    w.vertices.assign(size, {-1, 0});
+    std::size_t used = 0;
+    const auto find = [&](std::int32_t id) -> Worker::Vertex* {
+        std::size_t k = (static_cast<std::uint32_t>(id) * 0x9e3779b1u >> 8) & (size - 1);
+        while (w.vertices[k].id != id && w.vertices[k].id != -1) k = (k + 1) & (size - 1);
+        if (w.vertices[k].id == -1) {
+            if (id < 0 || ++used > polytope.corners().size()) return nullptr;
+            w.vertices[k].id = id;
+        }
+        return &w.vertices[k];
+    };
+    if (last - first != 2 * polytope.edges().size()) return fault();
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e)
+        for (auto c = result_.face_offsets[e]; c < result_.face_offsets[e + 1]; ++c) {
+            Worker::Vertex* vertex = find(result_.face_vertices[static_cast<std::size_t>(c)]);
+            if (vertex == nullptr) return fault();
+            vertex->key += w.keys[e - rows_.begin(i)];
+        }
+    const auto original = [&](std::int32_t v) {
+        return static_cast<std::uint64_t>(
+            result_.vertex_image_of.empty() ? v : result_.vertex_image_of[static_cast<std::size_t>(v)]);
+    };
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i); ++e) {
+        const Name other = name(e);
+        exact::Shift back;
+        for (std::size_t k = 0; k < 3; ++k) back[k] = -other.shift[k];
+        const auto self = static_cast<std::int32_t>(i);
+        const bool is_first = self != other.id ? self < other.id : back < other.shift;
+        const std::uint64_t face = random_of(std::min(self, other.id)) * factor_c +
+                                   random_of(std::max(self, other.id)) * factor_d +
+                                   number_of(is_first ? other.shift : back);
+        const auto begin = static_cast<std::size_t>(result_.face_offsets[e]),
+                   end = static_cast<std::size_t>(result_.face_offsets[e + 1]);
+        for (std::size_t c = begin; c < end; ++c) {
+            const std::int32_t a = result_.face_vertices[c], b = result_.face_vertices[c + 1 == end ? begin : c + 1];
+            sum -= edge(w.keys[e - rows_.begin(i)], find(a)->key, find(b)->key);
+            if (other.id < 0) continue;
+            w.polygons += is_first ? edge(face, original(a), original(b)) : -edge(face, original(b), original(a));
+        }
+    }
+    if (sum != 0) return fault();
+    if (result_.vertices.empty()) return;
+    const Vector3 place = planes_.place(i);
+    for (std::size_t v = 0; v < w.corner_keys.size(); ++v) {
+        const auto vertex = std::ranges::find(w.vertices, w.corner_keys[v], &Worker::Vertex::key);
+        const RowPolytope::Corner& corner = polytope.corners()[v];
+        const double* const given = &result_.vertices[3 * static_cast<std::size_t>(vertex->id)];
+        const double per_unit = 1 / polytope.unit(),
+                     length = length3(corner.at[0], corner.at[1], corner.at[2]) * per_unit;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double x = place[k] + corner.at[k] * per_unit, allowed = 2 * corner.error * per_unit +
+                                                                           run_.tolerance.cell * length +
+                                                                           0x1p-48 * (std::abs(x) + length);
+            if (std::abs(given[k] * job_.scale - x) <= allowed) continue;
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "vertex " + std::to_string(vertex->id) + " of cell " + std::to_string(i) + " has " + "xyz"[k] +
+                       " = " + number(given[k]) + ", its faces meet at " + number(x * unscale_);
+            });
+        }
+    }
+}
+
+void Certificate::name_planes(Worker& w, std::size_t i) const {
+    const auto self = static_cast<std::int32_t>(i);
+    w.names.clear();
+    for (int f = 0; f < w.polytope.planes(); ++f) {
+        const Name& other = w.polytope.name(f);
+        w.names.push_back({random_of(other.id), number_of(other.shift), other.id >= 0,
+                           other.id >= 0 && (other.id != self ? other.id < self : other.shift < exact::Shift{})});
+    }
+    w.names.push_back({random_of(self), 0, true, false});
+}
+
+// Adds the names of corners in general position, condition 2.
+void Certificate::add_names(Worker& w, std::size_t i) {
+    const RowPolytope& polytope = w.polytope;
+    name_planes(w, i);
+    for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v) {
+        if (polytope.through(v).size() > 3) {
+            check_corner(w, i, v);
+            continue;
+        }
+        std::uint64_t factor = 1;
+        const std::uint64_t h = name_of(w, v, factor);
+        w.sums[h % buckets] += scrambled(h) * factor;
+    }
+}
+
+// Returns a number that depends on the seeds and walls of a corner, neither on their order nor on a shift of all: with
+// random numbers r of seeds and s of shifts, linear in these, from the sums of r, of (r - r')(s - s') and of
+// (s - s')^2 over all pairs.
+std::uint64_t Certificate::name_of(const Worker& w, int corner, std::uint64_t& factor) const {
+    const Worker::PlaneName& self = w.names.back();
+    std::uint64_t seeds = 1, before = 0, r = self.random, s = 0, rs = 0, ss = 0, walls = 0;
+    for (const int f : w.polytope.corners()[static_cast<std::size_t>(corner)].planes) {
+        const Worker::PlaneName& other = w.names[static_cast<std::size_t>(f)];
+        if (!other.is_seed) {
+            walls += other.random;
+            continue;
+        }
+        ++seeds;
+        before += other.is_before ? 1 : 0;
+        r += other.random, s += other.shift;
+        rs += other.random * other.shift, ss += other.shift * other.shift;
+    }
+    factor = before + 1 == seeds ? 1 - seeds : 1;
+    return scrambled(r + walls * factor_a + (seeds * rs - r * s) * factor_b + (seeds * ss - s * s) * factor_c);
+}
+
+void Certificate::check_names(Worker& w, std::size_t i) {
+    if (result_.status[i] != CellStatus::certified || !build(w, i)) return;
+    name_planes(w, i);
+    const RowPolytope& polytope = w.polytope;
+    for (int v = 0; v < static_cast<int>(polytope.corners().size()); ++v) {
+        if (polytope.through(v).size() > 3) continue;
+        std::uint64_t factor = 1;
+        if (open_names_[name_of(w, v, factor) % buckets] != 0) check_corner(w, i, v);
+    }
+}
+
+// Asks each neighbor at a corner whether its cell has it, condition 2: at the corner its power is that of seed i.
+void Certificate::check_corner(Worker& w, std::size_t i, int corner) {
+    RowPolytope& polytope = w.polytope;
+    const std::span<const int> through = polytope.through(corner);
+    for (const int f : through) {
+        const Name& neighbor = polytope.name(f);
+        if (neighbor.id < 0 || !polytope.has_face(f)) continue;
+        for_neighbors(neighbor, [&](const Name& other) {
+            if (other.id == static_cast<std::int32_t>(i) && other.shift == exact::Shift{}) return;
+            if (std::ranges::any_of(through, [&](int g) { return polytope.name(g) == other; })) return;
+            if (polytope.side(corner, other) <= 0) return;
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "seed " + std::to_string(i) + " lists " + text_of(neighbor) + ", but not its neighbor " +
+                       text_of(other) + ", which is nearer to a corner of the cell";
+            });
+        });
+    }
+}
+
+// Condition 4, for seeds other than hidden ones.
+void Certificate::check_other(Worker& w, std::size_t i) {
+    const auto fault = [&](const std::string& text) {
+        w.fault.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + text; });
+    };
+    if (rows_.begin(i) != rows_.end(i)) return fault(" has no cell and a row");
+    switch (result_.status[i]) {
+        case CellStatus::outside:
+        case CellStatus::empty:
+            return;
+        case CellStatus::duplicate:
+            break;
+        default:
+            return fault(" has no verdict");
+    }
+    if (result_.duplicate_of.empty()) return unsettle(w, i);
+    const std::int32_t k = result_.duplicate_of[i];
+    const bool is_seed = k >= 0 && k < static_cast<std::int32_t>(i) &&
+                         result_.status[static_cast<std::size_t>(k)] != CellStatus::duplicate &&
+                         result_.status[static_cast<std::size_t>(k)] != CellStatus::outside;
+    if (!is_seed || planes_.weight(static_cast<std::size_t>(k)) != planes_.weight(i) || !planes_.same_place(i, k, {}))
+        fault(" is reported to be a duplicate of " + std::to_string(k) + ", and is not");
+}
+
+// Returns the image of a live seed whose power is least at a place relative to seed i, by rounded numbers: goes from
+// cell to cell. Powers count from that of seed i.
+Name Certificate::owner_of(Worker& w, std::size_t i, const Vector3& place) const {
+    const auto power = [&](const Name& name) {
+        const RoundedPlane plane = planes_.rounded(i, name.id, name.shift);
+        return plane.d - dot(plane.n, place);
+    };
+    if (w.owner < 0)
+        w.owner = static_cast<std::int32_t>(std::ranges::find(result_.status, CellStatus::certified) -
+                                            result_.status.begin());
+    Name best{w.owner, {}};
+    double least = power(best);
+    for (bool moved = true; moved;) {
+        moved = false;
+        for_neighbors(Name(best), [&](const Name& next) {
+            const double value = power(next);
+            if (value < least) least = value, best = next, moved = true;
+        });
+    }
+    w.owner = best.id;
+    return best;
+}
+
+// Finds the plane of a live seed that cuts off the most corners of the polytope of seed i, among the owner of a place
+// and its neighbors. Returns how many corners it leaves inside, or nothing if it cuts off none.
+std::optional<std::size_t> Certificate::best_cut(Worker& w, std::size_t i, const Vector3& place, Name& best) const {
+    std::optional<std::size_t> fewest;
+    const auto consider = [&](const Name& name) {
+        const RoundedPlane plane = w.polytope.seen(name);
+        if (plane.length == 0 && planes_.weight(static_cast<std::size_t>(name.id)) <= planes_.weight(i)) return;
+        std::size_t inside = 0, outside = 0;
+        for (const RowPolytope::Corner& corner : w.polytope.corners()) {
+            const double along = dot(plane.n, corner.at), slack = plane.d - along,
+                         bound = corner.error * plane.length + 0x1p-48 * (std::abs(along) + plane.size);
+            inside += slack > bound ? 1 : 0;
+            outside += slack < -bound ? 1 : 0;
+        }
+        if (outside > 0 && inside < fewest.value_or(inside + 1)) fewest = inside, best = name;
+    };
+    const double per_unit = 1 / w.polytope.unit();
+    const Name owner = owner_of(w, i, {place[0] * per_unit, place[1] * per_unit, place[2] * per_unit});
+    consider(owner);
+    for_neighbors(owner, consider);
+    return fewest;
+}
+
+// Condition 4 for a hidden seed. Its polytope within the walls, or within its own images, is cut by live seeds until a
+// plane cuts off all corners. The seeds tried are those around the one that owns the middle of what is left, or else a
+// corner.
+void Certificate::check_hidden(Worker& w, std::size_t i) {
+    RowPolytope& polytope = w.polytope;
+    const auto self = static_cast<std::int32_t>(i);
+    const Name above = owner_of(w, i, {});
+    polytope.begin(i, planes_.rounded(i, above.id, above.shift).length);
+    for (const exact::Shift& shift : planes_.domain().reduced.shift) {
+        if (shift == exact::Shift{}) continue;
+        polytope.add({self, shift});
+        polytope.add({self, {-shift[0], -shift[1], -shift[2]}});
+    }
+    add_walls(polytope, 0, true);
+    for (int cuts = 0; cuts < max_cuts; ++cuts) {
+        const Shape shape = polytope.wrap();
+        if (shape == Shape::flat) return;
+        if (shape != Shape::solid) break;
+        const auto corners = polytope.corners();
+        Vector3 middle{};
+        for (const RowPolytope::Corner& corner : corners)
+            for (std::size_t k = 0; k < 3 && cuts > 0; ++k)
+                middle[k] += corner.at[k] / static_cast<double>(corners.size());
+        Name best{};
+        std::optional<std::size_t> inside = best_cut(w, i, middle, best);
+        for (std::size_t v = 0; v < corners.size() && !inside; ++v) inside = best_cut(w, i, corners[v].at, best);
+        if (!inside) break;
+        bool excluded = *inside == 0;
+        for (int v = 0; v < static_cast<int>(corners.size()) && excluded; ++v) excluded = polytope.side(v, best) >= 0;
+        if (excluded) return;
+        polytope.add(best);
+    }
+    unsettle(w, i);
+}
+
+// Condition 3.
+void Certificate::check_volume(Worker& sum) const {
+    const double domain = job_.box_volume;
+    const auto has = [&](CellStatus status) {
+        return std::ranges::find(result_.status, status) != result_.status.end();
+    };
+    if (!has(CellStatus::certified) && has(CellStatus::empty)) return unsettle(sum, 0);
+    if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
+    if (!(sum.doubt < 0.25 * domain)) return unsettle(sum, 0);
+    sum.fault.note(-1, [&] {
+        return "the cells that the rows describe have a volume of " + number(sum.volume) + ", the domain holds " +
+               number(job_.box_volume);
+    });
+}
+
+}  // namespace votess

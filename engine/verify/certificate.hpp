@@ -1,0 +1,117 @@
+// A proof that rows are those of the Voronoi or power diagram of all seeds, from signs around each cell: verify()
+// without a sample.
+//
+// Let the live seeds be those that are reported to have a cell. Let P_i be the polytope of the bisectors that row i
+// lists and of all walls of the domain D. Suppose
+//   1. P_i is bounded and has volume. Each plane that the row lists bounds it in a face of its own (check_cell());
+//   2. i lists j with a shift exactly if j lists i with the opposite shift (RowChecker), and the face of P_i with j is
+//      that of P_j with i;
+//   3. the volumes of all P_i sum to less than 1.5 times that of D (check_volume());
+//   4. each seed without a cell lies outside of D, or at the place of an equal or heavier one, or some other seeds and
+//      walls leave it no volume (check_other(), check_hidden()).
+// Then the rows are right. Proof. Follow a path in D that meets no edge of any P_i. By 1 and 2 it leaves one P_i
+// through a face only where it enters the one P_j beyond, since other faces lie in walls. So all places of D lie in the
+// same number of P_i, except for edges and faces, and by 3 this number is at most 1. Let V_i be the cell of i among the
+// live seeds. P_i contains V_i, because its planes are some of those that bound V_i. The V_i fill D. So the number is 1
+// and the P_i overlap nowhere, which leaves P_i no place outside of V_i. By 4 the other seeds own no place of D. A face
+// of V_i thus lies in a plane of row i, by 1 and 2 with the right neighbor. In a periodic D the same holds for the
+// images of all P_i.
+//
+// Condition 2 needs no P_j. A corner of P_i in general position is named by the seeds and walls whose planes meet
+// there, up to a shift. All cells of these seeds have it, if the random numbers that cells add for it sum to 0: each
+// cell adds the number, the last of k seeds adds 1 - k times it (add_names()). Sums are kept by some bits of the
+// number. Where one is not 0, and at corners where more than three planes meet, each neighbor j around the corner is
+// asked in exact signs: does a plane of row j cut the corner off (check_corner())? If none does, P_j has it. A wrong
+// diagram passes with a probability of 2^-64 or less for each sum.
+//
+// Signs come from a filter, then from exact/. Nothing here knows how the engine found a cell.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/thread_pool.hpp"
+#include "result/result.hpp"
+#include "result/rows.hpp"
+#include "verify/reported_cell.hpp"
+#include "verify/row_polytope.hpp"
+
+namespace votess {
+
+class Certificate {
+public:
+    struct Verdict {
+        bool proven = false;
+        Fault fault;      // of a cell, or of -1: of all together
+        Fault unsettled;  // a cell that is neither proven nor certainly wrong
+    };
+    // job: of the points of the result, and its domain. Rows must ascend and be symmetric. All must outlive this
+    // object.
+    Certificate(const CheckedRun& run, const Job& job, const detail::Result& result);
+    // Proves all cells on all threads. Throws `cancelled`.
+    [[nodiscard]] Verdict prove();
+
+private:
+    struct Worker {
+        explicit Worker(const SeedPlanes& planes) : polytope(planes) {}
+        RowPolytope polytope;
+        RowPolytope::Measures measures;
+        std::vector<std::uint64_t> sums;  // of names of corners, by bucket
+        std::uint64_t polygons = 0;       // sum over both sides of all faces
+        double volume = 0, doubt = 0;
+        Fault fault, unsettled;
+        std::int32_t owner = -1;  // a live seed from which to look for others
+        struct PlaneName {
+            std::uint64_t random, shift;
+            bool is_seed, is_before;
+        };
+        std::vector<PlaneName> names;
+        std::vector<std::uint64_t> keys, corner_keys;
+        struct Vertex {
+            std::int32_t id;
+            std::uint64_t key;
+        };
+        std::vector<Vertex> vertices;
+    };
+
+    template <class Task>
+    void for_cells(const Task& task);
+    [[nodiscard]] bool is_live(std::int32_t id) const;
+    [[nodiscard]] RowPolytope::Name name(std::size_t entry) const;
+    void check_cell(Worker& w, std::size_t i);
+    [[nodiscard]] bool build(Worker& w, std::size_t i);
+    [[nodiscard]] bool add_row(Worker& w, std::size_t i);
+    void add_walls(RowPolytope& polytope, int listed, bool all) const;
+    [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
+    void check_numbers(Worker& w, std::size_t i);
+    void check_polygons(Worker& w, std::size_t i);
+    void name_planes(Worker& w, std::size_t i) const;
+    void add_names(Worker& w, std::size_t i);
+    void check_names(Worker& w, std::size_t i);
+    [[nodiscard]] std::uint64_t name_of(const Worker& w, int corner, std::uint64_t& factor) const;
+    void check_corner(Worker& w, std::size_t i, int corner);
+    void check_other(Worker& w, std::size_t i);
+    void check_hidden(Worker& w, std::size_t i);
+    [[nodiscard]] RowPolytope::Name owner_of(Worker& w, std::size_t i, const Vector3& place) const;
+    [[nodiscard]] std::optional<std::size_t> best_cut(Worker& w, std::size_t i, const Vector3& place,
+                                                      RowPolytope::Name& best) const;
+    template <class Visit>
+    void for_neighbors(const RowPolytope::Name& of, const Visit& visit) const;
+    void check_volume(Worker& sum) const;
+    static void unsettle(Worker& w, std::size_t i);
+
+    const CheckedRun& run_;
+    const Job& job_;
+    const detail::Result& result_;
+    Rows rows_;
+    SeedPlanes planes_;
+    double unscale_;
+    ThreadPool pool_;
+    std::vector<std::unique_ptr<Worker>> workers_;
+    std::vector<std::uint64_t> open_names_;  // sums over all workers, by bucket
+};
+
+}  // namespace votess

@@ -1,0 +1,405 @@
+#include "verify/row_polytope.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "core/arithmetic.hpp"
+
+namespace votess {
+namespace {
+
+constexpr int max_sure_planes = 512, max_exact_planes = 30000, max_tried_planes = 40;
+constexpr double filter_bound = 0x1p-45;
+constexpr double underflow = 0x1p-960;
+
+// Products of five such numbers neither underflow nor overflow.
+constexpr double least_length = 0x1p-80, largest_length = 0x1p80;
+bool is_ordinary(const RoundedPlane& plane) {
+    return plane.length >= least_length && plane.length <= largest_length &&
+           plane.size <= largest_length * largest_length;
+}
+
+}  // namespace
+
+void RowPolytope::begin(std::size_t seed, double length) {
+    constexpr double usual = 0x1p40;
+    seed_ = seed;
+    const bool is_usual = length * usual >= 1 && length <= usual;
+    unit_ = is_usual || !(length > 0x1p-500) ? 1 : power_of_two(-exponent_above(length));
+    names_.clear();
+    sources_.clear();
+    for (auto* values : {&nx_, &ny_, &nz_, &d_, &length_, &size_, &distance_}) values->clear();
+}
+
+RoundedPlane RowPolytope::seen(const Name& name) const {
+    RoundedPlane plane = planes_.rounded(seed_, name.id, name.shift);
+    if (unit_ == 1) return plane;
+    plane.d *= unit_, plane.size *= unit_;
+    if (name.id < 0) return plane;
+    for (double& x : plane.n) x *= unit_;
+    plane.length *= unit_, plane.d *= unit_, plane.size *= unit_;
+    return plane;
+}
+
+void RowPolytope::add(const Name& name, const RoundedPlane& plane) {
+    const std::size_t f = names_.size();
+    names_.push_back(name);
+    if (f == d_.size()) {
+        for (auto* values : {&nx_, &ny_, &nz_, &length_, &size_, &distance_}) values->resize(f + plane_lanes, 0);
+        d_.resize(f + plane_lanes, 1);
+    }
+    nx_[f] = plane.n[0], ny_[f] = plane.n[1], nz_[f] = plane.n[2];
+    d_[f] = plane.d, length_[f] = plane.length;
+    size_[f] = is_ordinary(plane) ? plane.size : infinity;  // which no bound trusts
+    distance_[f] = size_[f] / plane.length;
+}
+
+const exact::Plane& RowPolytope::source(int f) {
+    while (sources_.size() < names_.size()) {
+        const Name& name = names_[sources_.size()];
+        sources_.push_back(planes_.plane(seed_, name.id, name.shift));
+    }
+    return sources_[at(f)];
+}
+
+// Returns false unless the determinant is certainly positive.
+bool RowPolytope::meet(int a, int b, int c, Corner& corner) const {
+    const Vector3 na = normal(a), nb = normal(b), nc = normal(c);
+    const Vector3 bc = cross(nb, nc), ca = cross(nc, na), ab = cross(na, nb);
+    const double da = d_[at(a)], db = d_[at(b)], dc = d_[at(c)], la = length_[at(a)], lb = length_[at(b)],
+                 lc = length_[at(c)];
+    const double w = dot(na, bc), m = la * lb * lc, inverse = 1 / w;
+    for (std::size_t k = 0; k < 3; ++k) corner.at[k] = (da * bc[k] + db * ca[k] + dc * ab[k]) * inverse;
+    corner.constant = filter_bound * m * inverse;
+    corner.error = corner.slope = corner.constant * (distance_[at(a)] + distance_[at(b)] + distance_[at(c)]);
+    corner.planes = {a, b, c};
+    return w > filter_bound * m;
+}
+
+bool RowPolytope::add_sure_corner(int a, int b, int c) {
+    Corner corner;
+    if (!meet(a, b, c, corner)) return false;
+    const std::size_t padded = d_.size();
+    const int v = static_cast<int>(corners_.size()), n = planes();
+    if (slacks_.size() < at(v + 1) * padded) slacks_.resize(2 * at(v + 1) * padded);
+    double* const slacks = &slacks_[at(v) * padded];
+    // The three planes never count: exactly they are 0.
+    const int sure = loops_.slacks(arrays(), corner.at, {corner.slope, corner.constant, underflow}, slacks);
+    if (sure != static_cast<int>(padded) - 3) return false;
+    for (const int f : corner.planes) slacks[f] = infinity;
+    corners_.push_back(corner);
+    const std::array<int, 4> turn{a, b, c, a};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const int f = turn[k], g = turn[k + 1];
+        faces_[at(f)] = 1;
+        int& other = pairs_[at(g * n + f)];
+        if (other >= 0) {
+            edges_.push_back({other, v, f, g});
+            other = -1;
+        } else {
+            pairs_[at(f * n + g)] = v;
+            waiting_.push_back({v, f, g});
+        }
+    }
+    return true;
+}
+
+// Returns the plane that a ray in planes a and b meets first, by rounded numbers.
+Hit RowPolytope::first_hit(const Vector3& from, const Vector3& along, int a, int b) {
+    if (slacks_.size() < d_.size()) slacks_.resize(d_.size());
+    (void)loops_.slacks(arrays(), from, {}, slacks_.data());
+    for (const int f : {a, b})
+        if (f >= 0) slacks_[at(f)] = infinity;
+    return loops_.first_hit(arrays(), slacks_.data(), along);
+}
+
+// From a seed inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried.
+bool RowPolytope::guess_start(std::array<int, 3>& start) {
+    int nearest = -1;
+    double least = infinity;
+    bool inside = true;
+    for (int f = 0; f < planes(); ++f) {
+        inside &= d_[at(f)] > 0;
+        const double distance = d_[at(f)] / length_[at(f)];
+        if (distance < least) least = distance, nearest = f;
+    }
+    if (inside && nearest >= 0) {
+        const int a = nearest;
+        const Vector3 n = normal(a);
+        const double turn = d_[at(a)] / dot(n, n);
+        Vector3 foot{n[0] * turn, n[1] * turn, n[2] * turn}, across{};
+        const std::size_t axis = std::abs(n[0]) < std::abs(n[1]) ? 0 : 1;
+        Vector3 unit{};
+        unit[axis] = 1;
+        across = cross(n, unit);
+        const Hit b = first_hit(foot, across, a, -1);
+        if (b.plane < 0) return false;
+        for (std::size_t k = 0; k < 3; ++k) foot[k] += b.time * across[k];
+        const Hit c = first_hit(foot, cross(n, normal(b.plane)), a, b.plane);
+        start = {a, b.plane, c.plane};
+        return c.plane >= 0;
+    }
+    for (int a = 0; a < planes(); ++a)
+        if (guess_from(a, start)) return true;
+    return false;
+}
+
+bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
+    const Vector3 na = normal(a);
+    for (int b = 0; b < planes(); ++b) {
+        const Vector3 nb = normal(b), along = cross(na, nb);
+        const double square = dot(along, along);
+        if (b == a || !(square > 0)) continue;
+        const Vector3 u = cross(nb, along), v = cross(along, na);
+        Vector3 from;
+        for (std::size_t k = 0; k < 3; ++k) from[k] = (d_[at(a)] * u[k] + d_[at(b)] * v[k]) / square;
+        double first = -infinity, last = infinity;
+        int end = -1;
+        for (int c = 0; c < planes() && first < last; ++c) {
+            if (c == a || c == b) continue;
+            const Vector3 n = normal(c);
+            const double speed = dot(n, along), slack = d_[at(c)] - dot(n, from);
+            if (speed > 0 && slack < last * speed)
+                last = slack / speed, end = c;
+            else if (speed < 0)
+                first = std::max(first, slack / speed);
+            else if (speed == 0 && slack < 0)
+                last = -infinity;
+        }
+        if (!(first < last) || end < 0) continue;
+        start = {a, b, end};
+        return true;
+    }
+    return false;
+}
+
+bool RowPolytope::wrap_surely() {
+    const int n = planes();
+    seems_open_ = false;
+    if (n < 4) return seems_open_ = true, false;
+    if (n > max_sure_planes) return false;
+    tight_.clear();
+    corners_.clear();
+    edges_.clear();
+    waiting_.clear();
+    faces_.assign(at(n), 0);
+    if (pairs_.size() < at(n * n)) pairs_.resize(at(n * n), -1);
+    const auto sure = [&] {
+        std::array<int, 3> start{};
+        if (!guess_start(start)) return seems_open_ = true, false;
+        if (!add_sure_corner(start[0], start[1], start[2])) return false;
+        for (std::size_t k = 0; k < waiting_.size(); ++k) {
+            const auto [v, a, b] = waiting_[k];
+            if (pairs_[at(a * n + b)] != v) continue;  // it has an end
+            const int c = loops_.first_hit(arrays(), &slacks_[at(v) * d_.size()], cross(normal(b), normal(a))).plane;
+            if (c < 0) return seems_open_ = true, false;
+            if (corners_.size() > at(2 * n) || !add_sure_corner(b, a, c)) return false;
+        }
+        return true;
+    };
+    if (sure()) return true;
+    std::fill_n(pairs_.begin(), n * n, -1);
+    return false;
+}
+
+int RowPolytope::side(int v, const Name& name) {
+    const Corner& corner = corners_[at(v)];
+    const RoundedPlane plane = seen(name);
+    const double slack = plane.d - dot(plane.n, corner.at),
+                 bound = corner.slope * plane.length + corner.constant * plane.size + underflow;
+    if (is_ordinary(plane) && slack > bound) return -1;
+    if (is_ordinary(plane) && slack < -bound) return 1;
+    const auto& [a, b, c] = corner.planes;
+    (void)source(a);
+    return exact::side_of_vertex(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)],
+                                 planes_.plane(seed_, name.id, name.shift));
+}
+
+bool RowPolytope::is_beyond(const RoundedPlane& plane) const {
+    double reach = 0;
+    for (const Corner& corner : corners_)
+        reach = std::max(reach, length3(corner.at[0], corner.at[1], corner.at[2]) + corner.error);
+    return plane.d - plane.length * reach > 0x1p-40 * (plane.length * reach + plane.size);
+}
+
+int RowPolytope::orientation(int a, int b, int c) {
+    (void)source(a);
+    return exact::orientation(planes_.seed(seed_), sources_[at(a)], sources_[at(b)], sources_[at(c)]);
+}
+
+// Makes the corner of three planes that meet in a point. Returns a plane that cuts it off, or -1 and all planes through
+// it.
+int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& through) {
+    if (!meet(a, b, c, corner) && !meet(a, c, b, corner)) {
+        corner.slope = corner.constant = infinity;
+        corner.planes = {a, b, c};
+    }
+    const exact::Plane &pa = source(a), &pb = source(b), &pc = source(c);
+    const double length = length3(corner.at[0], corner.at[1], corner.at[2]);
+    if (!(corner.error < 0x1p-40 * length)) {
+        corner.at = exact::near_vertex(planes_.seed(seed_), pa, pb, pc);
+        for (double& x : corner.at) x *= unit_;
+        corner.error = 0x1p-51 * length3(corner.at[0], corner.at[1], corner.at[2]);
+    }
+    through.clear();
+    for (int f = 0; f < planes(); ++f) {
+        int sign = 0;
+        if (f != a && f != b && f != c) {
+            const double slack = d_[at(f)] - dot(normal(f), corner.at),
+                         bound = corner.slope * length_[at(f)] + corner.constant * size_[at(f)] + underflow;
+            if (slack > bound) continue;
+            sign = slack < -bound ? 1 : exact::side_of_vertex(planes_.seed(seed_), pa, pb, pc, source(f));
+        }
+        if (sign > 0) return f;
+        if (sign == 0) through.push_back(f);
+    }
+    return -1;
+}
+
+int RowPolytope::corner_of(const Corner& corner, const std::vector<int>& through) {
+    const auto known = std::ranges::find(tight_, through);
+    if (known != tight_.end()) return static_cast<int>(known - tight_.begin());
+    corners_.push_back(corner);
+    tight_.push_back(through);
+    return static_cast<int>(tight_.size()) - 1;
+}
+
+// Finds a first corner.
+bool RowPolytope::find_start() {
+    Corner corner;
+    std::vector<int> through;
+    std::array<int, 3> guess{};
+    if (guess_start(guess)) {
+        auto [a, b, c] = guess;
+        for (int tries = 0; tries < planes() && c >= 0 && orientation(a, b, c) != 0; ++tries) {
+            const int cut = place(a, b, c, corner, through);
+            if (cut < 0) return corner_of(corner, through), true;
+            if (orientation(a, b, cut) != orientation(a, b, c)) break;
+            c = cut;
+        }
+    }
+    if (planes() > max_tried_planes) return false;
+    for (int a = 0; a < planes(); ++a)
+        for (int b = a + 1; b < planes(); ++b)
+            for (int c = b + 1; c < planes(); ++c)
+                if (orientation(a, b, c) != 0 && place(a, b, c, corner, through) < 0)
+                    return corner_of(corner, through), true;
+    return false;
+}
+
+// Follows the ray sign * cross(na, nb), along an edge. Returns the corner at its end, or -1 if it has none.
+int RowPolytope::end_of_edge(int from, int a, int b, int sign) {
+    const Vector3 turn = cross(normal(a), normal(b));
+    const Vector3 along{sign * turn[0], sign * turn[1], sign * turn[2]};
+    const auto ends = [&](int c) { return sign * orientation(a, b, c) > 0; };
+    int c = first_hit(corners_[at(from)].at, along, a, b).plane;
+    if (c < 0 || !ends(c)) {
+        c = 0;
+        while (c < planes() && (c == a || c == b || !ends(c))) ++c;
+        if (c == planes()) return -1;
+    }
+    // A plane that cuts off the corner meets the ray before it.
+    Corner corner;
+    std::vector<int> through;
+    for (int cut = place(a, b, c, corner, through); cut >= 0; cut = place(a, b, c, corner, through)) c = cut;
+    return corner_of(corner, through);
+}
+
+RowPolytope::Shape RowPolytope::wrap_exactly() {
+    corners_.clear();
+    edges_.clear();
+    tight_.clear();
+    rays_.clear();
+    faces_.assign(names_.size(), 0);
+    if (planes() > max_exact_planes || !find_start()) return Shape::unsettled;
+    std::set<std::vector<int>> known;
+    for (int v = 0; v < static_cast<int>(corners_.size()); ++v) {
+        const std::vector<int> through = tight_[at(v)];
+        for (std::size_t k = 0; k < through.size(); ++k)
+            for (std::size_t l = k + 1; l < through.size(); ++l) {
+                const int a = through[k], b = through[l];
+                std::vector<int> along;  // planes that hold the line of a and b
+                bool positive = false, negative = false;
+                for (const int c : through) {
+                    const int turn = c == a || c == b ? 0 : orientation(a, b, c);
+                    if (turn == 0) along.push_back(c);
+                    positive |= turn > 0, negative |= turn < 0;
+                }
+                if (positive == negative || !known.insert(along).second) continue;  // no edge, or parallel planes
+                const int w = end_of_edge(v, a, b, positive ? -1 : 1);
+                if (w < 0) return seems_open_ = true, Shape::open;
+                rays_.push_back({v, w, std::move(along)});
+            }
+    }
+    return find_faces();
+}
+
+// A plane has a face if three corners lie in it: no corner lies between two others.
+RowPolytope::Shape RowPolytope::find_faces() {
+    std::vector<std::size_t> count(names_.size());
+    for (const auto& through : tight_)
+        for (const int f : through) ++count[at(f)];
+    for (std::size_t f = 0; f < count.size(); ++f) {
+        if (count[f] == corners_.size()) return Shape::flat;
+        faces_[f] = count[f] >= 3 ? 1 : 0;
+    }
+    for (const Ray& ray : rays_) {
+        std::vector<int> faces;
+        for (const int f : ray.planes)
+            if (faces_[at(f)] != 0) faces.push_back(f);
+        // Two faces meet in an edge. Others in it lie in one plane with one of them.
+        for (std::size_t k = 0; k < faces.size() && faces.size() > 2; ++k)
+            for (std::size_t l = k + 1; l < faces.size() && faces.size() > 2; ++l) {
+                const int f = faces[k], g = faces[l];
+                const auto both = std::ranges::count_if(tight_, [&](const std::vector<int>& through) {
+                    return std::ranges::binary_search(through, f) && std::ranges::binary_search(through, g);
+                });
+                if (both < 3) continue;
+                repeated_ = {f, g};
+                if (name(f).id >= 0 || name(g).id >= 0) return Shape::repeated;
+                const std::size_t drop = name(f).id > name(g).id ? l : k;  // the first wall counts
+                faces_[at(faces[drop])] = 0;
+                faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(drop));
+                k = 0, l = 0;
+            }
+        if (faces.size() != 2) return Shape::unsettled;
+        int third = -1;
+        for (const int c : tight_[at(ray.from)])
+            if (!std::ranges::binary_search(ray.planes, c)) third = c;
+        if (orientation(faces[0], faces[1], third) > 0) std::swap(faces[0], faces[1]);
+        edges_.push_back({ray.from, ray.to, faces[0], faces[1]});
+    }
+    return Shape::solid;
+}
+
+void RowPolytope::measure(Measures& out) const {
+    Vector3 origin{};  // the seed, or a corner if the seed lies outside
+    for (int f = 0; f < planes(); ++f)
+        if (has_face(f) && !(d_[at(f)] > 0)) origin = corners_[0].at;
+    out.areas.assign(names_.size(), 0);
+    for (const Edge& edge : edges_) {
+        const Vector3 turn = cross(minus(corners_[at(edge.from)].at, origin), minus(corners_[at(edge.to)].at, origin));
+        out.areas[at(edge.left)] += dot(turn, normal(edge.left));
+        out.areas[at(edge.right)] -= dot(turn, normal(edge.right));
+    }
+    out.volume = out.surface = out.diameter = out.error = 0;
+    for (int f = 0; f < planes(); ++f) {
+        if (!has_face(f)) continue;
+        double& area = out.areas[at(f)];
+        area /= 2 * length_[at(f)];
+        out.volume += area * (d_[at(f)] - dot(normal(f), origin)) / (3 * length_[at(f)]);
+        out.surface += area;
+    }
+    double square = 0;
+    for (const Corner& corner : corners_) {
+        const Vector3 from = minus(corner.at, corners_[0].at);
+        square = std::max(square, dot(from, from));
+        out.error = std::max(out.error, corner.error);
+    }
+    out.diameter = 2 * std::sqrt(square);
+}
+
+}  // namespace votess

@@ -1,0 +1,141 @@
+// The polytope that some planes bound, with all of its corners, each proven.
+//
+// Gift wrapping: along an edge of a corner, the plane that is met first ends it at the next corner. Floating point
+// guesses that plane. The corner counts if every other plane is certainly on its outer side, so no guess is trusted:
+//   - A corner that passes is a corner of the polytope, by definition.
+//   - Each of its edges has a second end among the corners. As the edges of a bounded polytope connect its corners,
+//     these are all; and if each edge has two ends, the polytope is bounded.
+// With three planes at each corner this needs sure signs only. Otherwise wrap_exactly() takes exact ones. A corner is
+// then named by all planes through it, and its edges are the rays along two of them that leave none.
+//
+// Filter. Cramer's rule gives a corner x = X / W, W = det(na, nb, nc). Let m = |na||nb||nc|, K = m / W and
+// s = sum |d| / |n| over a, b, c, with sizes of d for |d|. All terms of X are at most 1.16 m s (Carlen, Lieb, Loss
+// 2006), and those of n.X - d W at most 1.16 m (s |n| + |d|). Errors of the four planes add 8 u each, and rounding adds
+// less than 20 u. So n.x - d has the sign of its exact value if it exceeds 2^-45 K (s |n| + |d|), which is 256 u.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/vector3.hpp"
+#include "verify/plane_loops.hpp"
+#include "verify/seed_planes.hpp"
+
+namespace votess {
+
+class RowPolytope {
+public:
+    enum class Shape : std::uint8_t {
+        solid,      // it has volume
+        flat,       // it has none
+        open,       // unbounded
+        repeated,   // two planes bound it in one face, see repeated()
+        unsettled,  // too large for exact signs, or no corner was found
+    };
+    struct Corner {
+        Vector3 at;              // relative to the seed
+        double error;            // of `at`
+        double slope, constant;  // n.x - d of a plane is certain beyond slope |n| + constant |d|
+        std::array<int, 3> planes;
+    };
+    // The edge runs along cross(n of left, n of right), where these are the normals of two faces.
+    struct Edge {
+        int from, to, left, right;
+    };
+    struct Name {
+        std::int32_t id;
+        exact::Shift shift;
+        friend bool operator==(const Name&, const Name&) = default;
+    };
+    struct Measures {
+        double volume = 0, surface = 0, diameter = 0;
+        double error = 0;           // bound on the rounding of corners
+        std::vector<double> areas;  // of the faces, by plane
+    };
+
+    explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
+
+    // length: of a typical bisector. Extreme ones set unit().
+    void begin(std::size_t seed, double length);
+    // Lengths here are those of the job times this power of two.
+    [[nodiscard]] double unit() const { return unit_; }
+    [[nodiscard]] RoundedPlane seen(const Name& name) const;
+    void add(const Name& name) { add(name, seen(name)); }
+    void add(const Name& name, const RoundedPlane& plane);
+
+    // Tries sure signs alone. Returns false where they do not settle it.
+    [[nodiscard]] bool wrap_surely();
+    // The last try met an edge without an end: planes are missing.
+    [[nodiscard]] bool seems_open() const { return seems_open_; }
+    [[nodiscard]] Shape wrap_exactly();
+    [[nodiscard]] Shape wrap() { return wrap_surely() ? Shape::solid : wrap_exactly(); }
+
+    [[nodiscard]] int planes() const { return static_cast<int>(names_.size()); }
+    [[nodiscard]] const Name& name(int plane) const { return names_[at(plane)]; }
+    [[nodiscard]] std::span<const Corner> corners() const { return corners_; }
+    [[nodiscard]] std::span<const Edge> edges() const { return edges_; }
+    // Whether a face of the polytope lies in the plane.
+    [[nodiscard]] bool has_face(int plane) const { return faces_[at(plane)] != 0; }
+    // Returns all planes through a corner.
+    [[nodiscard]] std::span<const int> through(int corner) const {
+        return tight_.empty() ? std::span<const int>(corners_[at(corner)].planes) : tight_[at(corner)];
+    }
+    // The planes of Shape::repeated.
+    [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
+    // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
+    [[nodiscard]] int side(int corner, const Name& name);
+    // Whether all corners lie inside the plane and not on it, by distance alone.
+    [[nodiscard]] bool is_beyond(const RoundedPlane& plane) const;
+
+    void measure(Measures& out) const;
+
+private:
+    static std::size_t at(int k) { return static_cast<std::size_t>(k); }
+    [[nodiscard]] Vector3 normal(int f) const { return {nx_[at(f)], ny_[at(f)], nz_[at(f)]}; }
+    [[nodiscard]] const exact::Plane& source(int f);
+    [[nodiscard]] bool meet(int a, int b, int c, Corner& corner) const;
+    [[nodiscard]] bool add_sure_corner(int a, int b, int c);
+    [[nodiscard]] PlaneArrays arrays() const {
+        return {nx_.data(), ny_.data(), nz_.data(), d_.data(), length_.data(), size_.data(), d_.size()};
+    }
+    [[nodiscard]] Hit first_hit(const Vector3& from, const Vector3& along, int a, int b);
+    [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
+    [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
+    [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
+    [[nodiscard]] bool find_start();
+    [[nodiscard]] int orientation(int a, int b, int c);
+    [[nodiscard]] int end_of_edge(int from, int a, int b, int sign);
+    [[nodiscard]] Shape find_faces();
+    int corner_of(const Corner& corner, const std::vector<int>& through);
+
+    const SeedPlanes& planes_;
+    std::size_t seed_ = 0;
+    double unit_ = 1;
+    std::vector<Name> names_;
+    const PlaneLoops& loops_ = plane_loops();
+    std::vector<double> nx_, ny_, nz_, d_, length_, size_;  // padded by planes that nothing touches
+    std::vector<double> distance_;                          // size / length
+    std::vector<double> slacks_;                            // of all planes, for each sure corner; infinite for its own
+    std::vector<exact::Plane> sources_;                     // made when needed
+    std::vector<Corner> corners_;
+    std::vector<Edge> edges_;
+    std::vector<std::uint8_t> faces_;
+    std::vector<int> pairs_;  // planes a, b: the corner whose edge along both has no end yet, or -1
+    struct Half {
+        int corner, a, b;
+    };
+    std::vector<Half> waiting_;
+    std::vector<std::vector<int>> tight_;  // planes through each corner, ascending; empty if these are three each
+    struct Ray {                           // an edge, by all planes that hold it
+        int from, to;
+        std::vector<int> planes;
+    };
+    std::vector<Ray> rays_;
+    std::array<int, 2> repeated_{};
+    bool seems_open_ = false;
+};
+
+}  // namespace votess

@@ -1,0 +1,53 @@
+// The planes of a job as its seeds see them: exact for signs, and rounded with a bound for filters.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/vector3.hpp"
+#include "input/job.hpp"
+
+namespace votess {
+
+// The half-space n.x <= d, of x relative to a seed. With u = 2^-53, n errs by at most 4 u length and d by 8 u size.
+struct RoundedPlane {
+    Vector3 n{};
+    double d = 0, length = 0, size = 0;
+};
+
+class SeedPlanes {
+public:
+    // The job must outlive this object.
+    explicit SeedPlanes(const Job& job);
+
+    [[nodiscard]] const Domain& domain() const { return domain_; }
+    [[nodiscard]] exact::Point seed(std::size_t i) const {
+        return {job_.points[3 * i] * job_.scale, job_.points[3 * i + 1] * job_.scale,
+                job_.points[3 * i + 2] * job_.scale};
+    }
+    // Returns where the seed lies inside the domain, rounded.
+    [[nodiscard]] Vector3 place(std::size_t i) const;
+    [[nodiscard]] double weight(std::size_t i) const { return domain_.has_weights() ? domain_.weights[i] : 0; }
+    // Returns how many walls the domain has. Walls are -1 to -6, then -7, -8, ...; has_wall() knows those of the box.
+    [[nodiscard]] std::int32_t walls() const { return 6 + static_cast<std::int32_t>(domain_.walls.size()); }
+    [[nodiscard]] bool has_wall(std::int32_t id) const {
+        return id < -6 ? -id <= walls() : domain_.has_box_wall(-1 - id);
+    }
+    // Returns the bisector of seed i with the image of seed `id`, or a wall. Shifts are between places inside the
+    // domain.
+    [[nodiscard]] exact::Plane plane(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+    [[nodiscard]] RoundedPlane rounded(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+    // Whether the image lies where seed i does.
+    [[nodiscard]] bool same_place(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+
+private:
+    [[nodiscard]] RoundedPlane rounded_bisector(std::size_t i, std::int32_t id, const exact::Shift& shift) const;
+    [[nodiscard]] RoundedPlane rounded_wall(std::size_t i, std::int32_t id) const;
+
+    const Job& job_;
+    const Domain& domain_;
+    std::vector<exact::Shift> wrap_;  // of each seed; empty if all lie inside the domain
+};
+
+}  // namespace votess
