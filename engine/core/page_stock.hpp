@@ -29,8 +29,8 @@ public:
         }
         return {};
     }
-    // Moves whole huge pages to new memory, as far as they go. The stock keeps their addresses, without pages. Small
-    // memory may come from the program's heap, and have pages already.
+    // Moves whole huge pages to new memory, as far as they go. Does nothing for small memory: the program's heap may
+    // have pages there already.
     void move_to(std::span<std::byte> fresh) {
         constexpr std::size_t surely_new = std::size_t{32} << 20;
         if (fresh.size() < surely_new) return;
