@@ -63,6 +63,20 @@ public:
         rest_.remove_prefix(std::min(end + 1, rest_.size()));
         return true;
     }
+    // Takes the next line too and appends it to `line`, which was the last. Returns false at the end. Throws Failure
+    // for lines that are too long together.
+    [[nodiscard]] bool extend(std::string_view& line) {
+        std::string_view more;
+        if (!next(more)) return false;
+        line = {line.data(), static_cast<std::size_t>(more.data() + more.size() - line.data())};
+        if (line.size() > max_line) throw error("a row of more than " + std::to_string(max_line) + " bytes");
+        return true;
+    }
+    // Returns to a line that was taken, and to its number.
+    void go_back(std::string_view line, std::size_t number) {
+        rest_ = {line.data(), static_cast<std::size_t>(rest_.data() + rest_.size() - line.data())};
+        line_ = number - 1;
+    }
     // Takes the next line that is not blank. Returns false at the end.
     [[nodiscard]] bool next_filled(std::string_view& line) {
         do {

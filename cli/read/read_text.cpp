@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "failure.hpp"
 #include "files/input_file.hpp"
@@ -60,12 +61,18 @@ public:
             std::ranges::any_of(request_.coordinates, [](const std::string& name) { return !read_uint64(name); });
     }
 
-    // Appends the rows of the next part of the text.
-    void append(std::string_view text, Input& input) {
+    // Appends the rows of the next part of the text. more: whether another part follows; then a row that ends within
+    // quotes waits for it. Returns the length of the text without that row.
+    std::size_t append(std::string_view text, bool more, Input& input) {
         lines_.go_on(text);
+        more_ = more;
         append_rows(input, true);  // the first row says which columns there are
+        // A piece that ends within quotes has an error, so that no row begins there.
+        more_ = false;
         append_by_threads(*this, input, std::numeric_limits<std::size_t>::max(), request_.threads);
+        more_ = more;
         append_rows(input);
+        return text.size() - lines_.rest().size();
     }
     void append_rows(Input& input) { append_rows(input, false); }
 
@@ -84,25 +91,41 @@ private:
         }
     }
 
-    // Reads the next line with a field. Returns false at the end.
+    // Reads the next row. Returns false at the end, and before a row that waits.
     bool next_row(Row& row) {
-        while (lines_.next_filled(line_)) {
+        while (!waits_ && lines_.next_filled(line_)) {
+            first_line_ = lines_.line();
             const bool comment = line_[line_.find_first_not_of(blanks)] == '#';
             if (!places_ && comment) note_comment();
             if (comment || (!places_ && may_have_names_ && names_.empty() && take_names())) continue;
-            if (marks_.empty() || line_.find_first_of(marks_) == std::string_view::npos)
+            if (!waits_ && has_fields())
+                split_at_marks(row);
+            else if (!waits_)
                 split(line_, row);
-            else
-                split_at_marks(line_, row);
-            return true;
+            if (!waits_) return true;
         }
+        if (std::exchange(waits_, false)) lines_.go_back(line_, first_line_);
+        return false;
+    }
+
+    // Whether the marks of the names separate the fields of the current line.
+    [[nodiscard]] bool has_fields() const {
+        return !marks_.empty() &&
+               (line_.find_first_of(marks_) != std::string_view::npos || line_.find('"') != std::string_view::npos);
+    }
+
+    // Appends the next line to the current one, which ends within quotes. Returns false at the end of the text; the row
+    // may wait then.
+    bool go_on_in_quotes() {
+        if (lines_.extend(line_)) return true;
+        waits_ = more_;
         return false;
     }
 
     // Takes the line as the names of the columns. Returns false for a row of numbers.
     bool take_names() {
-        marks_ = marks_in(line_);
-        names_ = names_of(line_, marks_);
+        marks_ = marks_in_line();
+        if (!waits_) names_ = names_of(line_, marks_);
         if (names_.empty()) marks_.clear();
         if (names_.empty()) return false;
         // Where both marks occur, one may belong to names.
@@ -135,7 +158,9 @@ private:
         comment_.clear();
         if (begin == std::string_view::npos || quoted) return;
         const std::string_view text = line_.substr(begin);
-        comment_ = names_of(text, marks_in(text));
+        std::string marks;
+        add_marks(text, marks);
+        comment_ = names_of(text, marks);
     }
 
     // Takes the names of a comment such as `# x y z mass`, if it names a coordinate for each that is wanted and has as
@@ -191,9 +216,9 @@ private:
     }
 
     // Calls field(text, quoted) for each field of a line that marks separate, by RFC 4180: quotes may hold marks,
-    // blanks and doubled quotes. Blanks around a field do not count.
-    template <typename Field>
-    void each_field(std::string_view line, std::string_view marks, Field field) const {
+    // blanks, line ends and doubled quotes. Blanks around a field do not count. go_on(line): appends the next line.
+    template <typename Field, typename GoOn>
+    void each_field(std::string_view line, std::string_view marks, Field field, GoOn go_on) const {
         std::size_t at = 0, column = 1;
         const auto skip_blanks = [&] {
             while (at < line.size() && is_blank(line[at])) ++at;
@@ -206,10 +231,18 @@ private:
             const bool quoted = at < line.size() && line[at] == '"';
             std::size_t begin = at + (quoted ? 1 : 0), end = begin;
             if (quoted) {
-                end = line.find('"', begin);
-                while (end != std::string_view::npos && line.substr(end + 1, 1) == "\"") end = line.find('"', end + 2);
-                if (end == std::string_view::npos)
-                    throw lines_.error("the quote in column " + std::to_string(column) + " does not end in its line");
+                for (std::size_t from = begin;;) {
+                    end = line.find('"', from);
+                    if (end == std::string_view::npos) {
+                        from = line.size();
+                        if (go_on(line)) continue;
+                        if (waits_) return;
+                        throw bad_input(lines_.name() + ":" + std::to_string(first_line_) + ": the quote in column " +
+                                        std::to_string(column) + " does not end");
+                    }
+                    if (line.substr(end + 1, 1) != "\"") break;
+                    from = end + 2;
+                }
                 at = end + 1;
                 skip_blanks();
                 if (!ended())
@@ -225,13 +258,21 @@ private:
         }
     }
 
-    void split_at_marks(std::string_view line, Row& row) const {
+    // Splits the current line, with those in which its quotes go on.
+    void split_at_marks(Row& row) {
         row.count = 0;
         row.comma = nullptr;
-        each_field(line, marks_, [&](std::string_view field, bool) {
-            if (row.count < kept_fields) row.fields[row.count] = field;
-            ++row.count;
-        });
+        each_field(
+            line_, marks_,
+            [&](std::string_view field, bool) {
+                if (row.count < kept_fields) row.fields[row.count] = field;
+                ++row.count;
+            },
+            [this](std::string_view& line) {
+                const bool extended = go_on_in_quotes();
+                line = line_;
+                return extended;
+            });
     }
 
     // Returns a field without the doubling of its quotes.
@@ -253,13 +294,21 @@ private:
         return lower_case(name);
     }
 
-    // Returns the commas and semicolons of a line that are neither in quotes nor in a comment, each once.
-    static std::string marks_in(std::string_view line) {
-        std::string marks;
-        bool quoted = false;
+    // Adds the commas and semicolons of a line that are neither in quotes nor in a comment, each once. Returns whether
+    // the line ends within quotes. quoted: whether it begins there.
+    static bool add_marks(std::string_view line, std::string& marks, bool quoted = false) {
         for (std::size_t at = 0; at < line.size() && (quoted || !is_comment(line, at)); ++at) {
             quoted ^= line[at] == '"';
             if (!quoted && is_mark(line[at]) && marks.find(line[at]) == std::string::npos) marks += line[at];
+        }
+        return quoted;
+    }
+    // Returns those of the current line, with those in which its quotes go on.
+    std::string marks_in_line() {
+        std::string marks;
+        for (std::size_t from = 0; add_marks(line_.substr(from), marks, from > 0);) {
+            from = line_.size();
+            if (!go_on_in_quotes()) break;
         }
         return marks;
     }
@@ -273,12 +322,15 @@ private:
             split_words(line.substr(0, line.find('#')), words);
             for (const std::string_view word : words) names.push_back(plain_name(word));
         } else {
-            each_field(line, marks, [&](std::string_view field, bool quoted) {
-                names.push_back(lower_case(quoted ? text_of(field) : std::string(field)));
-                Words parts{field};
-                if (!quoted) split_words(field, parts);
-                words.insert(words.end(), parts.begin(), parts.end());
-            });
+            each_field(
+                line, marks,
+                [&](std::string_view field, bool quoted) {
+                    names.push_back(lower_case(quoted ? text_of(field) : std::string(field)));
+                    Words parts{field};
+                    if (!quoted) split_words(field, parts);
+                    words.insert(words.end(), parts.begin(), parts.end());
+                },
+                [](std::string_view&) { return false; });
         }
         for (const std::string_view word : words) numbers |= read_double(word).has_value();
         return numbers ? std::vector<std::string>() : names;
@@ -457,7 +509,10 @@ private:
     }
 
     LineReader lines_;
-    std::string_view line_;             // the current line
+    std::string_view line_;             // the current line, or lines of a row
+    std::size_t first_line_ = 0;        // number of the first of them
+    bool more_ = false;                 // whether more text follows
+    bool waits_ = false;                // whether the current row ends within quotes and waits for that
     std::vector<std::string> names_;    // of the columns, by a line of names
     std::string marks_;                 // commas and semicolons between those; empty if blanks are
     std::vector<std::string> comment_;  // the words of the last comment
@@ -482,8 +537,7 @@ public:
         piece = {};
         for (;;) {
             const std::size_t end = more_ ? text_.rfind('\n') + 1 : text_.size();  // 0 within a line
-            reader_.append(std::string_view(text_).substr(0, end), piece);
-            text_.erase(0, end);
+            text_.erase(0, reader_.append(std::string_view(text_).substr(0, end), more_, piece));
             if (!more_) break;
             read_more();
             if (!piece.points.empty()) break;
@@ -511,7 +565,7 @@ private:
 
 Input parse_text(std::string_view text, TextKind kind, const std::string& name, const ReadRequest& request) {
     Input input;
-    TextReader(kind, name, request).append(text, input);
+    TextReader(kind, name, request).append(text, false, input);
     return input;
 }
 

@@ -107,8 +107,8 @@ void check_blanks(const std::string& path, const std::string& name, const std::v
             throw bad_input("cannot carry the column " + in_quotes(name) + " into " + in_quotes(path) + ", for its " +
                             what + in_quotes(text) + " would not be one word there: write .csv, .npz or .h5");
     };
-    if (kind.write != write_text) check(name, "name ", kind.write == write_xyz ? " \t\":=" : " \t");
-    for (const std::string& word : words) check(word, "text ", " \t");
+    if (kind.write != write_text) check(name, "name ", kind.write == write_xyz ? " \t\r\n\":=" : " \t\r\n");
+    for (const std::string& word : words) check(word, "text ", " \t\r\n");
 }
 
 void check_name(const InputColumn& column) {

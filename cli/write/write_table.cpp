@@ -93,9 +93,9 @@ TableColumn ids_of(const OutputData& data, std::int64_t first) {
             }};
 }
 
-// Returns a text as a field of .csv: in quotes if it holds a mark, a quote or a blank (RFC 4180).
+// Returns a text as a field of .csv: in quotes if it holds a mark, a quote, a blank or a line end (RFC 4180).
 std::string field_of(const std::string& text) {
-    if (text.find_first_of(",;\"# \t") == std::string::npos) return text;
+    if (text.find_first_of(",;\"# \t\r\n") == std::string::npos) return text;
     std::string quoted = "\"";
     for (const char c : text) quoted.append(c == '"' ? 2 : 1, c);
     return quoted + "\"";

@@ -90,12 +90,14 @@ std::shared_ptr<DiagramState> settle(std::span<const double> points, const Optio
     }
     const EndlessSides sides(options);
     std::optional<Box> endless;
+    std::optional<FlatEnds> flat_ends;
     if (sides.any()) {
         check_endless(options);
         if (options.cell)
             throw Error(ErrorCode::unsupported,
                         "Options::cell has an edge that is 0: a Diagram without end needs Options::box");
         endless = options.box;
+        flat_ends.emplace(Points{places, {}}, options);
         end_near(options, {places, {}});
         if (mesh) options.box = hull_of(*options.box, solid::default_box_around(*mesh, {places, {}}));
     }
@@ -103,6 +105,7 @@ std::shared_ptr<DiagramState> settle(std::span<const double> points, const Optio
     state->thickness = thickness;
     state->endless_sides = sides;
     state->endless = endless;
+    if (flat_ends && flat_ends->any()) state->flat_ends = std::move(flat_ends);
     if (mesh) {
         solid::place_mesh(*mesh, state->job);
         state->inside.emplace(std::make_shared<const solid::ClosedMesh>(std::move(*mesh)), state->job.domain);
@@ -168,11 +171,13 @@ namespace {
 
 // Makes the state of some seeds, none for all, in a box.
 std::shared_ptr<DiagramState> in_box(const DiagramState& state, const std::vector<std::int32_t>* seeds, const Box& box,
-                                     const EndlessSides& sides) {
+                                     const EndlessSides& sides, const FlatEnds* flat_ends = nullptr) {
     std::vector<double> weights = weights_of(state);
     if (seeds != nullptr) weights = some_of(weights, *seeds, 1);
     std::vector<double> points = seeds == nullptr ? state.points : some_of(state.points, *seeds, 3);
-    auto made = make_state(std::move(points), options_in(state, box, weights));
+    Options options = options_in(state, box, weights);
+    if (flat_ends != nullptr) flat_ends->cut(options);
+    auto made = make_state(std::move(points), options);
     made->thickness = state.thickness;
     made->endless_sides = sides;
     return made;
@@ -196,6 +201,15 @@ std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box) {
     const std::scoped_lock lock(state.making);
     if (!state.far || !holds(state.far->job.box, box)) state.far = in_box(state, nullptr, box, state.endless_sides);
     return state.far;
+}
+
+std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box) {
+    const std::scoped_lock lock(state.making);
+    Options cut = options_in(state, box, {});
+    state.flat_ends->cut(cut);
+    if (!state.flat || !holds(state.flat->job.box, *cut.box))
+        state.flat = in_box(state, nullptr, box, state.endless_sides, &*state.flat_ends);
+    return state.flat;
 }
 
 std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box) {

@@ -22,6 +22,7 @@
 #include "query/ray_tracer.hpp"
 #include "solid/inside.hpp"
 #include "unbounded/endless_box.hpp"
+#include "unbounded/flat_ends.hpp"
 #include "votess/diagram.hpp"
 
 namespace votess::detail {
@@ -63,15 +64,16 @@ struct DiagramState {
     // The sides at infinity. The walls of the state's own box on them are not those of the domain.
     EndlessSides endless_sides;
 
-    // In a domain without end this state has near ends, and three others are made when needed. `far` has a box beyond
-    // what the queries reach. `hull` has that box too, but only the seeds whose cells reach infinity. `around` has
-    // sides around the seeds, for grids. Each has its own call at work.
+    // In a domain without end this state has near ends, and others are made when needed. `far` has a box beyond
+    // what the queries reach. `flat` has too, cut by the ends of flat seeds. `hull` has that box too, but only the
+    // seeds whose cells reach infinity. `around` has sides around the seeds, for grids. Each has its own call at work.
     std::optional<Box> endless;
     std::mutex making;
-    std::shared_ptr<DiagramState> far, hull, around;
+    std::shared_ptr<DiagramState> far, flat, hull, around;
+    std::optional<FlatEnds> flat_ends;              // if there are any
     std::optional<std::vector<std::int32_t>> open;  // the seeds of `hull`
 
-    // A mesh, which cuts the domain. The three others have none.
+    // A mesh, which cuts the domain. The others have none.
     std::optional<solid::Inside> inside;
 };
 
@@ -88,6 +90,7 @@ Box box_with(const DiagramState& state, std::span<const double> places);
 Box box_beyond(const DiagramState& state, std::span<const double> places, std::span<const double> weights);
 // Return those of a state without end. box: what theirs has to hold.
 std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box);
+std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box);
 std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box);
 std::shared_ptr<DiagramState> state_around(DiagramState& state);
 

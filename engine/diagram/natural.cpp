@@ -157,7 +157,8 @@ public:
     FarQueries(DiagramState& near, std::span<const double> x, const NaturalOptions& options,
                std::vector<std::int32_t> numbers)
         : options_(options), numbers_(std::move(numbers)) {
-        if (!near.endless || numbers_.empty()) return;
+        // Along the normal of flat seeds all cells reach infinity.
+        if (!near.endless || numbers_.empty() || near.flat_ends) return;
         take(x, options.weights);
         const Box box = box_beyond(near, places_, weights_);
         remove_open(*hull_state(near, box));

@@ -62,7 +62,8 @@ Result cells_of_probes(DiagramState& state, std::vector<double> x, const ProbeOp
     return result;
 }
 
-// In a domain without end, cells that reach the walls of the near box are made again in the far one.
+// In a domain without end, cells that reach the walls of the near box are made again in the far one. Where seeds and
+// query are flat, that one is thin.
 Result endless_cells(DiagramState& state, const std::vector<double>& x, const ProbeOptions& options) {
     Options wanted;
     wanted.want = options.want;
@@ -73,29 +74,37 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
     asked.want.neighbors = true;
     asked.want.faces |= want.areas || want.counts || want.vertices;
     Result near = cells_of_probes(state, x, asked);
-    std::vector<bool> taken(near.status.size());
-    std::vector<std::int32_t> rows;
+    std::vector<bool> taken(near.status.size()), taken_flat(taken.size());
     const std::span<const std::int32_t> ids = near.indices;
     for (std::size_t q = 0; q < taken.size(); ++q) {
-        taken[q] = near.status[q] == CellStatus::outside || near.status[q] == CellStatus::empty;
         const auto begin = static_cast<std::size_t>(near.indptr[q]), end = static_cast<std::size_t>(near.indptr[q + 1]);
-        taken[q] = taken[q] || state.endless_sides.any_of(ids.subspan(begin, end - begin));
-        if (taken[q]) rows.push_back(static_cast<std::int32_t>(q));
+        if (near.status[q] != CellStatus::outside && near.status[q] != CellStatus::empty &&
+            !state.endless_sides.any_of(ids.subspan(begin, end - begin)))
+            continue;
+        const bool flat = state.flat_ends && state.flat_ends->holds({x[3 * q], x[3 * q + 1], x[3 * q + 2]});
+        (flat ? taken_flat : taken)[q] = true;
     }
-    const std::vector<double> places = some_of(x, rows, 3), weights = some_of(options.weights, rows, 1),
-                              radii = some_of(options.radii, rows, 1);
-    wanted.weights = asked.weights = weights;
-    wanted.radii = asked.radii = radii;
     const Options domain = options_in(state, state.endless, {});
-    Result far;
-    if (!rows.empty()) {
-        const Box box = box_beyond(state, places, votess::weights_of(wanted));
-        far = cells_of_probes(*far_state(state, box), places, asked);
-        open_cells(far, domain);
-    }
-    Result joined = join_cells(std::move(near), far, rows, taken, {}, domain);
-    keep_wanted(joined, want, options.list_walls || want.faces);
-    return joined;
+    const auto take = [&](const std::vector<bool>& of_far, const auto& state_beyond) {
+        std::vector<std::int32_t> rows;
+        for (std::size_t q = 0; q < of_far.size(); ++q)
+            if (of_far[q]) rows.push_back(static_cast<std::int32_t>(q));
+        Result far;
+        if (!rows.empty()) {
+            const std::vector<double> places = some_of(x, rows, 3), weights = some_of(options.weights, rows, 1),
+                                      radii = some_of(options.radii, rows, 1);
+            wanted.weights = asked.weights = weights;
+            wanted.radii = asked.radii = radii;
+            const Box box = box_beyond(state, places, votess::weights_of(wanted));
+            far = cells_of_probes(*state_beyond(state, box), places, asked);
+            open_cells(far, domain);
+        }
+        return join_cells(std::move(near), far, rows, of_far, {}, domain);
+    };
+    if (std::ranges::find(taken_flat, true) != taken_flat.end()) near = take(taken_flat, flat_state);
+    near = take(taken, far_state);
+    keep_wanted(near, want, options.list_walls || want.faces);
+    return near;
 }
 
 // The parts of the cells in the mesh.

@@ -19,7 +19,12 @@ struct Block {
 std::string xml_escaped(std::string_view text) {
     std::string result;
     for (const char c : text) {
-        result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+        const bool space = c == '\t' || c == '\n' || c == '\r';
+        result += c == '&'   ? "&amp;"
+                  : c == '<' ? "&lt;"
+                  : c == '"' ? "&quot;"
+                  : space    ? "&#" + std::to_string(int{c}) + ";"
+                             : std::string(1, c);
     }
     return result;
 }

@@ -23,7 +23,8 @@ namespace {
 
 using detail::Result;
 using Vector = std::array<double, 3>;
-constexpr std::size_t cells_per_stop = 1024, vertices_per_stop = 8192;  // after which the user may stop
+constexpr std::size_t cells_per_stop = 1024, vertices_per_stop = 8192,
+                      comparisons_per_stop = 65536;  // after which the user may stop
 
 // Returns a vector of an array; z is 0 in the plane.
 Vector vector_at(std::span<const double> array, std::size_t i, std::size_t dimensions) {
@@ -370,7 +371,11 @@ std::optional<FreeSphere> Network::largest_free(std::optional<int> axis) const {
     if (shifts.empty()) return {};
     std::vector<std::int32_t> order(edge_radii.size());
     std::iota(order.begin(), order.end(), 0);
-    std::ranges::stable_sort(order, std::ranges::greater(), [&](std::int32_t e) { return edge_radii[at(e)]; });
+    std::size_t compared = 0;
+    std::ranges::stable_sort(order, [&](std::int32_t a, std::int32_t b) {
+        if (++compared % comparisons_per_stop == 0) check_stop();
+        return edge_radii[at(a)] > edge_radii[at(b)];
+    });
     ConnectedVertices sets(vertex_radii.size());
     std::vector<std::int32_t> ways;  // edges of equal room that close a way to an image
     for (std::size_t next = 0; next < order.size(); ++next) {

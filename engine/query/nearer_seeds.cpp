@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/vector3.hpp"
 
@@ -10,13 +11,14 @@ namespace {
 
 constexpr double slack = 0x1p-44;  // of sums of squares and weights
 
-double distance_to(const Box& box, const exact::Point& x) {
+// Returns the squared distance of a box from a place relative to `at`, rounded as those of seeds.
+double square_to(const Box& box, const exact::Point& at, const Vector3& x) {
     double sum = 0;
     for (std::size_t k = 0; k < 3; ++k) {
-        const double gap = std::max({0.0, box.lower[k] - x[k], x[k] - box.upper[k]});
+        const double gap = std::max({0.0, box.lower[k] - at[k] - x[k], x[k] - (box.upper[k] - at[k])});
         sum += gap * gap;
     }
-    return std::sqrt(sum);
+    return sum;
 }
 
 }  // namespace
@@ -42,18 +44,35 @@ double NearerSeeds::reach(double weight) const {
            (1 + slack);
 }
 
-bool NearerSeeds::may_be_nearer(std::size_t place, double weight) const {
+bool NearerSeeds::may_be_nearer(const Vertex& vertex, double square, double weight) const {
+    // An error e of the vertex changes |x|^2 by less than 2 e |x| + e^2, and 2 |x| is less than |x|^2 / f + f.
+    const double of_square = slack + 2 * vertex.error / farthest_;
+    const double error = of_square * square + slack * (std::abs(weight) + std::abs(vertex.power)) +
+                         2 * vertex.error * (farthest_ + vertex.error);
+    return !(of_square < 1) || square - weight <= vertex.power + error;
+}
+
+const std::vector<std::uint32_t>& NearerSeeds::vertices_near(int level, std::size_t index) {
+    NearVertices& near = near_[static_cast<std::size_t>(level)];
+    if (level > hierarchy_.top_level() || near.index == index) return near.numbers;
+    const std::vector<std::uint32_t>& above = vertices_near(level + 1, index / Hierarchy::fan);
+    near.index = index;
+    near.numbers.clear();
+    const Box& box = hierarchy_.box(level, index);
+    const double weight = hierarchy_.largest_weight(level, index);
+    for (const std::uint32_t v : above) {
+        if (may_be_nearer(vertices_[v], square_to(box, at_, vertices_[v].x), weight)) near.numbers.push_back(v);
+    }
+    return near.numbers;
+}
+
+bool NearerSeeds::may_be_nearer(std::size_t place, double weight) {
     const Vector3 seed{seeds_.x[place] - at_[0], seeds_.y[place] - at_[1], seeds_.z[place] - at_[2]};
     const double limit = reach(weight);
     if (dot(seed, seed) > limit * limit) return false;
-    // An error e of the vertex changes |x|^2 by less than 2 e |x| + e^2, and 2 |x| is less than |x|^2 / f + f.
-    const double per_farthest = 1 / farthest_, of_weight = slack * std::abs(weight);
-    return std::ranges::any_of(vertices_, [&](const Vertex& vertex) {
-        const Vector3 from = minus(seed, vertex.x);
-        const double square = dot(from, from);
-        const double error = of_weight + slack * (square + std::abs(vertex.power)) +
-                             2 * vertex.error * (square * per_farthest + farthest_ + vertex.error);
-        return square - weight <= vertex.power + error;
+    return std::ranges::any_of(vertices_near(0, place / group_size), [&](std::uint32_t v) {
+        const Vector3 from = minus(seed, vertices_[v].x);
+        return may_be_nearer(vertices_[v], dot(from, from), weight);
     });
 }
 
@@ -64,11 +83,16 @@ bool NearerSeeds::find(std::vector<Member>& members) {
         return false;
     known_ = members;
     std::ranges::sort(known_);
+    near_.resize(static_cast<std::size_t>(top) + 2);
+    for (NearVertices& near : near_) near.index = ~std::size_t{0};
+    near_.back().numbers.resize(vertices_.size());
+    std::iota(near_.back().numbers.begin(), near_.back().numbers.end(), 0u);
     nodes_.assign(1, {top, 0});
     while (!nodes_.empty()) {
         const auto [level, index] = nodes_.back();
         nodes_.pop_back();
-        if (!(distance_to(hierarchy_.box(level, index), at_) <= reach(hierarchy_.largest_weight(level, index))))
+        if (!(std::sqrt(square_to(hierarchy_.box(level, index), at_, {})) <=
+              reach(hierarchy_.largest_weight(level, index))))
             continue;
         if (level > 0) {
             const std::size_t begin = index * Hierarchy::fan;

@@ -48,7 +48,11 @@ private:
     };
     // No seed of a weight up to this is nearer at a vertex unless it is nearer to the probe than that.
     [[nodiscard]] double reach(double weight) const;
-    [[nodiscard]] bool may_be_nearer(std::size_t place, double weight) const;
+    // Whether a seed may be nearer at a vertex. square: a lower bound of their squared distance.
+    [[nodiscard]] bool may_be_nearer(const Vertex& vertex, double square, double weight) const;
+    [[nodiscard]] bool may_be_nearer(std::size_t place, double weight);
+    // Returns the numbers of the vertices at which some seed of a node may be nearer.
+    [[nodiscard]] const std::vector<std::uint32_t>& vertices_near(int level, std::size_t index);
 
     const SortedSeeds& seeds_;
     const Hierarchy& hierarchy_;
@@ -57,6 +61,12 @@ private:
     double farthest_ = 0, highest_ = 0;
     std::vector<Vertex> vertices_;
     std::vector<Node> nodes_;
+    // By level, the top last: those of the node whose seeds were tried last.
+    struct NearVertices {
+        std::size_t index;
+        std::vector<std::uint32_t> numbers;
+    };
+    std::vector<NearVertices> near_;
     std::vector<Member> known_;  // sorted
 };
 

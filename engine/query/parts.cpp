@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/vector3.hpp"
+#include "exact/predicate.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -27,6 +28,50 @@ SeedImages::Base Parts::base_of(std::int32_t home) const {
     return seeds_.images == nullptr ? SeedImages::Base{{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}}
                                     : seeds_.images->base(s);
 }
+
+// Members with weights, and images, for their triangulation: the predicates are those of the clipper.
+class Parts::MemberSites final : public Sites {
+public:
+    explicit MemberSites(const Parts& parts) {
+        const SortedSeeds& seeds = parts.seeds_;
+        lattice_ = seeds.images == nullptr ? nullptr : &seeds.images->domain().lattice;
+        for (const auto& [home, shift] : parts.members_) {
+            const auto& [point, moved] = parts.base_of(home);
+            const double weight = seeds.weights.empty() ? 0 : seeds.weights[static_cast<std::size_t>(home)];
+            sites_.push_back({point, difference(shift, difference({}, moved)), weight});
+        }
+        for (const exact::Point& point : {exact::Point{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+            sites_.push_back({point, {}, 0});
+    }
+    [[nodiscard]] int orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const override {
+        return exact::orientation(point_of(d), bisector(d, a), bisector(d, b), bisector(d, c));
+    }
+    [[nodiscard]] int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
+                               std::int32_t p) const override {
+        return exact::side_of_vertex(point_of(d), bisector(d, a), bisector(d, b), bisector(d, c), bisector(d, p));
+    }
+
+private:
+    struct Site {
+        exact::Point point;
+        exact::Shift shift;
+        double weight;
+    };
+    [[nodiscard]] const exact::Point& point_of(std::int32_t i) const {
+        return sites_[static_cast<std::size_t>(i)].point;
+    }
+    [[nodiscard]] exact::Plane bisector(std::int32_t from, std::int32_t to) const {
+        const Site &a = sites_[static_cast<std::size_t>(from)], &b = sites_[static_cast<std::size_t>(to)];
+        exact::Plane plane = lattice_ == nullptr
+                                 ? exact::Plane::bisector(b.point)
+                                 : exact::Plane::bisector(b.point, difference(b.shift, a.shift), *lattice_);
+        plane.power = exact::two_sum(a.weight, -b.weight);
+        return plane;
+    }
+
+    const exact::Lattice* lattice_;
+    std::vector<Site> sites_;
+};
 
 // The bisector of a member and the probe, as the member sees it.
 exact::Plane Parts::guard_of(const Member& member) const {
@@ -57,10 +102,12 @@ Cell& Parts::build(std::size_t k, std::span<const exact::Plane> guards) {
         for (std::size_t other = 0; other < members_.size(); ++other)
             if (other != k) add(members_[other]);
     }
+    clips_ += homes_.size();
     return builder_.build_from(home, homes_, shifts_, guards);
 }
 
 bool Parts::clip(std::size_t k) {
+    if (!search_ && triangulation_ && triangulation_->is_hidden(k)) return false;
     const exact::Plane guard = guard_of(members_[k]);
     const auto apart = exact::differences(base_of(members_[k].home).point, guard).x;
     to_probe_ = {apart[0].high, apart[1].high, apart[2].high};
@@ -98,13 +145,8 @@ void Parts::add_vertices_of(std::size_t k) {
 
 void Parts::triangulate() {
     triangulation_.reset();
-    if (members_.size() < min_triangulated || !seeds_.weights.empty() || seeds_.images != nullptr) return;
-    std::array<std::vector<double>, 3> x;
-    for (const Member& member : members_) {
-        const exact::Point at = base_of(member.home).point;
-        for (std::size_t axis = 0; axis < 3; ++axis) x[axis].push_back(at[axis]);
-    }
-    triangulation_.emplace(members_.size(), x[0], x[1], x[2]);
+    if (members_.size() < min_triangulated) return;
+    triangulation_.emplace(members_.size(), MemberSites(*this));
     if (!triangulation_->valid()) triangulation_.reset();
 }
 

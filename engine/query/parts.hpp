@@ -36,8 +36,12 @@ public:
     void begin_job(const Domain& domain) { builder_.begin_job(domain); }
     // neighbors: of the probe, without its images; others may be among them. Returns the parts that have a volume.
     [[nodiscard]] std::span<const Part> divide(const Probe& probe, std::span<const Member> neighbors, bool moments);
+    // Returns by how many members parts have been clipped, all together.
+    [[nodiscard]] std::size_t clips() const { return clips_; }
 
 private:
+    class MemberSites;
+
     [[nodiscard]] SeedImages::Base base_of(std::int32_t home) const;
     [[nodiscard]] exact::Plane guard_of(const Member& member) const;
     [[nodiscard]] Cell& build(std::size_t k, std::span<const exact::Plane> guards);
@@ -63,9 +67,10 @@ private:
     NearerSeeds nearer_;
     const Probe* probe_ = nullptr;
     bool moments_ = false;
+    std::size_t clips_ = 0;
     bool search_ = false;  // builds each part among all seeds, not among the members
-    // The triangulation of many members, in their order: few of them cut each part. Unset in periodic domains, whose
-    // images have no exact coordinates.
+    // The triangulation of many members, in their order: few of them cut each part, and none is cut out of a hidden
+    // one.
     std::optional<Delaunay> triangulation_;
     std::vector<std::int32_t> around_;
     std::vector<std::uint8_t> marks_;

@@ -20,7 +20,8 @@ constexpr double surface_rounding = 0x1p-36;
 constexpr double overlay_rounding = 0x1p-38;  // of the extent; triangles in a plane may reach far
 constexpr double quad_rounding = 0x1p-114;    // of a cone's terms, and of the extent
 constexpr std::size_t word_bits = 64;
-constexpr std::int32_t absent = -2;     // of a vertex without a side yet
+constexpr std::size_t triangles_per_stop = 256, places_per_stop = 256;  // after which the user may stop
+constexpr std::int32_t absent = -2;                                     // of a vertex without a side yet
 constexpr double beside_margin = 1e-8;  // of the distances that a triangle's plane is compared with
 
 template <class Real>
@@ -83,7 +84,9 @@ const CutMeasures& CutCell::measure(bool decide_faces) {
     out_.faces = std::move(faces);
     make_faces();
     find_candidates();
+    std::size_t tried = 0;
     for (const std::uint32_t t : candidates_) {
+        if (++tried % triangles_per_stop == 0) check_stop();
         const ClosedMesh::Triangle& triangle = mesh_.triangles()[t];
         const bool meets = clip(triangle);
         if (meets) add_polygon(t);
@@ -720,6 +723,7 @@ void CutCell::find_quads() {
     if (!exact_is_ready_) prepare_exact(apex_);
     quads_.resize(place_.size());
     for (std::size_t i = 0; i < place_.size(); ++i) {
+        if (i % places_per_stop == places_per_stop - 1) check_stop();
         if (!place_[i].is_used) continue;
         const ExactPlace place = exact_place(place_[i]);
         const auto w = static_cast<exact::Quad>(place.w);

@@ -11,8 +11,9 @@ namespace {
 
 constexpr double thin_ear = 1e-7;  // twice the area of a thick ear, over its longest side squared
 
-constexpr double same_direction = 1e-9;  // of the sine of an angle
-constexpr double grid = 0x1p-36;         // of the size of a polygon: nearer corners count as touching
+constexpr std::size_t corners_per_stop = 64;  // after which the user may stop
+constexpr double same_direction = 1e-9;       // of the sine of an angle
+constexpr double grid = 0x1p-36;              // of the size of a polygon: nearer corners count as touching
 
 // Returns a key of an edge without a direction.
 std::uint64_t edge(std::int32_t a, std::int32_t b) {
@@ -70,6 +71,7 @@ std::int32_t EarClipping::add_loop(const std::vector<FlatCorner>& loop, double m
 
 // Joins a hole by two edges between the same corners, in opposite directions.
 void EarClipping::join(std::int32_t hole, std::int32_t outline) {
+    check_stop();
     const std::int32_t bridge = find_bridge(hole, outline);
     const auto hole_again = static_cast<std::int32_t>(nodes_.size()), bridge_again = hole_again + 1;
     nodes_.push_back(node(hole));
@@ -210,8 +212,9 @@ void EarClipping::clip(std::int32_t start) {
         n = node(n).next;
     } while (n != start);
     std::ranges::sort(by_x_, {}, [&](std::int32_t k) { return node(k).x; });
-    std::size_t count = by_x_.size(), tried = 0;
+    std::size_t count = by_x_.size(), tried = 0, looks = 0;
     for (auto demand = Demand::thick; count >= 3;) {
+        if (++looks % corners_per_stop == 0) check_stop();
         if (count == 3 || is_ear(n, demand)) {
             const std::int32_t previous = node(n).previous, next = node(n).next;
             triangles_.push_back({node(previous).id, node(n).id, node(next).id});
@@ -229,7 +232,6 @@ void EarClipping::clip(std::int32_t start) {
         }
         n = node(n).next;
         if (++tried < count) continue;
-        check_stop();
         demand = static_cast<Demand>(static_cast<std::uint8_t>(demand) + 1);
         tried = 0;
     }

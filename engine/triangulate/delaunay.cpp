@@ -9,7 +9,6 @@
 
 #include "core/progress.hpp"
 #include "core/scrambled.hpp"
-#include "exact/insphere.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -35,58 +34,70 @@ std::vector<std::int32_t> insertion_order(std::size_t count) {
     return order;
 }
 
-}  // namespace
-
-Delaunay::Delaunay(std::size_t count, std::span<const double> x, std::span<const double> y, std::span<const double> z)
-    : count_(count) {
+// Returns the points, then four of which some are added to seeds that span no tetrahedron.
+std::vector<exact::Point> points_of(std::size_t count, std::span<const double> x, std::span<const double> y,
+                                    std::span<const double> z) {
     // Seeds that are small beside their box get the size that filters are made for.
     double largest = 0;
-    for (std::size_t i = 0; i < count_; ++i)
+    for (std::size_t i = 0; i < count; ++i)
         largest = std::max({largest, std::abs(x[i]), std::abs(y[i]), std::abs(z[i])});
     constexpr double small = 0x1p-64, smallest = 0x1p-1000;
     const double scale = largest < small && largest > smallest ? std::ldexp(1.0, -std::ilogb(largest)) : 1;
-    points_.reserve(count_ + 4);
-    for (std::size_t i = 0; i < count_; ++i) points_.push_back({x[i] * scale, y[i] * scale, z[i] * scale});
-    points_.insert(points_.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-    first_.assign(points_.size(), Triangulation::unused);
-    Triangulation triangulation(points_);
-    valid_ = count_ < 2 || triangulate(triangulation);
+    std::vector<exact::Point> points;
+    points.reserve(count + 4);
+    for (std::size_t i = 0; i < count; ++i) points.push_back({x[i] * scale, y[i] * scale, z[i] * scale});
+    points.insert(points.end(), {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+    return points;
+}
+
+}  // namespace
+
+Delaunay::Delaunay(std::size_t count, std::span<const double> x, std::span<const double> y, std::span<const double> z)
+    : Delaunay(count, PointSites(points_of(count, x, y, z))) {}
+
+Delaunay::Delaunay(std::size_t count, const Sites& sites) : count_(count) {
+    first_.assign(count_ + 4, Triangulation::unused);
+    Triangulation triangulation(sites);
+    valid_ = count_ < 2 || triangulate(triangulation, sites);
     if (!valid_) return;
     cells_ = triangulation.take();
     list_by_vertex();
 }
 
-bool Delaunay::triangulate(Triangulation& triangulation) {
+bool Delaunay::triangulate(Triangulation& triangulation, const Sites& sites) const {
     std::vector<std::int32_t> order = insertion_order(count_);
     // Coplanar seeds get a point beside their plane, collinear ones two. Then every tetrahedron joins triangles (pairs)
     // of seeds to these points. Wherever the points are, its circumsphere meets the plane (line) in the circle of the
     // triangle (the pair), so its answers about seeds stay right.
     const auto added = static_cast<std::int32_t>(count_);
-    auto orient = [this](std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-        return exact::orient(points_[a], points_[b], points_[c], points_[d]);
-    };
     auto is_beside = [&](std::int32_t a, std::int32_t b, std::int32_t c) {  // not collinear
         for (std::int32_t d = added; d < added + 4; ++d)
-            if (orient(a, b, c, d) != 0) return true;
+            if (sites.orient(a, b, c, d) != 0) return true;
         return false;
     };
     auto first_of = [&](auto suits) {
-        const auto found = std::find_if(order.begin() + 2, order.end(), suits);
+        const auto found = std::find_if(order.begin() + 1, order.end(), suits);
         if (found != order.end()) return *found;
         std::int32_t point = added;
         while (!suits(point)) ++point;
         return point;
     };
-    const std::int32_t a = order[0], b = order[1];
+    const std::int32_t a = order[0];
+    // With weights two seeds may have one place, which is on a line with any other.
+    const std::int32_t b = first_of([&](std::int32_t p) {
+        for (std::int32_t c = added; c < added + 4; ++c)
+            if (is_beside(a, p, c)) return true;
+        return false;
+    });
     const std::int32_t c = first_of([&](std::int32_t p) { return is_beside(a, b, p); });
-    const std::int32_t d = first_of([&](std::int32_t p) { return orient(a, b, c, p) != 0; });
+    const std::int32_t d = first_of([&](std::int32_t p) { return sites.orient(a, b, c, p) != 0; });
     triangulation.begin(a, b, c, d);
 
     const std::size_t most = std::min<std::size_t>(std::max(max_cells_per_seed * count_, max_cells_of_few),
                                                    std::numeric_limits<std::int32_t>::max() - std::size_t{1'000'000});
-    for (std::size_t k = 2; k < count_; ++k) {
+    for (std::size_t k = 1; k < count_; ++k) {
         const std::int32_t p = order[k];
-        if (p == c || p == d) continue;
+        if (p == b || p == c || p == d) continue;
         check_stop();
         triangulation.insert(p);
         if (triangulation.tetrahedra().size() > most) return false;

@@ -11,8 +11,16 @@ int slot_of(const std::array<std::int32_t, 4>& a, std::int32_t x) {
 
 }  // namespace
 
+int PointSites::orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const {
+    return exact::orient(points_[a], points_[b], points_[c], points_[d]);
+}
+
+int PointSites::insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d, std::int32_t p) const {
+    return exact::insphere(points_[a], points_[b], points_[c], points_[d], points_[p]);
+}
+
 void Triangulation::begin(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) {
-    if (exact::orient(points_[a], points_[b], points_[c], points_[d]) < 0) std::swap(a, b);
+    if (sites_.orient(a, b, c, d) < 0) std::swap(a, b);
     cells_ = {{{a, b, c, d}, {1, 2, 3, 4}}};
     for (int k = 0; k < 4; ++k) {
         // Beyond face k the infinite vertex is on the other side, so two vertices are swapped.
@@ -30,15 +38,14 @@ void Triangulation::begin(std::int32_t a, std::int32_t b, std::int32_t c, std::i
 }
 
 void Triangulation::insert(std::int32_t point) {
-    find_conflicts(point);
-    fill_hole(point);
+    if (find_conflicts(point)) fill_hole(point);
 }
 
 // Returns the sign of the tetrahedron with the point in place of one vertex, which may be the infinite one.
 int Triangulation::orient_with(const Tetrahedron& t, int slot, std::int32_t point) const {
     std::array<std::int32_t, 4> v = t.vertex;
     v[slot] = point;
-    return exact::orient(points_[v[0]], points_[v[1]], points_[v[2]], points_[v[3]]);
+    return sites_.orient(v[0], v[1], v[2], v[3]);
 }
 
 bool Triangulation::in_conflict(const Tetrahedron& t, std::int32_t point) const {
@@ -49,7 +56,7 @@ bool Triangulation::in_conflict(const Tetrahedron& t, std::int32_t point) const 
         finite = &cells_[t.neighbor[slot]];
     }
     const auto& v = finite->vertex;
-    return exact::insphere(points_[v[0]], points_[v[1]], points_[v[2]], points_[v[3]], points_[point]) > 0;
+    return sites_.insphere(v[0], v[1], v[2], v[3], point) > 0;
 }
 
 // Walks through any face that has the point strictly beyond it. In a regular triangulation this ends (Edelsbrunner, An
@@ -67,11 +74,12 @@ std::int32_t Triangulation::locate(std::int32_t point) {
         }
         if (!is_finite(cells_[cell])) break;  // strictly beyond the hull triangle
     }
-    return cell;  // holds the point, which is not one of its vertices, or is infinite and beyond the hull
+    return cell;  // holds the point, or is infinite and beyond the hull
 }
 
-void Triangulation::find_conflicts(std::int32_t point) {
+bool Triangulation::find_conflicts(std::int32_t point) {
     conflicts_.assign(1, locate(point));
+    if (!in_conflict(cells_[conflicts_[0]], point)) return false;
     kept_.clear();
     boundary_.clear();
     state_[conflicts_[0]] = State::conflict;
@@ -87,6 +95,7 @@ void Triangulation::find_conflicts(std::int32_t point) {
             if (state_[n] == State::kept) boundary_.push_back({cell, k, unused});
         }
     }
+    return true;
 }
 
 void Triangulation::fill_hole(std::int32_t point) {

@@ -11,6 +11,9 @@
 // orientations are not perturbed, and no tetrahedron is flat. A point in the plane of a hull triangle conflicts with
 // the infinite tetrahedron if it conflicts with the finite one across. In that plane both circumspheres have the circle
 // of the triangle, and only the weights of the triangle and the point count.
+//
+// Points may have weights of their own. "Inside a sphere" then means a smaller power than the points of the
+// tetrahedron. A point that conflicts with no tetrahedron is hidden and left out, and others may hide later.
 #pragma once
 
 #include <array>
@@ -29,16 +32,43 @@ struct Tetrahedron {
     std::array<std::int32_t, 4> neighbor;  // across the face opposite to that vertex
 };
 
+// The points of a triangulation, by index: the signs of exact predicates.
+class Sites {
+public:
+    Sites() = default;
+    Sites(const Sites&) = delete;
+    Sites& operator=(const Sites&) = delete;
+    virtual ~Sites() = default;
+    // Returns the sign of det(a - d, b - d, c - d).
+    [[nodiscard]] virtual int orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const = 0;
+    // Returns +1 when p conflicts with the tetrahedron, where orient(a, b, c, d) > 0; 0 for a tie.
+    [[nodiscard]] virtual int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
+                                       std::int32_t p) const = 0;
+};
+
+// Points without weights, which must outlive this.
+class PointSites final : public Sites {
+public:
+    explicit PointSites(std::span<const exact::Point> points) : points_(points) {}
+    [[nodiscard]] int orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const override;
+    [[nodiscard]] int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
+                               std::int32_t p) const override;
+
+private:
+    std::span<const exact::Point> points_;
+};
+
 class Triangulation {
 public:
     static constexpr std::int32_t infinite = -1;
     static constexpr std::int32_t unused = -2;  // vertex[0] of a free place
 
-    // The points must outlive this. No two inserted points may be equal.
-    explicit Triangulation(std::span<const exact::Point> points) : points_(points) {}
+    // The sites must outlive this. No two inserted points without weights may be equal.
+    explicit Triangulation(const Sites& sites) : sites_(sites) {}
 
     // Inserts the first four points, not coplanar. Their infinitesimal weights are smaller than later ones.
     void begin(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d);
+    // Leaves a hidden point out.
     void insert(std::int32_t point);
 
     [[nodiscard]] std::span<const Tetrahedron> tetrahedra() const { return cells_; }
@@ -55,16 +85,17 @@ private:
         std::int32_t fresh;  // the tetrahedron made on it
     };
 
-    // Returns a tetrahedron that conflicts with the point.
+    // Returns a tetrahedron that conflicts with the point unless it is hidden.
     [[nodiscard]] std::int32_t locate(std::int32_t point);
     [[nodiscard]] int orient_with(const Tetrahedron& t, int slot, std::int32_t point) const;
     [[nodiscard]] bool in_conflict(const Tetrahedron& t, std::int32_t point) const;
-    void find_conflicts(std::int32_t point);
+    // Returns whether there are any.
+    [[nodiscard]] bool find_conflicts(std::int32_t point);
     void fill_hole(std::int32_t point);
     void link(const Boundary& face);
     [[nodiscard]] std::int32_t allocate_cell();
 
-    std::span<const exact::Point> points_;
+    const Sites& sites_;
     std::vector<Tetrahedron> cells_;
     std::vector<State> state_;  // of each cell while a point is inserted
     std::vector<std::int32_t> free_, conflicts_, kept_;

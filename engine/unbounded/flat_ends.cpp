@@ -7,9 +7,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
-#include "core/vector3.hpp"
 #include "domain/domain.hpp"
-#include "exact/insphere.hpp"
 #include "unbounded/endless_box.hpp"
 
 namespace votess {
@@ -19,6 +17,7 @@ using exact::Point;
 
 constexpr double relative_height = 0x1p-3;  // over the mean distance of the seeds
 constexpr double least_height = 0x1p-36;    // over the largest coordinate: far above the rounding of a wall
+constexpr double farthest_held = 0x1p8;     // over the same: ends there are rounded by far less than the height
 constexpr std::size_t seeds_per_check = 4096;
 
 // The lengths of a lattice along axes, 0 across it; nothing where it lies along others than axes and their planes.
@@ -101,32 +100,39 @@ FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless
     const Point b = x[second];
     const std::size_t third =
         x.first(second + 1, [&](const Point& p) { return exact::triangle_normal(a, b, p).n != Point{}; });
-    std::vector<exact::RoundedNormal> normals;
+    const auto add_plane = [&](const Point& c, const Point& d) {
+        planes_.push_back({exact::triangle_normal(a, c, d), {a, c, d}});
+    };
     if (third < x.size()) {
         const Point c = x[third];
         if (x.first(third + 1, [&](const Point& p) { return exact::orient(a, b, c, p) != 0; }) < x.size()) return;
-        normals.push_back(exact::triangle_normal(a, b, c));
+        add_plane(b, c);
     } else {
         const Vector3 along = minus(b, a);
         const auto longest = std::ranges::max_element(along, {}, [](double d) { return std::abs(d); }) - along.begin();
         for (const std::ptrdiff_t k : {(longest + 1) % 3, (longest + 2) % 3}) {
             Point beside = a;
             beside[static_cast<std::size_t>(k)] += 2 * x.largest();
-            normals.push_back(exact::triangle_normal(a, b, beside));
+            add_plane(b, beside);
         }
     }
     const EndlessSides sides(options);
     const bool periodic = *periods != Vector3{};
-    std::erase_if(normals, [&](const exact::RoundedNormal& rounded) {
+    std::erase_if(planes_, [&](const FlatPlane& plane) {
+        const auto& [n, error] = plane.normal;
         std::size_t across = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-            if (rounded.n[k] == 0 && rounded.error[k] == 0) continue;
+            if (n[k] == 0 && error[k] == 0) continue;
             ++across;
             const int pair = pair_of(static_cast<int>(k));
             if (pair < 0 || !sides.has(-1 - 2 * pair) || !sides.has(-2 - 2 * pair)) return true;
         }
         return across > 1 && periodic;
     });
+
+    scale_ = x.scale();
+    farthest_ = farthest_held * x.largest();
+    for (std::size_t k = 0; k < 3; ++k) ignored_[k] = (*periods)[k] != 0;
 
     Vector3 lower = a, upper = a;
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -139,7 +145,8 @@ FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless
     const auto count = static_cast<double>(x.size());
     const double distance = third < x.size() ? std::sqrt(extent[0] * extent[1] / count) : extent[0] / count;
     const double height = std::max(relative_height * distance, least_height * x.largest());
-    for (const auto& [normal, error] : normals) {
+    for (const FlatPlane& plane : planes_) {
+        const Vector3& normal = plane.normal.n;
         const auto& [nx, ny, nz] = normal;
         const double offset = dot(normal, a), reach = height * length3(nx, ny, nz), unscale = 1 / x.scale();
         if (const auto axis = std::ranges::find_if(normal, [](double n) { return n != 0; });
@@ -153,6 +160,18 @@ FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless
         walls_.push_back({normal, (offset + reach) * unscale});
         walls_.push_back({{-nx, -ny, -nz}, (reach - offset) * unscale});
     }
+}
+
+bool FlatEnds::holds(const Vector3& x) const {
+    Point scaled;
+    for (std::size_t k = 0; k < 3; ++k) {
+        scaled[k] = ignored_[k] ? 0 : x[k] * scale_;
+        if (!(std::abs(scaled[k]) <= farthest_) || (!ignored_[k] && scaled[k] / scale_ != x[k])) return false;
+    }
+    return std::ranges::all_of(planes_, [&](const FlatPlane& plane) {
+        const auto& [a, b, c] = plane.points;
+        return exact::orient(a, b, c, scaled) == 0;
+    });
 }
 
 void FlatEnds::cut(Options& options) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/progress.hpp"
 #include "domain/domain.hpp"
 #include "domain/lattice_reach.hpp"
 
@@ -11,6 +12,7 @@ namespace {
 
 // Work, in distance tests.
 constexpr double work_of_cell = 1e4, work_of_range = 60, work_of_image = 150, work_of_plane = 100, work_of_vertex = 1;
+constexpr std::size_t seeds_per_stop = 16384, images_per_stop = 256;  // after which the user may stop
 
 }  // namespace
 
@@ -59,6 +61,7 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
     images_.clear();
     const double reach = reach_of(cell);
     for (std::size_t s = 0; s < place_.size(); ++s) {
+        if (s % seeds_per_stop == 0) check_stop();
         const exact::Point& at = place_[s].at;
         const ShiftRange shifts = domain_.is_periodic() ? shifts_around(domain_, {at, at}, own_.place.at,
                                                                         std::min(reach, neighbor_reach(domain_)))
@@ -66,7 +69,8 @@ void BruteForce::clip(const Own& own, cpu::Cell& cell) {
         add(s, shifts, reach * reach);
     }
     work_ += static_cast<double>(place_.size()) * (domain_.is_periodic() ? work_of_range : 1);
-    while (!images_.empty() && !cell.empty()) {
+    for (std::size_t tried = 1; !images_.empty() && !cell.empty(); ++tried) {
+        if (tried % images_per_stop == 0) check_stop();
         std::ranges::pop_heap(images_, farther);
         const Images next = images_.back();
         images_.pop_back();
@@ -121,6 +125,7 @@ void BruteForce::cut_by_nearest(cpu::Cell& cell) {
     constexpr std::size_t count = 48;
     images_.clear();
     for (std::size_t s = 0; s < place_.size(); ++s) {
+        if (s % seeds_per_stop == 0) check_stop();
         const exact::Point &p = own_.place.at, &q = place_[s].at;
         const double x = q[0] - p[0], y = q[1] - p[1], z = q[2] - p[2];
         double key = x * x + y * y + z * z;

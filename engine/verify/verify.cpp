@@ -27,7 +27,7 @@ namespace {
 
 using detail::Result;
 
-constexpr std::size_t rows_at_once = std::size_t{1} << 16;
+constexpr std::size_t rows_at_once = std::size_t{1} << 14;
 constexpr std::size_t rows_per_stop = 1024;  // after which the user may stop
 
 std::size_t at(std::int64_t i) {
@@ -75,6 +75,7 @@ public:
     bool for_rows(const Visit& visit) override {
         std::vector<std::int64_t> ids;
         for (std::size_t begin = 0; begin < r_.status.size(); begin += rows_at_once) {
+            check_stop();
             const std::size_t size = std::min(rows_at_once, r_.status.size() - begin);
             StreamRows rows;
             rows.first = begin;

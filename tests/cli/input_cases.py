@@ -107,21 +107,23 @@ class Source(CliTest):
         self.refuse(self.put("a.txt", "x y z\n1 2 3\n"), says=["a.txt:1:", "'x'"])
 
     def test_csv_by_rfc_4180(self):
-        """Random tables written by Python's csv come back, with quotes, marks and blanks in fields, and empty cells."""
+        """Random tables written by Python's csv come back, with quotes, marks, blanks and line ends in fields, and empty cells."""
         rng = np.random.default_rng(2)
-        texts = ["plain", "two words", "a,b", 'say "hi"', "#5", "C#1", "", " padded ", "x;y", '"', "1,5"]
+        texts = ["plain", "two words", "a,b", 'say "hi"', "#5", "C#1", "", " padded ", "x;y", '"', "1,5", "1,2,3\n4,5,6", "\n", '"\r\n\n"', "#\n#"]
         for mark, quoting in [(",", csv.QUOTE_MINIMAL), (";", csv.QUOTE_MINIMAL), (",", csv.QUOTE_ALL), (",", csv.QUOTE_NONNUMERIC)]:
             points, mass = rng.random((30, 3)), rng.random(30)
             words = [texts[i] for i in rng.integers(0, len(texts), 30)]
             words[0] = "two words"
             sparse = [None if rng.random() < 0.5 else i / 4 for i in range(30)]
             sparse[0] = 0.0
-            names = ["", "note, long", "y", "mass [10^10 Msun]", "x", "sparse", "z", "Id"]
+            names = ["first\n(no name)", "note, long", "y", "mass [10^10 Msun]", "x", "sparse", "z", "Id"]
             rows = [[i, w, p[1], m, p[0], s, p[2], i + 5] for i, (w, p, m, s) in enumerate(zip(words, points.tolist(), mass.tolist(), sparse))]
             text = io.StringIO()
             writer = csv.writer(text, delimiter=mark, quoting=quoting, lineterminator="\r\n")
-            writer.writerow(names)
-            writer.writerows(rows)
+            last_lines = []
+            for row in [names, *rows]:
+                writer.writerow(row)
+                last_lines.append(text.getvalue().count("\n"))
             self.assert_reads("a.csv", text.getvalue().encode(), points, list(range(5, 35)))
             for arguments in (["--copy", "mass [10^10 Msun]"], ["--copy", "all"]):
                 self.run_cli("a.csv", *arguments, "-o", "b.csv", "-o", "b.npz")
@@ -137,7 +139,7 @@ class Source(CliTest):
                 self.assertEqual([row["note, long"].strip() for row in csv.DictReader(file)], [w.strip() for w in words])
             for out in ("b.xyz", "b.dump", "b.txt"):
                 self.refuse("a.csv", "--copy", "2", "-o", out, says=["'note, long'", f"'{out}'", "one word"])
-            self.refuse("a.csv", "--radii", "sparse", "-o", "out.npz", says=[f"a.csv:{sparse.index(None) + 2}: column 6 is empty"])
+            self.refuse("a.csv", "--radii", "sparse", "-o", "out.npz", says=[f"a.csv:{last_lines[sparse.index(None) + 1]}: column 6 is empty"])
         for content, says in [('x,y,z\n1,"2,3\n', "a.csv:2: the quote in column 2 does not end"), ('x,y,z\n1,"2"3,4\n', "goes on behind its quotes"),
                               ("x,y,z\n1,,3\n", "a.csv:2: column 2 is empty"), ("x,y,z\n1,2\n", "2 columns, the line of names 3"),
                               ('"x,y",z,q\n1,2,3\n', ["lacks 'x'", "'x,y'"]), ('x,y,z\n1,"0,5",3\n', "decimals need a point")]:

@@ -10,8 +10,11 @@
 
 #include "core/progress.hpp"
 #include "cpu/cell_builder.hpp"
+#include "cpu/cpu_clipper.hpp"
 #include "exact/insphere.hpp"
+#include "input/options.hpp"
 #include "polytope/cell.hpp"
+#include "query/parts.hpp"
 #include "support/cell_faces.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
@@ -42,13 +45,17 @@ mpq_class square(const Rational& a) {
     return a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
 }
 
-// The circumsphere by its center, unlike the engine's lifting.
+// The circumsphere by its center, unlike the engine's lifting. With weights, of equal powers instead of distances.
 struct Sphere {
     Rational base, center;  // center relative to base, a point on the sphere
+    mpq_class weight;       // of base
 
-    Sphere(const Rational& a, const Rational& b, const Rational& c, const Rational& d) : base(a) {
+    Sphere(const Rational& a, const Rational& b, const Rational& c, const Rational& d,
+           const std::array<mpq_class, 4>& weights = {})
+        : base(a), weight(weights[0]) {
         const Rational u = minus(b, a), v = minus(c, a), w = minus(d, a);
-        const Rational h{square(u) / 2, square(v) / 2, square(w) / 2};
+        const Rational h{(square(u) - weights[1] + weight) / 2, (square(v) - weights[2] + weight) / 2,
+                         (square(w) - weights[3] + weight) / 2};
         const mpq_class det = determinant(u, v, w);
         for (int k = 0; k < 3; ++k) {
             Rational m[3] = {u, v, w};
@@ -57,9 +64,30 @@ struct Sphere {
         }
     }
     // +1 when p lies strictly inside.
-    [[nodiscard]] int side(const Rational& p) const {
-        return sgn(mpq_class(square(center) - square(minus(minus(p, base), center))));
+    [[nodiscard]] int side(const Rational& p, const mpq_class& of_p = {}) const {
+        return sgn(mpq_class(square(center) - weight - square(minus(minus(p, base), center)) + of_p));
     }
+};
+
+// Weighted points with rational predicates.
+class WeightedSites final : public Sites {
+public:
+    WeightedSites(const std::vector<Point>& points, const std::vector<double>& weights) {
+        for (const Point& p : points) x_.push_back(rational_point(p));
+        for (const double w : weights) weights_.emplace_back(w);
+    }
+    [[nodiscard]] int orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const override {
+        return sgn(determinant(minus(x_[a], x_[d]), minus(x_[b], x_[d]), minus(x_[c], x_[d])));
+    }
+    [[nodiscard]] int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
+                               std::int32_t p) const override {
+        return Sphere(x_[a], x_[b], x_[c], x_[d], {weights_[a], weights_[b], weights_[c], weights_[d]})
+            .side(x_[p], weights_[p]);
+    }
+
+private:
+    std::vector<Rational> x_;
+    std::vector<mpq_class> weights_;
 };
 
 void check_predicates(const char* name, std::uint64_t seed, int sets, int min_ties, auto coordinate) {
@@ -118,8 +146,9 @@ bool triangulate(const std::vector<Point>& points, Triangulation& triangulation)
 }
 
 // By definition: tetrahedra positive, their circumspheres empty, the hull triangles with no point beyond, together
-// exactly the hull's volume; neighbors mutual.
-void check_triangulation(const std::vector<Point>& points, std::span<const Tetrahedron> cells) {
+// exactly the hull's volume; neighbors mutual. Returns how many points are hidden, none without weights.
+std::size_t check_triangulation(const std::vector<Point>& points, std::span<const Tetrahedron> cells,
+                                const std::vector<double>& weights = {}) {
     std::vector<Rational> r;
     for (const Point& p : points) r.push_back(rational_point(p));
     std::set<std::int32_t> met;
@@ -138,8 +167,10 @@ void check_triangulation(const std::vector<Point>& points, std::span<const Tetra
             const mpq_class d = determinant(minus(at(0), at(3)), minus(at(1), at(3)), minus(at(2), at(3)));
             REQUIRE(sgn(d) > 0);
             volume += d;
-            const Sphere sphere(at(0), at(1), at(2), at(3));
-            for (const Rational& p : r) REQUIRE(sphere.side(p) <= 0);
+            const auto weight = [&](std::size_t i) { return mpq_class(weights.empty() ? 0 : weights[i]); };
+            const auto weight_at = [&](int k) { return weight(static_cast<std::size_t>(t.vertex[k])); };
+            const Sphere sphere(at(0), at(1), at(2), at(3), {weight_at(0), weight_at(1), weight_at(2), weight_at(3)});
+            for (std::size_t p = 0; p < r.size(); ++p) REQUIRE(sphere.side(r[p], weight(p)) <= 0);
         } else {
             const auto slot = static_cast<int>(std::ranges::find(t.vertex, Triangulation::infinite) - t.vertex.begin());
             auto beyond = [&](const Rational& p) {
@@ -152,8 +183,9 @@ void check_triangulation(const std::vector<Point>& points, std::span<const Tetra
         }
     }
     CHECK(volume == hull);
-    CHECK(met.size() == points.size() + 1);
+    CHECK((met.size() == points.size() + 1 || !weights.empty()));
     CHECK(*met.begin() == Triangulation::infinite);
+    return points.size() + 1 - met.size();
 }
 
 // Cells clipped by their Delaunay neighbors only against cells searched until proven.
@@ -219,10 +251,11 @@ TEST_SUITE("stages") {
             for (const bool reversed : {false, true}) {
                 std::vector<Point> order = points;
                 if (reversed) std::ranges::reverse(order);
-                Triangulation triangulation(order);
+                const PointSites sites(order);
+                Triangulation triangulation(sites);
                 if (!triangulate(order, triangulation)) continue;
                 ++solid;
-                check_triangulation(order, triangulation.tetrahedra());
+                (void)check_triangulation(order, triangulation.tetrahedra());
             }
         }
         CHECK(solid > 30);
@@ -239,9 +272,30 @@ TEST_SUITE("stages") {
             std::vector<Point> points;
             const std::vector<Point> ascending(distinct.begin(), distinct.end());
             for (const std::size_t i : test::permutation(ascending.size(), random)) points.push_back(ascending[i]);
-            Triangulation triangulation(points);
-            if (triangulate(points, triangulation)) check_triangulation(points, triangulation.tetrahedra());
+            const PointSites sites(points);
+            Triangulation triangulation(sites);
+            if (triangulate(points, triangulation)) (void)check_triangulation(points, triangulation.tetrahedra());
         }
+    }
+
+    TEST_CASE("delaunay: triangulations with weights and hidden points, many of them ties or at one place") {
+        Random random(10);
+        std::size_t hidden = 0, rounds = 0;
+        for (std::size_t round = 0; round < test::by_size(60, 20); ++round) {
+            std::vector<Point> points;
+            std::vector<double> weights;
+            for (std::uint64_t i = 5 + random.below(20); i > 0; --i) {
+                points.push_back({1.0 * random.integer(0, 3), 1.0 * random.integer(0, 3), 1.0 * random.integer(0, 3)});
+                weights.push_back(round % 2 == 0 ? 1.0 * random.integer(0, 4) : random.uniform(0, 3));
+            }
+            const WeightedSites sites(points, weights);
+            Triangulation triangulation(sites);
+            if (!triangulate(points, triangulation)) continue;
+            ++rounds;
+            hidden += check_triangulation(points, triangulation.tetrahedra(), weights);
+        }
+        CHECK(rounds > 10);
+        CHECK(hidden > 2 * rounds);
     }
 
     TEST_CASE("delaunay: every Voronoi neighbor is a Delaunay neighbor") {
@@ -272,6 +326,36 @@ TEST_SUITE("stages") {
         check_cells(test::on_sphere(test::by_size(1200, 200), 25));
         check_cells(test::cospherical(test::by_size(3001, 101)));
         for (std::size_t n = 1; n <= 5; ++n) check_cells(test::uniform(n, 26));
+    }
+
+    TEST_CASE("delaunay: parts of a query are clipped by few of its neighbors") {
+        Random random(26);
+        for (const int kind : {0, 1, 2, 3}) {
+            CAPTURE(kind);
+            const bool weighted = kind % 2 == 1;
+            for (const std::size_t n : {200, 800}) {
+                Coordinates points = test::on_sphere(n, 27).points;
+                for (double& x : points) x = 0.5 + 0.25 * x;
+                votess::Options options;
+                options.box = test::unit_box();
+                options.periodic = {kind >= 2, kind >= 2, kind >= 2};
+                std::vector<double> weights;
+                for (std::size_t i = 0; i < n && weighted; ++i) weights.push_back(random.uniform(0, 1e-7));
+                options.weights = weights;
+                const votess::Job job = votess::validate({points, {}}, options);
+                CpuClipper clipper;
+                clipper.begin(job);
+                clipper.prepare();
+                std::vector<Member> members;
+                for (std::size_t s = 0; s < n; ++s) members.push_back({static_cast<std::int32_t>(s)});
+                Parts parts(clipper.seeds(), clipper.hierarchy(), best_kernels());
+                parts.begin_job(*job.domain);
+                const Point middle{0.5 * job.scale, 0.5 * job.scale, 0.5 * job.scale};
+                const auto divided = parts.divide({middle, {middle}, 0}, members, false);
+                CHECK(divided.size() > n / 2);
+                CHECK(parts.clips() < 40 * n);
+            }
+        }
     }
 
     TEST_CASE("delaunay: a user who stops it, and too many tetrahedra") {

@@ -118,8 +118,8 @@ def _checked(given: Mapping[str, Any]) -> Tuple[Dict[str, Any], Dict[str, int]]:
         repeats = as_periodic(said["periodic"], sizes.get(first))
         if "cell" in values or (any(repeats) if isinstance(repeats, tuple) else repeats):
             values["periodic"] = repeats
-        if not sizes and isinstance(repeats, tuple) and len(repeats) == 2:
-            sizes["periodic"] = 2
+            if not sizes and isinstance(repeats, tuple) and len(repeats) == 2:
+                sizes["periodic"] = 2
     elif "cell" in values:
         values["periodic"] = tuple(bool(edge.any()) for edge in values["cell"])
     return {name: _locked(value) if isinstance(value, np.ndarray) else value for name, value in values.items()}, sizes

@@ -54,10 +54,9 @@ class Diagram:
     ----------
     points : (N, 3) array of real numbers, as for :func:`tessellate`; copied. Or (N, 2): then queries, rays and gradients
         have two components too, the cells of probes are polygons, and grids have two axes.
-    domain : as for :func:`tessellate`. Default: all of space. A closed mesh cuts the domain: places outside have no answers,
+    domain : as for :func:`tessellate`, or its short forms. Default: all of space. A closed mesh cuts the domain: places outside have no answers,
         rays have their parts inside, and a cell of :meth:`probe` is its part inside. The surface is inside.
         :meth:`natural_neighbors` and :meth:`interpolate` answer as without the mesh, and grids are 0 outside.
-    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
     weights, radii, duplicates, threads, grid_resolution, instructions, progress : as for :func:`tessellate`. Queries run on
         the CPU.
 

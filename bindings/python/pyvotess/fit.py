@@ -97,10 +97,9 @@ def fit_volumes(
     tolerance : largest abs(volume - target) / target of the result.
     weights : (N,) weights to start from. Default, and where they leave a cell empty: 0.
     max_steps : maximum number of Newton steps; each takes one tessellation or more.
-    domain : as for :func:`tessellate`. In a mesh without weights each point must have a cell. Points outside that are kept
+    domain : as for :func:`tessellate`, or its short forms. In a mesh without weights each point must have a cell. Points outside that are kept
         have cells of their volumes inside; in a periodic domain each must have a cell without weights. Dropped ones have no
         cell, their volumes do not count, and their weights are 0.
-    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
     want, list_walls, device, threads, precision : as for :func:`tessellate`, for the tessellation that is returned. The steps
         use double precision.
     progress : as for :func:`tessellate`; the fraction is the share of the digits.

@@ -57,9 +57,8 @@ def tessellate(
         float64 and float32 in C order are copied; other arrays are converted without loss, also those that have only
         `__dlpack__`. If another thread changes the array during the call, cells are wrong, but nothing crashes.
     domain : the part of space that the cells fill, a :class:`Domain`. Default: the bounds of the points, each side moved out
-        by half of (longest side / cbrt(N)). Points outside are an error.
-    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``: the
-        arguments of :class:`Domain`, which describes them.
+        by half of (longest side / cbrt(N)). Points outside are an error. Its short forms are arguments too: box, periodic,
+        cell, origin, walls, mesh, mesh_repair, mesh_tolerance and outside of :class:`Domain`.
     weights, radii : (N,) numbers for a power diagram, with these weights or the squares of these radii. A seed with an
         empty cell has status EMPTY.
     want : names of arrays of the result, as a sequence or one string with commas: "volumes", "centroids",

@@ -358,7 +358,7 @@ TEST_SUITE("cases") {
                             Parts parts = whole;
                             std::erase(parts.rows[i], label);
                             std::erase(parts.rows[static_cast<std::size_t>(label.id)], label.seen_from_behind(i));
-                            const auto report = votess::verify(with_parts(t, parts), points);
+                            const auto report = votess::verify(with_parts(t, parts), points, {n, 1});
                             CHECK(report.failure.find("by trying every seed") != std::string::npos);
                             ++removed;
                         }
@@ -574,11 +574,11 @@ TEST_SUITE("cases") {
         CHECK(votess::verify(with_parts(t, whole), set.points).failure == "");
         Parts parts = whole;
         parts.status[static_cast<std::size_t>(empty - whole.status.begin())] = votess::CellStatus::certified;
-        CHECK(votess::verify(with_parts(t, parts), set.points).failure.find("is reported to have a cell") !=
+        CHECK(votess::verify(with_parts(t, parts), set.points, {100, 1}).failure.find("is reported to have a cell") !=
               std::string::npos);
         parts = whole;
         parts.status[13] = votess::CellStatus::empty;
-        CHECK(votess::verify(with_parts(t, parts), set.points).failure ==
+        CHECK(votess::verify(with_parts(t, parts), set.points, {100, 1}).failure ==
               "seed 13 is reported to have no cell, trying every seed leaves one");
     }
 

@@ -374,11 +374,25 @@ TEST_SUITE("query") {
         votess::Options options;
         options.box = test::unit_box();
         options.device = "cpu";
-        for (const auto& [points, query] : {std::pair{sphere, Coordinates{0.5, 0.5, 0.5}}, {sheet, {0.5, 0.5, 0.9}}}) {
-            const NaturalRow row = row_of(votess::Diagram(points, options).natural_neighbors(query), 0);
+        for (const int kind : {0, 1, 2, 3, 4, 5, 6, 7}) {
+            CAPTURE(kind);
+            const bool flat = kind % 2 == 1;
+            const Coordinates &points = flat ? sheet : sphere, query{0.5, 0.5, flat ? 0.9 : 0.5};
+            options.periodic = {kind >= 4, kind >= 4, kind >= 4};
+            std::vector<double> weights;
+            for (std::size_t i = 0; i < points.size() / 3 && kind / 2 % 2 == 1; ++i)
+                weights.push_back(random.uniform(0, 1e-3));
+            options.weights = weights;
+            votess::NaturalOptions sibson;
+            const std::vector<double> of_query(weights.empty() ? 0 : 1, 1e-3);
+            sibson.weights = of_query;
+            const NaturalRow row = row_of(votess::Diagram(points, options).natural_neighbors(query, sibson), 0);
             Coordinates all = points;
             all.insert(all.end(), query.begin(), query.end());
-            const auto before = votess::tessellate(points, options), after = votess::tessellate(all, options);
+            const auto before = votess::tessellate(points, options);
+            weights.insert(weights.end(), of_query.begin(), of_query.end());
+            options.weights = weights;
+            const auto after = votess::tessellate(all, options);
             std::vector<double> shares(before.size());
             for (std::size_t i = 0; i < shares.size(); ++i)
                 shares[i] = (before.volumes()[i] - after.volumes()[i]) / after.volumes().back();
@@ -388,7 +402,7 @@ TEST_SUITE("query") {
                 share = 0;
             }
             CHECK(std::ranges::all_of(shares, [](double share) { return std::abs(share) < max_error; }));
-            CHECK(row.seeds.size() > 500);
+            CHECK(row.seeds.size() > (kind / 2 % 2 == 1 ? 100 : 500));
         }
     }
 

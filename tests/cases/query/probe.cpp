@@ -276,6 +276,87 @@ TEST_SUITE("probe") {
         CHECK(closed > 12);
     }
 
+    // By probes in a box that ends far away, and by runs with the query as a seed. Queries lie on seeds' planes or
+    // lines, beside them, and far out.
+    TEST_CASE("probe: flat seeds in a domain without end") {
+        constexpr double infinity = std::numeric_limits<double>::infinity(), far = 0x1p160;
+        test::Random random(27);
+        for (std::size_t set = 0; set < test::by_size(56, 14); ++set) {
+            CAPTURE(set);
+            test::QueryCase c;
+            c.options.threads = 1;
+            c.options.box = votess::Box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+            votess::Options large = c.options;
+            large.box = votess::Box{{-far, -far, -far}, {far, far, far}};
+            if (set % 7 == 0) c.options.box->lower[1] = large.box->lower[1] = -64;
+            const auto flat = [&](double u, double v) {
+                const std::array<std::array<double, 3>, 7> kinds{
+                    {{u, v, 0.25}, {u, v, u}, {u, v, -u - v}, {u, 0, 0}, {u, u, u}, {u, -2 * u, 3 * u}, {u, u, 7}}};
+                return kinds[set % 7];
+            };
+            const auto number = [&] { return static_cast<double>(random.below(set % 2 == 0 ? 8 : 1024)) / 8; };
+            Coordinates queries;
+            const auto add = [](Coordinates& to, const std::array<double, 3>& x) {
+                to.insert(to.end(), x.begin(), x.end());
+            };
+            for (std::size_t i = 2 + random.below(30); i > 0; --i) add(c.points, flat(number(), number()));
+            if (set % 4 == 1)
+                for (std::size_t i = 0; i < c.points.size() / 3; ++i) c.weights.push_back(random.uniform(0, 0.25));
+            for (int q = 0; q < 3; ++q) add(queries, flat(number() + 0.0625, number() + 0.0625));
+            add(queries, flat(1e4 * number(), 1e4 * number() + 1));
+            add(queries, {number(), number() + 0.5, number() + 0.0625});
+            votess::Options options = c.options;
+            options.weights = large.weights = c.weights;
+            const votess::Diagram diagram(c.points, options), finite(c.points, large);
+            votess::ProbeOptions of_probes;
+            of_probes.list_walls = true;
+            const auto in_box = finite.probe(queries, of_probes);
+            of_probes.want = everything();
+            const auto probes = diagram.probe(queries, of_probes);
+            CHECK(diagram.locate(queries) == finite.locate(queries));
+            CHECK(diagram.natural_neighbors(queries).indices.empty());
+            options.want = everything();
+            options.list_walls = true;
+            for (std::size_t q = 0; q < probes.size(); ++q) {
+                CAPTURE(q);
+                REQUIRE(probes.status()[q] == in_box.status()[q]);
+                std::vector<std::int32_t> seeds, expected;
+                for (const std::int32_t id : probes.neighbors(q))
+                    if (id >= 0) seeds.push_back(id);
+                for (const std::int32_t id : in_box.neighbors(q))
+                    if (id >= 0) expected.push_back(id);
+                REQUIRE(seeds == expected);
+                Coordinates with = c.points;
+                with.insert(with.end(), &queries[3 * q], &queries[3 * q] + 3);
+                std::vector<double> all_weights = c.weights;
+                if (!c.weights.empty()) all_weights.push_back(0);
+                options.weights = all_weights;
+                const auto t = votess::tessellate(with, options);
+                if (t.status().back() != votess::CellStatus::certified) continue;
+                REQUIRE(equal(probes.neighbors(q), t.neighbors(t.size() - 1)));
+                REQUIRE(std::isinf(probes.volumes()[q]));
+                REQUIRE(probes.face_counts()[q] == t.face_counts().back());
+                REQUIRE(probes.edge_counts()[q] == t.edge_counts().back());
+                REQUIRE(probes.vertex_counts()[q] == t.vertex_counts().back());
+            }
+        }
+        // The cells are those of a plane, proven without long integers.
+        const std::size_t n = test::by_size(4000, 1000);
+        for (const int kind : {0, 1, 2}) {
+            CAPTURE(kind);
+            Coordinates points, queries;
+            for (std::size_t i = 0; i < n + 100; ++i) {
+                const double u = random.uniform(), v = random.uniform();
+                const std::array<std::array<double, 3>, 3> kinds{{{u, v, 0}, {u, v, u}, {u, u, u}}};
+                (i < n ? points : queries)
+                    .insert((i < n ? points : queries).end(), kinds[kind].begin(), kinds[kind].end());
+            }
+            const auto probes = votess::Diagram(points).probe(queries, {});
+            CHECK(static_cast<std::size_t>(std::ranges::count(probes.volumes(), infinity)) == 100);
+            CHECK(probes.stats().exact_cells < 20);
+        }
+    }
+
     TEST_CASE("probe: no seeds, several threads, and what is refused") {
         votess::Options options;
         options.box = test::unit_box();

@@ -117,10 +117,9 @@ def lloyd(
     steps : maximum number of steps; 0 returns the energy of the given points.
     density : a function of (K, 3) points, in the plane (K, 2), inside the domain, up to rounding; in a mesh, inside its box. It returns (K,) finite numbers >= 0. It is
         called with about twenty thousand points at a time, wrapped into a periodic domain. Default: 1 everywhere.
-    domain : as for :func:`tessellate`. The default box and the hull, around the initial points, stay fixed. In a mesh the
+    domain : as for :func:`tessellate`, or its short forms. The default box and the hull, around the initial points, stay fixed. In a mesh the
         centroid is that of the cell's part inside. It may lie outside. Points outside that are kept move to the centroids of
         their cells inside, or stay without one; not with a density, which is read between seeds and faces. Dropped ones stay.
-    box, periodic, cell, origin, walls, mesh, mesh_repair, mesh_tolerance, outside : short forms instead of ``domain``.
     fixed : (N,) bool, or a list of indices: seeds that do not move. Default: none.
     tolerance : stop when no seed moved farther than this, in units of the mean spacing: the cube root of the volume for
         each seed, in the plane the square root of its area. 0 stops only when nothing moves.

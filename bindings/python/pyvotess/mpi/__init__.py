@@ -210,7 +210,7 @@ def tessellate(
     points : (N, 3) or, in the plane, (N, 2) real numbers, the points of this rank; N may be 0 and may differ between
         ranks.
     comm : a communicator of mpi4py.
-    domain : as for :func:`pyvotess.tessellate`, except a mesh.
+    domain : as for :func:`pyvotess.tessellate`, or its short forms; no mesh.
     ids : (N,) non-negative integers, unique over all ranks; or None on all ranks, which numbers the points rank after
         rank. Of equal points the lowest id keeps the cell.
     weights, radii : (N,) numbers for the points of this rank.

@@ -202,7 +202,7 @@ def tessellate_stream(
         list. Points of a generator, which can be read once, are stored in a temporary file.
     rows : called with :class:`StreamRows`, in the order of the points. Its arrays are copies. An exception ends the
         run.
-    domain : as for :func:`tessellate`, except a mesh.
+    domain : as for :func:`tessellate`, or its short forms; no mesh.
     memory : bytes that the run may use in addition to the pieces; at least 1,000,000.
     temporary : folder of the temporary files, which have no names and vanish with the run. They take about 140 bytes
         for each point with neighbors and volumes. Default: TMPDIR of the environment, or /tmp.
