@@ -334,7 +334,7 @@ TEST_SUITE("stages") {
             CAPTURE(kind);
             const bool weighted = kind % 2 == 1;
             for (const std::size_t n : {200, 800}) {
-                Coordinates points = test::on_sphere(n, 27).points;
+                std::vector<double> points = test::on_sphere(n, 27).points;
                 for (double& x : points) x = 0.5 + 0.25 * x;
                 votess::Options options;
                 options.box = test::unit_box();
