@@ -227,7 +227,9 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     polytope.measure(m);
     const double unscale = unscale_ / polytope.unit(), square = unscale * unscale;
     w.volume += m.volume * square * unscale;
-    w.doubt += m.error * m.surface * square * unscale;
+    // The surface of a convex body is at most pi times the square of its diameter.
+    const double wide = m.diameter + 2 * m.error, doubt = 3.2 * wide * wide * m.error;
+    w.doubt += doubt * square * unscale;
     const double tolerance = run_.tolerance.cell + double_tolerance.cell;
     const auto compare = [&](const char* what, double given, double found, double allowed) {
         if (given == found || std::abs(given - found) <= allowed + 64 * smallest_double) return;
@@ -238,13 +240,13 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     };
     if (!result_.volumes.empty())
         compare("volume", result_.volumes[i], m.volume * square * unscale,
-                (tolerance * m.volume + m.error * m.surface) * square * unscale);
+                (tolerance * m.volume + doubt) * square * unscale);
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_areas.empty(); ++e)
         compare("a face of area", result_.face_areas[e], m.areas[e - rows_.begin(i)] * square,
-                (tolerance * m.surface + 4 * m.error * m.diameter) * square);
+                (tolerance * m.surface + 4 * m.error * wide) * square);
     if (!result_.surface_areas.empty())
         compare("surface", result_.surface_areas[i], m.surface * square,
-                (tolerance * m.surface + 4 * m.error * m.diameter * polytope.planes()) * square);
+                (tolerance * m.surface + 4 * m.error * wide * polytope.planes()) * square);
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;
     for (int f = 0; f < polytope.planes(); ++f) faces += polytope.has_face(f) ? 1 : 0;

@@ -234,7 +234,7 @@ int RowPolytope::orientation(int a, int b, int c) {
 // it.
 int RowPolytope::place(int a, int b, int c, Corner& corner, std::vector<int>& through) {
     if (!meet(a, b, c, corner) && !meet(a, c, b, corner)) {
-        corner.slope = corner.constant = infinity;
+        corner.error = corner.slope = corner.constant = infinity;
         corner.planes = {a, b, c};
     }
     const exact::Plane &pa = source(a), &pb = source(b), &pc = source(c);
@@ -380,17 +380,20 @@ void RowPolytope::measure(Measures& out) const {
     for (int f = 0; f < planes(); ++f)
         if (has_face(f) && !(d_[at(f)] > 0)) origin = corners_[0].at;
     out.areas.assign(names_.size(), 0);
+    out.distances.assign(names_.size(), 0);
     for (const Edge& edge : edges_) {
-        const Vector3 turn = cross(minus(corners_[at(edge.from)].at, origin), minus(corners_[at(edge.to)].at, origin));
+        const Vector3 from = minus(corners_[at(edge.from)].at, origin);
+        const Vector3 turn = cross(from, minus(corners_[at(edge.to)].at, origin));
         out.areas[at(edge.left)] += dot(turn, normal(edge.left));
         out.areas[at(edge.right)] -= dot(turn, normal(edge.right));
+        for (const int f : {edge.left, edge.right}) out.distances[at(f)] = dot(from, normal(f));
     }
     out.volume = out.surface = out.diameter = out.error = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
         double& area = out.areas[at(f)];
         area /= 2 * length_[at(f)];
-        out.volume += area * (d_[at(f)] - dot(normal(f), origin)) / (3 * length_[at(f)]);
+        out.volume += area * out.distances[at(f)] / (3 * length_[at(f)]);
         out.surface += area;
     }
     double square = 0;

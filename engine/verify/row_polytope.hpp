@@ -54,6 +54,9 @@ public:
         double volume = 0, surface = 0, diameter = 0;
         double error = 0;           // bound on the rounding of corners
         std::vector<double> areas;  // of the faces, by plane
+        // Of the planes from the point where areas are seen from, times their lengths: of corners, which have more
+        // digits than planes.
+        std::vector<double> distances;
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}
