@@ -340,20 +340,22 @@ TEST_SUITE("probe") {
                 REQUIRE(probes.vertex_counts()[q] == t.vertex_counts().back());
             }
         }
-        // The cells are those of a plane; along the axes they are proven without long integers.
+        // The cells are those of a plane: nearly none needs long integers, which all needed between far ends. The seeds
+        // have few digits, so that tilted planes and lines hold them.
         const std::size_t n = test::by_size(4000, 1000);
         for (const int kind : {0, 1, 2}) {
             CAPTURE(kind);
             Coordinates points, queries;
             for (std::size_t i = 0; i < n + 100; ++i) {
-                const double u = random.uniform(), v = random.uniform();
-                const std::array<std::array<double, 3>, 3> kinds{{{u, v, 0}, {u, v, u}, {u, u, u}}};
+                const double u = std::ldexp(static_cast<double>(random.below(1 << 20)), -20);
+                const double v = std::ldexp(static_cast<double>(random.below(1 << 20)), -20);
+                const std::array<std::array<double, 3>, 3> kinds{{{u, v, 0}, {u, v, u + 2 * v}, {u, 2 * u, 3 * u}}};
                 (i < n ? points : queries)
                     .insert((i < n ? points : queries).end(), kinds[kind].begin(), kinds[kind].end());
             }
             const auto probes = votess::Diagram(points).probe(queries, {});
             CHECK(static_cast<std::size_t>(std::ranges::count(probes.volumes(), infinity)) == 100);
-            if (kind == 0) CHECK(probes.stats().exact_cells < 20);
+            CHECK(probes.stats().exact_cells < 20);
         }
     }
 
