@@ -355,13 +355,17 @@ void CellWriter::write_steps() {
     }
     std::int16_t* const row = near_rows_.add_row(place, faces - hidden_);
     if (wall_faces_ == 0 && !shifted_) {
-        std::uint32_t longest = 0;
+        const std::int32_t* const ids = ranked_ids_.data();
+        const std::uint32_t* const ranks = ranks_.data();
+        std::uint32_t bits = 0;  // above the 16th: of steps beyond the longest, on either side
         for (std::size_t f = 0; f < faces; ++f) {
-            const std::int32_t by = ranked_ids_[f] - place;
-            longest = std::max(longest, static_cast<std::uint32_t>(by) + std::uint32_t{NearRows::longest_step});
-            row[ranks_[f]] = static_cast<std::int16_t>(by);
+            const auto by = static_cast<std::uint32_t>(ids[f] - place);
+            bits |= (by + NearRows::longest_step) | (by + NearRows::longest_step + 1);
         }
-        if (longest <= std::uint32_t{2 * NearRows::longest_step}) return;
+        if (bits >> 16 == 0) {
+            for (std::size_t f = 0; f < faces; ++f) row[ranks[f]] = static_cast<std::int16_t>(ids[f] - place);
+            return;
+        }
     }
     order_.resize(faces);
     for (std::size_t f = 0; f < faces; ++f) order_[ranks_[f]] = static_cast<std::uint32_t>(f);

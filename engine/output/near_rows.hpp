@@ -32,8 +32,11 @@ public:
     void read(std::int32_t* names, std::size_t length) {
         const std::int16_t by = *step_++;
         place_ = by == NearRows::far ? *other_++ : place_ + by;
-        for (const std::int16_t* const end = step_ + length; step_ < end; ++step_)
-            *names++ = *step_ == NearRows::far ? *other_++ : input_[place_ + *step_];
+        const std::int32_t *const near = input_ + place_, *other = other_;  // `names` might be members
+        const std::int16_t* const steps = step_;
+        for (std::size_t j = 0; j < length; ++j) names[j] = steps[j] == NearRows::far ? *other++ : near[steps[j]];
+        step_ += length;
+        other_ = other;
     }
 
 private:
