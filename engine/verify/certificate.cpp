@@ -539,7 +539,7 @@ void Certificate::check_volume(Worker& sum) const {
     };
     if (!has(CellStatus::certified) && has(CellStatus::empty)) return unsettle(sum, 0);
     if (!has(CellStatus::certified) || (sum.volume + sum.doubt < 1.5 * domain && sum.doubt < 0.25 * domain)) return;
-    if (!(sum.doubt < 0.25 * domain)) return unsettle(sum, 0);
+    if (!(sum.doubt < 0.25 * domain) || std::isinf(domain)) return unsettle(sum, 0);  // or float64 cannot hold it
     sum.fault.note(-1, [&] {
         return "the cells that the rows describe have a volume of " + number(sum.volume) + ", the domain holds " +
                number(job_.box_volume);
