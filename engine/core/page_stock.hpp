@@ -19,11 +19,12 @@ public:
     void put(std::span<std::byte> memory) {
         if (!memory.empty()) memories_.push_back(memory);
     }
-    // Returns `bytes` of memory, or fewer but not fewer than `least`, or none.
+    // Returns about `bytes` of memory, but not fewer than `least`, or none.
     [[nodiscard]] std::span<std::byte> take(std::size_t bytes, std::size_t least) {
         for (auto& memory : memories_) {
             if (memory.size() < least) continue;
-            const auto taken = memory.first(std::min(bytes, memory.size()));
+            constexpr std::size_t alignment = 64;  // of what follows
+            const auto taken = memory.first(std::min(round_up(bytes, alignment), memory.size()));
             memory = memory.subspan(taken.size());
             return taken;
         }

@@ -346,11 +346,15 @@ RowPolytope::Shape RowPolytope::find_faces() {
         if (count[f] == corners_.size()) return Shape::flat;
         faces_[f] = count[f] >= 3 ? 1 : 0;
     }
-    for (const Ray& ray : rays_) {
+    const auto faces_of = [&](const Ray& ray) {
         std::vector<int> faces;
         for (const int f : ray.planes)
             if (faces_[at(f)] != 0) faces.push_back(f);
-        // Two faces meet in an edge. Others in it lie in one plane with one of them.
+        return faces;
+    };
+    // Two faces meet in an edge. Others in it lie in one plane with one of them.
+    for (const Ray& ray : rays_) {
+        std::vector<int> faces = faces_of(ray);
         for (std::size_t k = 0; k < faces.size() && faces.size() > 2; ++k)
             for (std::size_t l = k + 1; l < faces.size() && faces.size() > 2; ++l) {
                 const int f = faces[k], g = faces[l];
@@ -365,12 +369,15 @@ RowPolytope::Shape RowPolytope::find_faces() {
                 faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(drop));
                 k = 0, l = 0;
             }
+    }
+    for (const Ray& ray : rays_) {
+        const std::vector<int> faces = faces_of(ray);
         if (faces.size() != 2) return Shape::unsettled;
         int third = -1;
         for (const int c : tight_[at(ray.from)])
             if (!std::ranges::binary_search(ray.planes, c)) third = c;
-        if (orientation(faces[0], faces[1], third) > 0) std::swap(faces[0], faces[1]);
-        edges_.push_back({ray.from, ray.to, faces[0], faces[1]});
+        const bool turned = orientation(faces[0], faces[1], third) > 0;
+        edges_.push_back({ray.from, ray.to, faces[turned ? 1 : 0], faces[turned ? 0 : 1]});
     }
     return Shape::solid;
 }
