@@ -481,7 +481,7 @@ struct VerifyReport {
     std::size_t sampled = 0;           // cells clipped again, up to the one that failed
     // As in Stats, not a failure. Unset for rows found in blocks and of some seeds.
     std::optional<std::uint64_t> tiny_faces;
-    bool proven = false;  // all neighbors, shifts and statuses are proven, and no sample was needed
+    bool proven = false;  // all neighbors, shifts, and which seeds have cells are proven; no sample was needed
 };
 // Checks a result from outside, as --verify does:
 //   - volumes sum to that of the domain (relative 1e-9; 1e-4 when stats().precision is single)

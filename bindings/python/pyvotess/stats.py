@@ -92,7 +92,7 @@ class VerifyReport:
     skipped: Tuple[str, ...]  #: checks without their arrays: "volumes", "symmetry", "euler", "sample"
     sampled: int = 0  #: cells checked by brute force, up to the failed one
     tiny_faces: Optional[int] = None  #: as in :class:`Stats`, not a failure; None for rows from blocks
-    proven: bool = False  #: all neighbors, shifts and statuses are proven, and no sample was needed
+    proven: bool = False  #: all neighbors, shifts, and which seeds have cells are proven; no sample was needed
 
     def __bool__(self) -> bool:
         return self.passed
