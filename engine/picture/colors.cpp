@@ -71,6 +71,7 @@ std::string power_text(int exponent, int factor) {
 
 Ticks linear_ticks(const Scale& scale, int wanted) {
     Ticks ticks;
+    if (!std::isfinite(scale.high - scale.low)) return ticks;
     const double round = round_step(scale.high - scale.low, wanted);
     const double step = scale.steps > 0 ? std::max(1.0, round) : round, slack = 1e-9 * (scale.high - scale.low);
     // Numbers with many zeros share a power of ten.
@@ -90,7 +91,7 @@ Ticks linear_ticks(const Scale& scale, int wanted) {
 
 Ticks logarithmic_ticks(const Scale& scale, int wanted) {
     Ticks ticks;
-    const double decades = std::log10(scale.high / scale.low);
+    const double decades = std::log10(scale.high) - std::log10(scale.low);
     const int first = static_cast<int>(std::floor(std::log10(scale.low)));
     const int last = static_cast<int>(std::ceil(std::log10(scale.high)));
     const int every = std::max(1, static_cast<int>(std::ceil(decades / (wanted + 1.5))));
@@ -131,7 +132,8 @@ Color scale_color(const Scale& scale, Colormap map, double t) {
 }
 
 double Scale::at(double value) const {
-    if (!logarithmic) return (value - low) / (high - low);
+    if (!logarithmic) return (value / 2 - low / 2) / (high / 2 - low / 2);  // the range may exceed the largest double
+    if (std::isinf(high / low)) return (std::log(value) - std::log(low)) / (std::log(high) - std::log(low));
     return std::log(value / low) / std::log(high / low);
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <votess/diagram.hpp>
 
 #include "picture/colors.hpp"
@@ -241,6 +242,23 @@ TEST_SUITE("cases") {
               votess::ErrorCode::invalid_argument);
         CHECK(test::error_of([&] { static_cast<void>(votess::render({}, {}, bare())); }) ==
               votess::ErrorCode::invalid_argument);
+    }
+
+    TEST_CASE("pictures: values whose range exceeds the largest double") {
+        const votess::Tessellation t = votess::tessellate(
+            std::vector<double>{0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.8, 0.5, 0.5}, test::all_options(test::unit_box()));
+        const std::vector<double> both{-1e308, 0, 1e308}, wide{5e-324, 1, 1e308};
+        for (const std::vector<double>& values : {both, wide}) {
+            PictureOptions options;
+            options.width = options.height = 64;
+            options.values = values;
+            const std::vector<std::uint8_t> colors = votess::value_colors(options);
+            std::set<std::vector<std::uint8_t>> distinct;
+            for (int i = 0; i < 3; ++i) distinct.insert({colors.begin() + 3 * i, colors.begin() + 3 * i + 3});
+            CHECK(distinct.size() == 3);
+            CHECK(votess::render(t, std::vector<double>{0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.8, 0.5, 0.5}, options)
+                      .pixels.size() == std::size_t{4} * 64 * 64);
+        }
     }
 
     TEST_CASE("pictures: pieces of cells in a mesh") {
