@@ -245,10 +245,11 @@ TEST_SUITE("cases") {
     }
 
     TEST_CASE("pictures: values whose range exceeds the largest double") {
-        const votess::Tessellation t = votess::tessellate(
-            std::vector<double>{0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.8, 0.5, 0.5}, test::all_options(test::unit_box()));
-        const std::vector<double> both{-1e308, 0, 1e308}, wide{5e-324, 1, 1e308};
-        for (const std::vector<double>& values : {both, wide}) {
+        const std::vector<double> points{0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.8, 0.5, 0.5};
+        votess::Options run = test::all_options(test::unit_box());
+        run.want.faces = true;
+        const votess::Tessellation t = votess::tessellate(points, run);
+        for (const std::vector<double>& values : {std::vector{-1e308, 0.0, 1e308}, std::vector{5e-324, 1.0, 1e308}}) {
             PictureOptions options;
             options.width = options.height = 64;
             options.values = values;
@@ -256,8 +257,7 @@ TEST_SUITE("cases") {
             std::set<std::vector<std::uint8_t>> distinct;
             for (int i = 0; i < 3; ++i) distinct.insert({colors.begin() + 3 * i, colors.begin() + 3 * i + 3});
             CHECK(distinct.size() == 3);
-            CHECK(votess::render(t, std::vector<double>{0.2, 0.5, 0.5, 0.5, 0.5, 0.5, 0.8, 0.5, 0.5}, options)
-                      .pixels.size() == std::size_t{4} * 64 * 64);
+            CHECK(votess::render(t, points, options).pixels.size() == std::size_t{4} * 64 * 64);
         }
     }
 
