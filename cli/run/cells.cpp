@@ -61,10 +61,11 @@ Cells make_cells(const Arguments& arguments, Input input, votess::Tessellator* t
     votess::Options& options = run.options;
     const std::vector<double>& points = run.input.points;
     if (arguments.hull)
-        options.walls = watch([&](const votess::ProgressCallback& callback) {
-            votess::Options watched = options;
-            watched.progress = callback;
-            return votess::hull_walls(points, watched);
+        watch([&](const votess::ProgressCallback& callback) {
+            options.progress = callback;
+            set_hull(points, options);
+            options.progress = {};
+            return 0;
         });
     std::vector<std::int64_t> only;
     if (!arguments.only.empty()) options.only = only = read_only(arguments.only, run.input.size());
