@@ -8,7 +8,7 @@ A line "# prints: text" or "// prints: text" in a block demands that the output 
 
 Named files are pages. The python blocks of a page are one session. <!-- tested, needs ase --> skips a block if the
 package is missing, unless --all. Every block must be tested, or have the language text, or follow
-<!-- not run: reason -->. --keep DIR copies the pictures of page.md to DIR/page, and writes the output of its blocks, by
+<!-- not run: reason -->. --keep DIR copies the pictures and .html of page.md to DIR/page, and writes the output of its blocks, by
 line, to DIR/page/outputs.json.
 
 Without pages, relative links in README.md and in other Markdown files outside the pages must name a file.
@@ -32,7 +32,7 @@ TESTED = re.compile(r"tested(?:, needs ([\w, ]+))?")
 PRINTS = re.compile(r"^\s*(?:#|//) prints: (.*)$", re.MULTILINE)
 LINK = re.compile(r"\]\((?!\w+:|#)([^)#]+)")
 LANGUAGES = {"sh", "python", "cpp", "c"}
-PICTURES = {".png", ".svg", ".jpg"}
+PICTURES = {".png", ".svg", ".jpg", ".html"}
 TIMEOUT = 120
 
 # Runs blocks in one namespace. A line of input has the code and the file for its output; the reply is 1 or 0.

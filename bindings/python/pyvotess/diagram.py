@@ -31,6 +31,15 @@ def _as_weights(weights: Optional[npt.ArrayLike], queries: int) -> Optional[npt.
     return None if weights is None else as_one_each(weights, "weights", queries, "queries")
 
 
+def _bounds(domain: Domain, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Returns the finite ends of the domain, and where it has none, of the mesh or the points."""
+    around = points if domain.surface is None else domain.surface[0]
+    if len(around) == 0:
+        return np.zeros((2, points.shape[1]))
+    ends, box = np.stack((around.min(axis=0), around.max(axis=0))), domain.limits
+    return ends if box is None else np.where(np.isfinite(box), box, ends)
+
+
 def _address(array: Optional[npt.NDArray[Any]]) -> Optional[int]:
     return None if array is None else array.ctypes.data
 
@@ -88,12 +97,25 @@ class Diagram:
             device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
             duplicates=duplicates, planar=array.shape[1] == 2,
         )  # fmt: skip
-        kept = as_domain(domain, keywords)._fill(options, array) + fill_weights(options, weights, radii, len(array))
+        given = as_domain(domain, keywords)
+        kept = given._fill(options, array) + fill_weights(options, weights, radii, len(array))
         self._handle = Handle("diagram")
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))
             run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
         del kept
+        self._where = given._text() if given._has_ends else given._text().replace("default box", "domain without end")
+        #: Corners of what a picture shows: the domain, or where the seeds are.
+        self._shown = _bounds(given, array)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Diagram of {len(self)} seeds in a {self._where}>"
+
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_diagram
+
+        return html_of_diagram(self)
 
     def __len__(self) -> int:
         """N, the number of seeds."""

@@ -51,6 +51,12 @@ class VolumeFit:
     def __repr__(self) -> str:
         return f"<pyvotess.VolumeFit of {len(self.weights)} seeds: {self.steps} steps, residual {self.residual:.1e}>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_fit
+
+        return html_of_fit(self)
+
 
 class FitError(VotessError):
     """A fit ended before it reached the tolerance. Start from its ``weights`` to continue."""

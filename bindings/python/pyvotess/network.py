@@ -61,6 +61,12 @@ class Network(WithHandle):
     def __repr__(self) -> str:
         return f"<pyvotess.Network: {len(self.points)} vertices, {len(self.edges)} edges>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_network
+
+        return html_of_network(self)
+
     @property
     def lengths(self) -> Float64Array:
         """(E,) lengths of the edges, as a new array."""

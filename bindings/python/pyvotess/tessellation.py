@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .export.image import Image
+    from .export.viewer import View
 
 
 class Tessellation(SeedCells):
@@ -262,6 +263,35 @@ class Tessellation(SeedCells):
             picture.save(path)
         return picture
 
+    def view(
+        self,
+        *,
+        color: Any = None,
+        colormap: str = "tide",
+        columns: Optional[Mapping[str, npt.ArrayLike]] = None,
+        open: Optional[str] = None,
+    ) -> View:
+        """Returns a page that shows the cells in a browser, where the reader turns, cuts and colors them. Needs "faces" in want.
+
+        Notebooks show it. ``t.view().html`` is the page, one file without a server and network. It needs WebGL 2. The menu
+        of colors has all columns of :meth:`to_dataframe`. In a ``mesh`` the page shows the pieces.
+
+        color : the color at the start: a column, (N,) values, or (N, 3) red, green and blue as uint8 or from 0 to 1. Default:
+            the volumes, or what there is.
+        colormap : "tide", "ember" or "gray".
+        columns : further values of the cells by name, (N,).
+        open : "skip" leaves out cells that reach infinity, which else are refused.
+
+        Raises ValueError for missing arrays and values that do not fit.
+
+        >>> t = vt.tessellate(np.random.default_rng(1).random((100, 3)), box=(0, 0, 0, 1, 1, 1), want="volumes,faces")
+        >>> t.view().save("cells.html")
+        """
+        self._check_whole()
+        from .export.viewer import view
+
+        return view(self, columns, color, colormap, open)
+
     def save(
         self,
         path: Union[str, os.PathLike[str]],
@@ -279,9 +309,10 @@ class Tessellation(SeedCells):
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
+        - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
-        ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
-        ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
+        ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
+        ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``

@@ -43,6 +43,12 @@ class Zones(WithHandle):
     def __repr__(self) -> str:
         return f"<pyvotess.Zones: {len(self)} zones of {len(self.labels)} cells>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_zones
+
+        return html_of_zones(self)
+
     def merge(self, threshold: float) -> Zones:
         """Returns the zones that remain when each zone with ``persistence <= threshold`` joins its parent.
 
