@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Union
 
 import numpy as np
 
-from .._arguments import as_path
-from .colors import cell_colors, limits, map_values
+from .._arguments import as_path, as_word
+from .._input import as_array
+from .colors import COLORMAPS, cell_colors, limits, map_values
 from .columns import added_columns, cell_columns, color_values
 from .geometry import Mesh, begins, mesh_of
 from .whole_file import whole_file
@@ -127,7 +128,8 @@ def _chosen_first(columns: Values, t: SeedCells, color: Any, colormap: str) -> V
     """Returns the columns, the color first."""
     if color is None:
         color = "volumes" if "volumes" in t.wanted else "neighbors" if "neighbors" in t.wanted else "x"
-    given = cell_colors(t, color, colormap) if np.ndim(color) == 2 else color_values(t, color)[0]
+    colors = not isinstance(color, str) and as_array(color, "color").ndim == 2
+    given = cell_colors(t, color, colormap) if colors else color_values(t, color)[0]
     name = color if isinstance(color, str) else "color"
     name = {"volume": "volumes", "area": "surface_areas"}.get(name, name)
     return {name: given, **{other: values for other, values in columns.items() if other != name}}
@@ -135,6 +137,7 @@ def _chosen_first(columns: Values, t: SeedCells, color: Any, colormap: str) -> V
 
 def view(t: SeedCells, columns: Columns, color: Any, colormap: str, open: Optional[str]) -> View:
     """See :meth:`pyvotess.Tessellation.view`."""
+    as_word(colormap, "colormap", COLORMAPS)
     numbers = cell_columns(t)
     added = added_columns(t, columns, numbers)
     for name, values in added.items():
