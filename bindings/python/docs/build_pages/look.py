@@ -1,7 +1,7 @@
 """Looks at built pages in a browser: look.py CHROMIUM SITE TARGET
 
 No heading may be narrower than 200 pixels, at two widths of the window. The page of t.view() must show cells, other ones after its
-cut moves, and the number of a cell after a click. TARGET gets screenshots of some pages. The browser is driven by its own
+cut moves, and the number of a cell after a click. The search must find a word, without a server. TARGET gets screenshots of some pages. The browser is driven by its own
 protocol, https://chromedevtools.github.io/devtools-protocol/.
 """
 
@@ -46,6 +46,19 @@ CUT = """new Promise(done => {
     document.getElementById("cut").value = 0.5;
     document.getElementById("cut").dispatchEvent(new Event("input"));
     requestAnimationFrame(() => requestAnimationFrame(done));
+})"""
+
+
+# Searches for a word, and returns the number of pages that are found.
+SEARCH = """new Promise(done => {
+    const input = document.querySelector(".md-search__input");
+    input.focus();
+    input.value = "watershed";
+    input.dispatchEvent(new Event("keyup", {bubbles: true}));
+    const begin = Date.now(), timer = setInterval(() => {
+        const found = parseInt(document.querySelector(".md-search-result__meta").textContent);
+        if (found || Date.now() > begin + 30000) { clearInterval(timer); done(found || 0); }
+    }, 100);
 })"""
 
 
@@ -132,6 +145,9 @@ async def look(address: str, site: Path, target: Path) -> List[str]:
             if file.stem in SHOWN:
                 await asyncio.sleep(1)  # frames inside, and pictures that load late
                 await page.screenshot(target / f"{file.stem}-{width}.png")
+    await page.open(site / "index.html", WIDTHS[0])
+    if not await page.get(SEARCH):
+        complaints.append("the search finds nothing")
     return complaints + await look_at_cells(page, site / "made/gallery/cells.html", target)
 
 
