@@ -75,6 +75,10 @@ class Diagram:
     Raises
     ------
     ValueError : bad input; the message names the first offending index and value.
+
+    >>> d = vt.Diagram(points, box=box)
+    >>> d
+    <pyvotess.Diagram of 100 seeds in a box (0, 0, 0) to (1, 1, 1)>
     """
 
     @with_short_forms
@@ -158,6 +162,9 @@ class Diagram:
 
         queries : (Q, 3) array of finite numbers. In a periodic domain they are wrapped without rounding.
         progress : as for :func:`tessellate`.
+
+        >>> d.locate(points[:3]).tolist()
+        [0, 1, 2]
         """
         array = self._as_queries(queries)
         seeds = np.empty(len(array), np.int32)
@@ -193,6 +200,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input; a direction of length 0; an infinite ray that no wall ends.
+
+        >>> rays = d.trace([(0.1, 0.5, 0.5)], [(0.8, 0, 0)])
+        >>> len(rays.seeds), round(float(rays.lengths.sum()), 6)
+        (8, 0.8)
         """
         start, along = self._as_queries(origins, "origins"), self._as_queries(directions, "directions")
         if len(along) != len(start):
@@ -248,6 +259,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input, or weights where the seeds have none.
+
+        >>> added = d.probe([(0.5, 0.5, 0.5)])
+        >>> bool((added.neighbors[0] >= 0).all()), len(added)
+        (True, 1)
         """
         array = self._as_queries(queries)
         options = new_options(device="cpu", want=want, list_walls=list_walls)
@@ -297,6 +312,10 @@ class Diagram:
         ------
         ValueError : bad input.
         VotessError : UNSUPPORTED in a periodic domain with so few seeds that the cell of a query meets its own image.
+
+        >>> shares = d.natural_neighbors([(0.5, 0.5, 0.5)])
+        >>> round(float(shares.weights.sum()), 6)
+        1.0
         """
         array = self._as_queries(queries)
         numbers = _as_weights(weights, len(array))
@@ -365,6 +384,9 @@ class Diagram:
         two dimensions.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
+
+        >>> d.interpolate(points @ (1, 2, 3), [(0.5, 0.5, 0.5)]).round(6)  # linear fields are reproduced
+        array([3.])
         """
         array = self._as_queries(queries)
         of_seeds = self._as_values(values)
@@ -440,6 +462,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input.
+
+        >>> grid = d.to_grid(np.ones(100), (8, 8, 8), "dtfe")
+        >>> grid.shape
+        (8, 8, 8)
         """
         of_seeds = self._as_values(values)
         numbers = as_each_axis(shape, "shape", self._dimensions)

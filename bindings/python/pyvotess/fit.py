@@ -117,6 +117,10 @@ def fit_volumes(
     ValueError : bad input; the message names the first offending index and value.
     FitError : the steps ended before the tolerance; it has the best weights so far.
     MemoryError, VotessError : as for :func:`tessellate`.
+
+    >>> fit = vt.fit_volumes(points, np.full(100, 0.01), box=box)
+    >>> print(fit.tessellation.volumes.round(6)[:3])
+    [0.01 0.01 0.01]
     """
     array = as_points(points, planar=True).astype(np.float64, order="C", copy=False)
     count = len(array)

@@ -103,6 +103,10 @@ class Pieces:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.
 
         See :meth:`Tessellation.view`.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.05).view().save("pieces.html")
         """
         from .export.viewer import view_of_pieces
 
@@ -124,6 +128,10 @@ class Pieces:
 
         Raises ValueError for an unknown extension, a wrong number of ids, and a file above 4 GiB; OSError when the file
         cannot be written.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.01).save("pieces.glb")
         """
         from .export.mesh_file import writing
         from .export.whole_file import whole_file

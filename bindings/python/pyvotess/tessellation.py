@@ -98,6 +98,9 @@ class Tessellation(SeedCells):
         With ``min_face`` or ``min_area`` the corners of a dropped face become one, so a rounded lattice has the polytopes
         of the lattice. Raises ValueError if this would collapse a face that was kept, or join a corner with its own
         image: then give a smaller ``min_face``.
+
+        >>> t.delaunay().tetrahedra.shape[1]
+        4
         """
         handle = Handle("delaunay")
         raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
@@ -111,6 +114,9 @@ class Tessellation(SeedCells):
         to infinity are left out.
 
         Raises ValueError for negative weights, with ``only``, and where :meth:`delaunay` refuses dropped faces.
+
+        >>> t.network()
+        <pyvotess.Network: 558 vertices, 1112 edges>
         """
         return make_network(self, self._handle())
 
@@ -125,6 +131,12 @@ class Tessellation(SeedCells):
 
         Without a gap, volumes of the pieces sum to those of the cells. Raises ValueError without ``mesh`` and for a negative
         gap.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> pieces = vt.tessellate(points, mesh=solid, want="volumes").pieces()
+        >>> round(float(pieces.volumes.sum()), 6)
+        0.166667
         """
         return make_pieces(self, self._handle(), gap, threads, progress)
 
@@ -143,11 +155,20 @@ class Tessellation(SeedCells):
 
         Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
         2 or 3. Also with ``only`` or a mesh.
+
+        >>> a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        >>> len(a.simplices[0]), a.simplices[3].shape[1]
+        (100, 4)
         """
         return make_alpha(self, self._handle(), replicate)
 
     def pairs(self) -> Pairs:
-        """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
+        """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides.
+
+        >>> pairs = t.pairs()
+        >>> bool(np.isclose(pairs.distance, np.linalg.norm(pairs.vector, axis=1)).all())
+        True
+        """
         self._check_whole()
         return make_pairs(self)
 
@@ -162,6 +183,9 @@ class Tessellation(SeedCells):
         maxima : steps lead to the highest neighbor.
 
         Raises ValueError for NaN, which names its row, for another number of values, and with ``only``.
+
+        >>> t.watershed(t.volumes)
+        <pyvotess.Zones: 10 zones of 100 cells>
         """
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
@@ -187,6 +211,9 @@ class Tessellation(SeedCells):
 
         In a ``mesh`` those of volumes follow from :meth:`pieces`, without "faces". The surface stays where it is. A domain
         that repeats has those by weights only, and "areas" in want.
+
+        >>> t.derivatives(by="points").shape
+        (100, 300)
         """
         self._check_whole()
         return make_derivatives(self, of, by, open)
@@ -208,6 +235,9 @@ class Tessellation(SeedCells):
 
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
+
+        >>> axes = t.plot(slice=("z", 0.5))
+        >>> axes.figure.savefig("section.png")
         """
         self._check_whole()
         from .export.plot import plot
@@ -250,7 +280,6 @@ class Tessellation(SeedCells):
 
         Raises ValueError for missing arrays and values that do not fit; OSError when the file cannot be written.
 
-        >>> t = vt.tessellate(np.random.default_rng(1).random((100, 3)), box=(0, 0, 0, 1, 1, 1), want="volumes,faces")
         >>> t.image(slice=("z", 0.5), size=(200, 150))
         <pyvotess image of 200 x 150 pixels>
         """
@@ -284,7 +313,6 @@ class Tessellation(SeedCells):
 
         Raises ValueError for missing arrays and values that do not fit.
 
-        >>> t = vt.tessellate(np.random.default_rng(1).random((100, 3)), box=(0, 0, 0, 1, 1, 1), want="volumes,faces")
         >>> t.view().save("cells.html")
         """
         self._check_whole()
@@ -320,6 +348,9 @@ class Tessellation(SeedCells):
 
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, or a .glb above 4 GiB;
         ImportError without h5py for .h5; OSError when the file cannot be written.
+
+        >>> t.save("cells.npz")
+        >>> t.save("cells.vtu", columns={"mass": np.ones(100)})
         """
         self._check_whole()
         from .export.save import save
@@ -327,14 +358,22 @@ class Tessellation(SeedCells):
         save(self, path, columns, color, colormap, open)
 
     def to_dataframe(self) -> Any:
-        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""
+        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell.
+
+        >>> t.to_dataframe().shape[0]
+        100
+        """
         self._check_whole()
         from .export.packages import to_dataframe
 
         return to_dataframe(self)
 
     def to_scipy(self) -> Any:
-        """Returns ``neighbors.to_scipy()``."""
+        """Returns ``neighbors.to_scipy()``.
+
+        >>> t.to_scipy().shape
+        (100, 100)
+        """
         self._check_whole()
         return self.neighbors.to_scipy()
 
@@ -343,6 +382,9 @@ class Tessellation(SeedCells):
 
         An edge has the smallest ``distance`` of touching images, their number of ``faces``, and with "areas" in want the
         sum of their ``area``. A seed that touches its own image has an edge to itself.
+
+        >>> len(t.to_networkx())
+        100
         """
         self._check_whole()
         from .export.packages import to_networkx
@@ -353,6 +395,9 @@ class Tessellation(SeedCells):
         """Returns a freud.locality.NeighborList in float32, with an entry for each of :meth:`pairs`. Needs "areas" in want.
 
         The weights are the areas of the faces, in the plane the lengths of the edges.
+
+        >>> len(t.to_freud()) == len(t.pairs())
+        True
         """
         self._check_whole()
         from .export.packages import to_freud
@@ -364,6 +409,9 @@ class Tessellation(SeedCells):
         "faces" in want.
 
         Its cell data are those of .vtu in :meth:`save`, and ``columns``.
+
+        >>> t.to_pyvista().n_cells
+        100
         """
         self._check_whole()
         from .export.packages import to_pyvista
@@ -384,6 +432,10 @@ class Tessellation(SeedCells):
         the sample, rows must be symmetric among those that are there, and "volumes" is skipped. ``tiny_faces`` of the
         report counts faces far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the
         points may be tessellated again.
+
+        >>> report = t.verify()
+        >>> report.passed, report.proven
+        (True, True)
         """
         drawn = as_sample(sample, rng_seed)
         points = np.ascontiguousarray(self._points, dtype=np.float64)

@@ -54,6 +54,10 @@ class Zones(WithHandle):
 
         ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins zones
         that only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
+
+        >>> zones = t.watershed(t.volumes)
+        >>> len(zones.merge(np.inf))
+        1
         """
         handle = Handle("zones")
         level = as_number(threshold, "threshold")

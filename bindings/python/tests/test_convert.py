@@ -1,6 +1,7 @@
 """Results as objects of other packages, as DLPack, and as HTML."""
 
 import base64
+import importlib
 import re
 import struct
 import sys
@@ -132,6 +133,25 @@ class DLPack(unittest.TestCase):
             with self.assertRaises((BufferError, TypeError)):
                 np.from_dlpack(t.volumes)
         np.testing.assert_array_equal(np.from_dlpack(t.volumes.copy()), t.volumes)
+
+
+class Missing(unittest.TestCase):
+    def test_packages_are_named(self):
+        t = cells(20)
+        natural = vt.Diagram(uniform(20)).natural_neighbors([(0.5, 0.5, 0.5)])
+        for package, call in [
+            ("scipy", t.to_scipy), ("scipy", t.neighbors.to_scipy), ("scipy", lambda: natural.to_scipy(20)),
+            ("scipy", t.derivatives), ("pandas", t.to_dataframe), ("networkx", t.to_networkx), ("pyvista", t.to_pyvista),
+            ("freud-analysis", t.to_freud), ("networkx", t.network().to_networkx), ("openpnm", t.network().to_openpnm),
+            ("gudhi", t.alpha_complex().to_gudhi), ("jax", lambda: importlib.import_module("pyvotess.autodiff.jax")),
+            ("torch", lambda: importlib.import_module("pyvotess.autodiff.torch")),
+        ]:
+            name = package.split("-")[0]
+            hidden = {name: None, "scipy.sparse": None}
+            with mock.patch.dict(sys.modules, hidden):
+                sys.modules.pop(f"pyvotess.autodiff.{name}", None)
+                with self.assertRaisesRegex(ImportError, f"needs {name}.*: pip install {package}$"):
+                    call()
 
 
 class Html(unittest.TestCase):
