@@ -1,8 +1,8 @@
 """Looks at built pages in a browser: look.py CHROMIUM SITE TARGET
 
-No heading may be narrower than 200 pixels, at two widths of the window. The page of t.view() must show cells, other ones after its
-cut moves, and the number of a cell after a click. The search must find a word, without a server. TARGET gets screenshots of some pages. The browser is driven by its own
-protocol, https://chromedevtools.github.io/devtools-protocol/.
+No heading may be narrower than 200 pixels, at two widths of the window. The page of t.view() must show cells, other ones
+after its cut moves, and the number of a cell after a click. The search must find a word, without a server. TARGET gets
+screenshots of some pages. The browser is driven by its own protocol, https://chromedevtools.github.io/devtools-protocol/.
 """
 
 from __future__ import annotations

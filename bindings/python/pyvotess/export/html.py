@@ -16,11 +16,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
-    from ..diagram import Diagram
-    from ..fit import VolumeFit
-    from ..network import Network
-    from ..pieces import Pieces
-    from ..zones import Zones
 
     Rows = List[Tuple[str, str]]
     Float64Array = npt.NDArray[np.float64]
@@ -99,7 +94,7 @@ def as_html(t: SeedCells) -> str:
     return _page(t, lambda: _rows(t), lambda: _picture(t))
 
 
-def html_of_fit(fit: VolumeFit) -> str:
+def html_of_fit(fit: Any) -> str:
     def rows() -> Rows:
         return [
             ("residual", f"{fit.residual:.1e} of a volume"),
@@ -132,7 +127,7 @@ def _seen(points: Float64Array) -> Float64Array:
     return seen
 
 
-def html_of_network(n: Network) -> str:
+def html_of_network(n: Any) -> str:
     def rows() -> Rows:
         found = [("vertices", f"{len(n.points)}, {int(n.at_walls.sum())} at walls"), ("edges", f"{len(n.edges)}")]
         if len(n.points):
@@ -159,7 +154,7 @@ def html_of_network(n: Network) -> str:
     return _page(n, rows, picture)
 
 
-def html_of_pieces(pieces: Pieces) -> str:
+def html_of_pieces(pieces: Any) -> str:
     def rows() -> Rows:
         found = [("pieces", f"{len(pieces)} of {int((pieces.counts > 0).sum())} cells")]
         if len(pieces):
@@ -195,7 +190,7 @@ def html_of_pieces(pieces: Pieces) -> str:
     return _page(pieces, rows, picture)
 
 
-def html_of_zones(zones: Zones) -> str:
+def html_of_zones(zones: Any) -> str:
     def rows() -> Rows:
         sizes = np.bincount(zones.labels[zones.labels >= 0], minlength=len(zones))
         found = [("zones", f"{len(zones)}, of {'maxima' if zones.maxima else 'minima'}"), ("cells", f"{len(zones.labels)}")]
@@ -226,7 +221,7 @@ def html_of_zones(zones: Zones) -> str:
     return _page(zones, rows, picture)
 
 
-def html_of_diagram(d: Diagram) -> str:
+def html_of_diagram(d: Any) -> str:
     def picture() -> str:
         from .image import Image
 

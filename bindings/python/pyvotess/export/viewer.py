@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
-    from ..pieces import Pieces
     from .columns import Columns
 
     Values = Dict[str, npt.NDArray[Any]]
@@ -157,11 +156,11 @@ def view(t: SeedCells, columns: Columns, color: Any, colormap: str, open: Option
     return page(shown, drawn, {name: values[kept] for name, values in colors.items()}, colormap, [f"cell {k}" for k in kept])
 
 
-def _own_columns(pieces: Pieces) -> Values:
+def _own_columns(pieces: Any) -> Values:
     return {"piece volume": pieces.volumes, "cell": pieces.ids[pieces.cells]}
 
 
-def view_of_pieces(pieces: Pieces, columns: Optional[Values] = None, colormap: str = "tide") -> View:
+def view_of_pieces(pieces: Any, columns: Optional[Values] = None, colormap: str = "tide") -> View:
     """See :meth:`pyvotess.Pieces.view`. ``columns``: (P,) values of the pieces; default: their volumes and cells."""
     first = np.repeat(pieces.vertex_offsets[:-1], np.diff(pieces.triangle_offsets))
     triangles = pieces.triangles.astype(np.int64) + first[:, None]
