@@ -81,7 +81,7 @@ browser=$(command -v chromium || command -v chromium-browser || command -v googl
 
 count() { find "$1" -name "$2" 2>/dev/null | wc -l; }
 echo "docs: $work/site/index.html"
-echo "  pages       $(count "$work/site" '*.html'), the code of $(count "$docs/pages" '*.md') ran: $(grep -c ': ok$' "$work/code.log" || true) blocks"
+echo "  pages       $(find "$work/site" -maxdepth 1 -name '*.html' ! -name 404.html | wc -l), the code of $(count "$docs/pages" '*.md') ran: $(grep -c ': ok$' "$work/code.log" || true) blocks"
 echo "  pictures    $(($(count "$work/made" '*.png') + $(count "$work/made" '*.svg')))"
 echo "  notebooks   $(count "$work/made/notebooks" '*.ipynb')"
 if [[ -n $browser ]]; then

@@ -15,8 +15,8 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[4]
 OTHERS = {"speed.png": ROOT / "tools/bench/results/speed.png", "frame.png": ROOT / "tests/embed/frame.png"}
 LINK = re.compile(r"\]\(made/([^)\s]+\.(?:png|svg))\)")
-WIDTH, HEIGHT = 340, 300  # pixels at most
-COLORS = 48
+WIDTH, HEIGHT = 320, 260  # pixels at most
+COLORS = 40
 
 
 def main() -> None:
