@@ -9,7 +9,7 @@ import types
 import unittest
 
 import numpy as np
-from helpers import Folder, vt
+from helpers import Folder, uniform, vt
 from pyvotess import frames as module
 
 EDGES = np.array([(9.0, 0, 0), (2.0, 8.0, 0), (-1.5, 1.0, 7.0)])
