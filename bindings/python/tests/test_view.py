@@ -96,6 +96,17 @@ class Page(Folder):
         with self.assertRaisesRegex(ValueError, "reach infinity"):
             endless.view()
         self.assertEqual(len(read(endless.view(open="skip").html)["faces"]), int((~endless.open_cells).sum()))
+        for points in (np.empty((0, 3)), uniform(1), np.full((3, 3), 0.5)):
+            data = read(vt.tessellate(points, box=UNIT_BOX, want="faces,volumes").view().html)
+            self.assertEqual(len(data["faces"]), min(len(points), 1))
+
+    def test_sizes(self):
+        """The page is the same for any unit of length that is a power of two."""
+        pages = [read(vt.tessellate(s * uniform(20), box=s * np.reshape(UNIT_BOX, (2, 3)), want="faces").view().html)
+                 for s in (1.0, 2.0**-600, 2.0**600)]
+        for data in pages[1:]:
+            for name in TYPES:
+                np.testing.assert_array_equal(data[name], pages[0][name])
 
     def test_refused(self):
         t = cells()

@@ -54,7 +54,8 @@ class View:
 
 
 def _packed(array: npt.ArrayLike, dtype: str) -> str:
-    data = np.ascontiguousarray(array, np.dtype(dtype).newbyteorder("<")).tobytes()
+    with np.errstate(over="ignore"):
+        data = np.ascontiguousarray(array, np.dtype(dtype).newbyteorder("<")).tobytes()
     return base64.b64encode(zlib.compress(data)).decode()
 
 
@@ -91,7 +92,8 @@ def page(mesh: Mesh, drawn: npt.NDArray[np.bool_], columns: Values, colormap: st
     sizes, faces = np.diff(mesh.offsets), np.diff(mesh.indptr)
     used = mesh.vertices[np.unique(mesh.loops)] if len(mesh.loops) else np.zeros((1, 3))
     low, high = used.min(axis=0), used.max(axis=0)
-    unit = max(float(np.linalg.norm(high - low)) / 2, float(np.finfo(float).tiny))
+    longest = max(float((high - low).max()), float(np.finfo(float).tiny))
+    unit = longest * max(float(np.linalg.norm((high - low) / longest)) / 2, 0.5)
     vertices = (mesh.vertices - (low + high) / 2) / unit
     # The middle of a polyhedron is the mean of the corners of its faces.
     corners = begins(sizes)[mesh.indptr]
