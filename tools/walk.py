@@ -46,7 +46,8 @@ def calls(function, by_name):
     _, _, parameter, body = function
     passed = re.compile(rf"(?<![\w.>]){parameter}\b(?!\s*(?:\.|->|\[))")
     for match in re.finditer(r"(?:\b(\w+)\s+)?(\w+)\s*[({]", body):
-        names = [name for name in match.groups() if name in by_name]  # the second may be a variable of the type of the first
+        # The second may be a variable of the type of the first.
+        names = [name for name in match.groups() if name in by_name]
         brackets = "()" if match[0].endswith("(") else "{}"
         if names and passed.search(body[match.end():closed(body, match.end() - 1, brackets)]):
             yield from by_name[names[-1]]

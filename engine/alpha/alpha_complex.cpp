@@ -68,10 +68,7 @@ std::size_t dimensions_of(const Tessellation& t) {
 
 // Returns the job of a periodic domain in space, with ends. sheet: where the points of a plane stay.
 Job periodic_job(const Tessellation& t, std::span<const double> points, std::optional<Sheet>& sheet) {
-    Settled run;
-    run.points = {points, {}};
-    run.region = region_of(t);
-    run.weights.given.assign(t.weights().begin(), t.weights().end());
+    Settled run = run_of(t, points);
     if (t.planar()) run = sheet.emplace(std::move(run)).in_space();
     if (EndlessSides(run.region).any()) end_near(run.region, run.points, run.weights);
     return make_job(std::move(run));
@@ -674,11 +671,9 @@ WholeDiagram whole_diagram(const Tessellation& t, std::span<const double> points
         }
     }
     const auto make = [&] {
-        Settled run;
-        run.points = {out.points, {}};
+        Settled run = run_of(t, out.points);
         run.region = space_of(t);
         run.weights = {weights};
-        run.device = "cpu";
         run.threads = t.stats().threads;
         run.want.volumes = false;
         run.want.faces = true;

@@ -28,6 +28,15 @@ Region region_of(const Tessellation& t) {
     return region;
 }
 
+Settled run_of(const Tessellation& t, std::span<const double> points) {
+    Settled run;
+    run.points = {points, {}};
+    run.region = region_of(t);
+    run.weights.given.assign(t.weights().begin(), t.weights().end());
+    run.device = "cpu";
+    return run;
+}
+
 void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {
     if (points.size() == (t.planar() ? 2 : 3) * t.size()) return;
     throw Error(ErrorCode::invalid_argument, function + "(): points hold " + std::to_string(points.size()) +

@@ -82,6 +82,34 @@ void check_values(const Options& options) {
                         ": the CPU makes the cells of some seeds, give cpu or auto with Options::only");
 }
 
+// Calls use(option, value) for each option and the value of a run that has it, except weights and subset.
+void for_values(auto& options, auto& run, const auto& use) {
+    use(options.box, run.region.box);
+    use(options.periodic, run.region.periodic);
+    use(options.cell, run.region.cell);
+    use(options.walls, run.region.walls);
+    use(options.mesh, run.region.mesh);
+    use(options.outside, run.region.outside);
+    use(options.planar, run.region.planar);
+    use(options.want, run.want);
+    use(options.list_walls, run.list_walls);
+    use(options.min_face, run.min_face);
+    use(options.min_area, run.min_area);
+    use(options.duplicates, run.duplicates);
+    use(options.device, run.device);
+    use(options.precision, run.precision);
+    use(options.threads, run.threads);
+    use(options.grid_resolution, run.grid_resolution);
+    use(options.k_init, run.k_init);
+    use(options.chunk_size, run.chunk_size);
+    use(options.instructions, run.instructions);
+    use(options.progress, run.progress);
+    use(options.log, run.log);
+}
+void take_values(const Options& options, Settled& run) {
+    for_values(options, run, [](const auto& option, auto& value) { value = option; });
+}
+
 }  // namespace
 
 void throw_no_threads(unsigned requested, unsigned given) {
@@ -112,21 +140,18 @@ Weights weights_of(std::span<const double> weights, std::span<const double> radi
 }
 
 Region region_of(const Options& options) {
-    return {options.box, options.periodic, options.cell, options.walls, options.mesh, options.outside, options.planar};
+    Settled run;
+    take_values(options, run);
+    return run.region;
 }
 
 Settled settle(const Options& options) {
     check_values(options);
     Settled run;
-    run.region = region_of(options);
+    take_values(options, run);
     check_region(run.region);
     run.weights = weights_of(options.weights, options.radii);
     if (options.only) run.subset.emplace(options.only->begin(), options.only->end());
-    static_cast<Wanted&>(run) = {options.want, options.list_walls, options.min_face, options.min_area,
-                                 options.duplicates};
-    static_cast<Execution&>(run) = {options.device,          options.precision, options.threads,
-                                    options.grid_resolution, options.k_init,    options.chunk_size,
-                                    options.instructions,    options.progress,  options.log};
     imply(run);
     return run;
 }
@@ -140,28 +165,7 @@ Settled settle(const Points& points, const Options& options) {
 
 Options options_of(const Settled& run) {
     Options options;
-    const Region& region = run.region;
-    options.box = region.box;
-    options.periodic = region.periodic;
-    options.cell = region.cell;
-    options.walls = region.walls;
-    options.mesh = region.mesh;
-    options.outside = region.outside;
-    options.planar = region.planar;
-    options.want = run.want;
-    options.list_walls = run.list_walls;
-    options.min_face = run.min_face;
-    options.min_area = run.min_area;
-    options.duplicates = run.duplicates;
-    options.device = run.device;
-    options.precision = run.precision;
-    options.threads = run.threads;
-    options.grid_resolution = run.grid_resolution;
-    options.k_init = run.k_init;
-    options.chunk_size = run.chunk_size;
-    options.instructions = run.instructions;
-    options.progress = run.progress;
-    options.log = run.log;
+    for_values(options, run, [](auto& option, const auto& value) { option = value; });
     return options;
 }
 

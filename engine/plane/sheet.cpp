@@ -20,10 +20,6 @@ using detail::Result;
 // uniform and in 50 clusters 2^-5 was best on the whole.
 constexpr double relative_height = 0x1p-5;
 
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
 std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }

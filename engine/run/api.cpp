@@ -183,6 +183,7 @@ detail::Result run_in_space(Engines& engines, Settled whole, detail::Result arra
 }
 
 detail::Result run_anywhere(Engines& engines, Settled whole, detail::Result arrays) {
+    imply(whole);
     if (!whole.region.planar) return run_in_space(engines, std::move(whole), std::move(arrays));
     Sheet sheet(std::move(whole));
     detail::Result result = run_in_space(engines, sheet.take_in_space(), std::move(arrays));
@@ -233,7 +234,6 @@ Tessellation tessellate(std::span<const float> points, const Options& options) {
 
 Runner::Runner() : state_(std::make_shared<detail::TessellatorState>()) {}
 Tessellation Runner::operator()(Settled whole) {
-    imply(whole);
     return run(state_, whole.points.coordinates() / (whole.region.planar ? 2 : 3), [&] { return std::move(whole); });
 }
 detail::Result arrays_of(Settled whole) {

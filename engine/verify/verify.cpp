@@ -36,16 +36,12 @@ std::size_t at(std::int64_t i) {
 
 // Returns a second run for the same rows.
 Settled second_run(const Tessellation& t, const Result& result, std::span<const double> points) {
-    Settled run;
-    run.points = {points, {}};
-    run.region = region_of(t);
-    run.device = "cpu";
-    const auto weights = result.is_subset ? std::span<const double>(result.all_seeds->weights) : result.weights;
-    run.weights.given.assign(weights.begin(), weights.end());
+    Settled run = run_of(t, points);
     if (!result.is_subset) return run;
     run.subset.emplace(result.ids.begin(), result.ids.end());
-    if (std::ranges::find(result.all_seeds->status, CellStatus::outside) != result.all_seeds->status.end())
-        run.region.outside = Outside::drop;
+    const auto& all = *result.all_seeds;
+    run.weights.given.assign(all.weights.begin(), all.weights.end());
+    if (std::ranges::find(all.status, CellStatus::outside) != all.status.end()) run.region.outside = Outside::drop;
     return run;
 }
 
@@ -180,7 +176,7 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
     if (t.size() == 0) return 0;
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
-    Settled run = second_run(t, detail::result_of(t.result_), copy);
+    Settled run = run_of(t, copy);
     if (EndlessSides(run.region).any()) end_near(run.region, run.points);
     run.want.neighbors = false;
     return tessellate(std::move(run)).stats().tiny_faces.value();
