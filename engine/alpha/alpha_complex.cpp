@@ -618,7 +618,7 @@ std::vector<std::vector<double>> images_beside(const Region& domain, const Tesse
     if (far == 0) far = 1;
     std::vector<std::vector<double>> tries;
     std::vector<double> all;
-    for (const int axis : endless_axes(domain)) {
+    for (const int axis : endless_axes(t.planar() ? in_sheet(domain, 1) : domain)) {
         if (axis < 0) continue;
         std::vector<double> x(&points[dimensions * at(first)], &points[dimensions * at(first)] + dimensions);
         x[static_cast<std::size_t>(axis)] += 4 * far;

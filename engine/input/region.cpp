@@ -53,7 +53,7 @@ EndlessSides::EndlessSides(const Region& region) {
     }
     if (!region.cell) return;
     const auto& [origin, a, b, c, periodic] = *region.cell;
-    for (std::size_t j = 0; j < 3; ++j)
+    for (std::size_t j = 0; j < (region.planar ? 2 : 3); ++j)
         if (std::array{a, b, c}[j] == std::array<double, 3>{} && !periodic[j]) sides_ |= 3u << 2 * j;
 }
 
