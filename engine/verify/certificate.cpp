@@ -231,7 +231,7 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
     for (int f = 0; f < polytope.planes(); ++f) {
         if (f < listed && !polytope.has_face(f))
             return fault(seed + " lists " + text_of(polytope.name(f)) + ", with which its cell shares no face");
-        if (f >= listed && polytope.has_face(f) && run_.options.list_walls)
+        if (f >= listed && polytope.has_face(f) && run_.settled.list_walls)
             return fault(seed + " does not list wall " + text_of(polytope.name(f)) + ", which bounds its cell");
     }
     return true;
