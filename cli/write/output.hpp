@@ -136,6 +136,9 @@ void write_vtu(OutputFile& file, const OutputData& data);
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);
+void write_foam(OutputFile& file, const OutputData& data);
+void write_tess(OutputFile& file, const OutputData& data);
+void write_msh(OutputFile& file, const OutputData& data);
 void write_stl(OutputFile& file, const OutputData& data);
 void write_3mf(OutputFile& file, const OutputData& data);
 

@@ -35,7 +35,8 @@ int take(const votess_bytes* bytes, void* user) {
         if (target.reports_size)
             std::fprintf(stderr, "%s takes %s\n", target.file.description().c_str(), megabytes(bytes->total).c_str());
         target.reports_size = false;
-        target.file.write({static_cast<const char*>(bytes->data), bytes->count});
+        OutputFile& file = bytes->file ? target.file.beside(bytes->file) : target.file;
+        file.write({static_cast<const char*>(bytes->data), bytes->count});
         return 1;
     } catch (...) {
         target.error = std::current_exception();
@@ -61,6 +62,10 @@ votess_mesh mesh_of(const OutputData& data) {
     mesh.cell_vertex_indices = cells.cell_vertex_indices().data();
     std::ranges::copy(cells.box().lower, mesh.box_lower);
     std::ranges::copy(cells.box().upper, mesh.box_upper);
+    if (cells.cell())
+        for (std::size_t k = 0; k < 3; ++k)
+            mesh.edges[k] = cells.cell()->a[k], mesh.edges[3 + k] = cells.cell()->b[k],
+            mesh.edges[6 + k] = cells.cell()->c[k];
     const auto infinite = [](double x) { return std::isinf(x); };
     const bool endless =
         std::ranges::any_of(cells.box().lower, infinite) || std::ranges::any_of(cells.box().upper, infinite);
@@ -223,6 +228,32 @@ void write_ply(OutputFile& file, const OutputData& data) {
 void write_obj(OutputFile& file, const OutputData& data) {
     if (data.tessellation.in_mesh()) return write_pieces(file, data, ".obj");
     write(file, data, mesh_of(data), ".obj");
+}
+
+void write_msh(OutputFile& file, const OutputData& data) {
+    write(file, data, mesh_of(data), ".msh");
+}
+
+void write_tess(OutputFile& file, const OutputData& data) {
+    votess_mesh mesh = mesh_of(data);
+    mesh.seeds = data.input.points.data();
+    if (!data.tessellation.weights().empty()) mesh.weights = data.tessellation.weights().data();
+    write(file, data, mesh, ".tess");
+}
+
+// The file itself is empty, as ParaView wants it. The folder constant/polyMesh beside it has the mesh.
+void write_foam(OutputFile& file, const OutputData& data) {
+    const votess_mesh mesh = mesh_of(data);
+    write(file, data, mesh, ".foam");
+    votess_mesh_quality quality{};
+    quality.struct_size = sizeof quality;
+    if (!data.reports_size) return;
+    if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
+        throw votess::Error(static_cast<votess::ErrorCode>(status), votess_last_error());
+    std::fprintf(stderr,
+                 "%s has non-orthogonality up to %.3g degrees, mean %.3g, skewness up to %.3g, edges from %.3g on\n",
+                 file.description().c_str(), quality.max_non_orthogonality, quality.mean_non_orthogonality,
+                 quality.max_skewness, quality.min_edge);
 }
 
 void write_stl(OutputFile& file, const OutputData& data) {

@@ -253,7 +253,7 @@ void write_pieces_stl(const Pieces& pieces, ByteSink& out) {
 
 void write_pieces_3mf(const Pieces& pieces, ByteSink& out) {
     std::string model;
-    ByteSink text([&](std::string_view bytes, std::uint64_t) { model += bytes; });
+    ByteSink text([&](std::string_view bytes, std::uint64_t, const std::string&) { model += bytes; });
     text.put(R"(<?xml version="1.0" encoding="UTF-8"?>)"
              "\n"
              R"(<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>)"

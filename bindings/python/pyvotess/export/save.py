@@ -35,6 +35,9 @@ _KINDS: Dict[str, _Kind] = {
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
+    ".foam": _Kind(mesh=True),
+    ".tess": _Kind(mesh=True),
+    ".msh": _Kind(mesh=True),
 }
 
 
@@ -91,4 +94,4 @@ def save(
             if t.in_mesh:
                 write_pieces_of_cells(temporary, t, data)
             else:
-                write_mesh(temporary, extension, t, data, colors, open is not None)
+                write_mesh(temporary, extension, t, data, colors, open is not None, os.path.dirname(os.path.realpath(name)))
