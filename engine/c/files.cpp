@@ -118,6 +118,7 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
         mesh.cell_vertex_indices = rows.cell_vertex_indices;
         box = rows.bounds;
     }
+    mesh.bounds = {box.lower, box.upper};
     for (std::size_t k = 0; k < 3; ++k) mesh.middle[k] = std::midpoint(box.lower[k], box.upper[k]);
     mesh.left_out = out.closed.has_value();
     std::ranges::copy(given.edges, mesh.edges.begin());

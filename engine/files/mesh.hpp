@@ -49,6 +49,7 @@ struct Mesh {
     std::span<const std::int64_t> face_offsets;  // one more than entries
     std::span<const std::int32_t> face_vertices;
     std::array<double, 3> middle{};        // of the domain
+    std::array<std::array<double, 3>, 2> bounds{};
     std::span<const std::uint8_t> colors;  // 3 of sRGB a cell; may be empty
     std::vector<Column> columns;
     bool planar = false;  // for .vtu alone

@@ -97,7 +97,8 @@ private:
         out_.put_number(mesh_.inner() + mesh_.patches.size() + mesh_.cells());
         std::size_t tag = 0;
         const auto put = [&](int dimension, std::size_t number, const std::string& name) {
-            out_.put("\n" + std::to_string(dimension));
+            out_.put("\n");
+            out_.put_number(dimension);
             put_next(out_, number);
             out_.put(" \"" + name + "\"");
         };
@@ -184,7 +185,8 @@ private:
         for (const std::size_t number : {elements, std::size_t{1}, elements}) put_next(out_, number);
         std::size_t element = 0;
         const auto begin_block = [&](int dimension, std::size_t entity, int type, std::size_t count) {
-            out_.put("\n" + std::to_string(dimension));
+            out_.put("\n");
+            out_.put_number(dimension);
             put_next(out_, entity + 1);
             put_next(out_, type);
             put_next(out_, count);

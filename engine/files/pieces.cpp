@@ -123,7 +123,7 @@ void put_zip(std::span<const std::pair<std::string, std::string>> members, ByteS
         put16(to, 0);
     };
     std::string directory;
-    ByteSink entries([&](std::string_view bytes, std::uint64_t) { directory += bytes; });
+    ByteSink entries([&](std::string_view bytes, std::uint64_t, const std::string&) { directory += bytes; });
     std::size_t place = 0;
     for (const auto& member : members) {
         out.put(std::string_view("PK\3\4", 4));

@@ -108,7 +108,7 @@ std::string Patch::name(const Mesh& mesh) const {
     static constexpr std::array names{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
     if (wall == 0) {
         std::string result = "periodic";
-        for (const int s : shift) result += "_" + std::to_string(s);
+        for (const int s : shift) result.append("_").append(std::to_string(s));
         return result;
     }
     if (mesh.left_out && wall == -1) return "open";

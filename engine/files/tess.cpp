@@ -129,7 +129,11 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
     const auto label = [&](std::vector<std::size_t> patches) {
         std::ranges::sort(patches);
         std::string result;
-        for (const std::size_t p : patches) result += cube ? sides[p] : "f" + std::to_string(p + 1);
+        for (const std::size_t p : patches)
+            if (cube)
+                result += sides[p];
+            else
+                result.append("f").append(std::to_string(p + 1));
         return result;
     };
     out.put(std::string(" **domain\n  *general\n   ") + (cube ? "cube" : "poly") + "\n  *vertex\n  ");
@@ -137,8 +141,13 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
     for (std::size_t k = 0; k < domain.corners.size(); ++k) {
         out.put("\n  ");
         put_next(out, k + 1);
-        put_vector(out, mesh.vertex(domain.corners[k]));
-        out.put(" " + label(domain.patches_of_corners[k]) + "\n     ");
+        Vector3 corner = mesh.vertex(domain.corners[k]);
+        if (cube)  // as given, without rounding
+            for (const std::size_t p : domain.patches_of_corners[k]) corner[p / 2] = given.bounds[p % 2][p / 2];
+        put_vector(out, corner);
+        out.put(" ");
+        out.put(label(domain.patches_of_corners[k]));
+        out.put("\n     ");
         put_list(out, {static_cast<std::size_t>(domain.corners[k])});
     }
     out.put("\n  *edge\n  ");
@@ -166,7 +175,14 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
             const Vector3 area = measure_face(mesh, f).area;
             return dot(area, area);
         };
-        put_plane(out, mesh, *std::ranges::max_element(faces, {}, area2), -1);  // inward
+        if (cube) {  // inward
+            Vector3 normal{};
+            normal[p / 2] = p % 2 == 0 ? 1 : -1;
+            put_next(out, normal[p / 2] * given.bounds[p % 2][p / 2] + 0.0);
+            put_vector(out, normal);
+        } else {
+            put_plane(out, mesh, *std::ranges::max_element(faces, {}, area2), -1);
+        }
         out.put("\n     " + label({p}) + "\n    ");
         put_list(out, faces);
     }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Optional
 import numpy as np
 
 from ._call import Handle
-from .mesh import Neighbors
+from .mesh import Lists, Neighbors
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -22,7 +22,7 @@ class Groups:
     """G groups of the cells, such as molecules or grains. ``groups.neighbors[g]`` are the groups that touch group g."""
 
     labels: Int64Array  #: (G,) the different labels, ascending
-    members: Neighbors  #: G rows: the seeds of each group, ascending
+    members: Lists  #: G rows: the seeds of each group, ascending
     #: G rows, ascending: walls (-1, -2, ...) if the rows of the cells list them, then positions in ``labels``. No group is
     #: its own neighbor, not even across a periodic boundary
     neighbors: Neighbors
@@ -51,7 +51,7 @@ def read_groups(handle: Handle) -> Groups:
     labels = handle.array("labels")
     return Groups(
         labels=labels,
-        members=Neighbors(handle.array("member_indptr"), handle.array("members")),
+        members=Lists(handle.array("member_indptr"), handle.array("members")),
         neighbors=Neighbors(handle.array("indptr"), indices),
         counts=handle.array("counts"),
         areas=sums("areas", len(indices)),
