@@ -45,8 +45,8 @@ public:
     [[nodiscard]] std::string description() const;  // for messages
     // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.
     void write(std::string_view bytes);
-    // Returns another file, in a folder within the folder of this one, which it makes. It is finished and published with
-    // this file. Calls for one name follow each other. Throws Failure for a device or a pipe.
+    // Returns another file, in a folder within the folder of this one, which it makes. It is finished and published
+    // with this file. Calls for one name follow each other. Throws Failure for a device or a pipe.
     [[nodiscard]] OutputFile& beside(const std::string& name);
     // Returns a path to the temporary file, for libraries that write by name. Only this process can use the path of an
     // unnamed file. Throws Failure for a device or a pipe.

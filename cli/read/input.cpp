@@ -56,8 +56,9 @@ std::string kind_of(const std::string& path) {
     const std::string extension = extension_of(path);
     if (extension == ".extxyz") return ".xyz";
     if (extension == ".hdf5" || extension == ".h5md") return ".h5";
-    constexpr std::array<std::string_view, 14> extensions{".xyz",  ".txt",       ".dat",  ".csv", ".npy", ".npz", ".h5",
-                                                          ".dump", ".lammpstrj", ".data", ".lmp", ".ply", ".vasp", ".tess"};
+    constexpr std::array<std::string_view, 14> extensions{".xyz", ".txt", ".dat",  ".csv",       ".npy",
+                                                          ".npz", ".h5",  ".dump", ".lammpstrj", ".data",
+                                                          ".lmp", ".ply", ".vasp", ".tess"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = text_of(path_of(path).filename());
     if (name.starts_with("data.")) return ".data";

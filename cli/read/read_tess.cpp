@@ -127,8 +127,9 @@ private:
             words_.skip(words_.count("edges"), "an edge");
             const std::string type(words_.need("the type of a face"));
             if (type != "plane")
-                throw words_.error("the domain has a face that is a " + type +
-                                   ": planes are read; give the domain by --box or --wall-cylinder and the seeds as text");
+                throw words_.error(
+                    "the domain has a face that is a " + type +
+                    ": planes are read; give the domain by --box or --wall-cylinder and the seeds as text");
             if (words_.count("parameters") != 4) throw words_.error("expected 4 parameters of a plane");
             const double d = words_.number("a parameter");
             votess::Wall wall;  // Neper's normals lead inward

@@ -75,6 +75,15 @@ votess_mesh mesh_of(const OutputData& data) {
     return mesh;
 }
 
+// Throws the message of the C interface, with options as members, as cli/words.cpp expects them.
+[[noreturn]] void throw_last_error(votess_status status, std::string message) {
+    message += votess_last_error();
+    constexpr std::string_view named = "options.";
+    for (std::size_t at = 0; (at = message.find(named, at)) != std::string::npos;)
+        message.replace(at, named.size(), "Options::");
+    throw votess::Error(static_cast<votess::ErrorCode>(status), message);
+}
+
 // function: votess_write_mesh or votess_write_pieces.
 template <typename Arrays>
 void write_by(votess_status (*function)(const Arrays*, const char*, votess_write_callback, void*), const Arrays& arrays,
@@ -82,9 +91,7 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
     Target target{file, reports_size, nullptr};
     const votess_status status = function(&arrays, format, take, &target);
     if (target.error) std::rethrow_exception(target.error);
-    if (status == VOTESS_OK) return;
-    throw votess::Error(static_cast<votess::ErrorCode>(status),
-                        "cannot write " + file.description() + ": " + votess_last_error());
+    if (status != VOTESS_OK) throw_last_error(status, "cannot write " + file.description() + ": ");
 }
 
 void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
@@ -249,7 +256,7 @@ void write_foam(OutputFile& file, const OutputData& data) {
     quality.struct_size = sizeof quality;
     if (!data.reports_size) return;
     if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
-        throw votess::Error(static_cast<votess::ErrorCode>(status), votess_last_error());
+        throw_last_error(status, "");
     std::fprintf(stderr,
                  "%s has non-orthogonality up to %.3g degrees, mean %.3g, skewness up to %.3g, edges from %.3g on\n",
                  file.description().c_str(), quality.max_non_orthogonality, quality.mean_non_orthogonality,

@@ -91,7 +91,8 @@ MeshQuality measure(const SharedMesh& mesh) {
         least_volume = std::min(least_volume, volume);
         quality.wrong_cells += volume > 0 ? 0 : 1;
     }
-    if (mesh.cells() > 0) quality.min_area = least_area, quality.min_volume = least_volume, quality.min_edge = least_edge;
+    if (mesh.cells() > 0)
+        quality.min_area = least_area, quality.min_volume = least_volume, quality.min_edge = least_edge;
 
     double angles = 0;
     std::uint64_t inner = 0;

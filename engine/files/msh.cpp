@@ -31,8 +31,8 @@ struct Bounds {
     }
 };
 
-// Returns the corner from which a fan of triangles has the least thin triangle: the greatest least ratio of the area to the
-// square of the longest side.
+// Returns the corner from which a fan of triangles has the least thin triangle: the greatest least ratio of the area to
+// the square of the longest side.
 std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
     const auto polygon = mesh.polygon(face);
     const std::size_t n = polygon.size();
@@ -70,7 +70,8 @@ std::vector<std::size_t> apexes(const SharedMesh& mesh) {
 
 class MshWriter {
 public:
-    MshWriter(const Mesh& given, ByteSink& out) : given_(given), mesh_(given), edges_(mesh_), cells_(mesh_), out_(out) {}
+    MshWriter(const Mesh& given, ByteSink& out)
+        : given_(given), mesh_(given), edges_(mesh_), cells_(mesh_), out_(out) {}
 
     void write() {
         out_.put("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");

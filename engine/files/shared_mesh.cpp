@@ -144,7 +144,8 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
         const auto start = std::ranges::find(theirs, ours[0]);
         bool same = ours.size() == theirs.size() && start != theirs.end();
         for (std::size_t c = 0; same && c < ours.size(); ++c)
-            same = theirs[(static_cast<std::size_t>(start - theirs.begin()) + ours.size() - c) % ours.size()] == ours[c];
+            same =
+                theirs[(static_cast<std::size_t>(start - theirs.begin()) + ours.size() - c) % ours.size()] == ours[c];
         if (!same)
             refuse("cells " + std::to_string(front.from) + " and " + std::to_string(front.to) +
                    " have different polygons of the face between them");

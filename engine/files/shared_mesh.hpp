@@ -45,9 +45,9 @@ struct SharedMesh {
     // Returns how far the cells behind a periodic boundary are from their places.
     [[nodiscard]] Vector3 separation(const Patch& patch) const;
 
-    std::vector<std::size_t> rows;    // of the cells: those with faces
-    std::vector<double> vertices;     // 3 each: those of the cells
-    std::vector<SharedFace> faces;    // inner ones ascend by owner, then by neighbor; then patch by patch
+    std::vector<std::size_t> rows;  // of the cells: those with faces
+    std::vector<double> vertices;   // 3 each: those of the cells
+    std::vector<SharedFace> faces;  // inner ones ascend by owner, then by neighbor; then patch by patch
     std::vector<std::int64_t> offsets{0};
     std::vector<std::int32_t> corners;  // of the faces, counterclockwise seen from outside of the owner
     std::vector<Patch> patches;         // walls from -1 on, then periodic boundaries in pairs

@@ -1,4 +1,6 @@
 // Sums over groups: the entries of the rows are sorted by the groups on both sides.
+#include "votess/groups.hpp"
+
 #include <algorithm>
 #include <map>
 #include <numeric>
@@ -7,7 +9,6 @@
 
 #include "core/progress.hpp"
 #include "input/supports.hpp"
-#include "votess/groups.hpp"
 
 namespace votess {
 namespace {

@@ -19,8 +19,8 @@ struct Groups {
     std::vector<std::int64_t> member_indptr;  // G+1 offsets into members
     std::vector<std::int32_t> members;        // N seeds: those of each group, ascending
     std::vector<std::int64_t> indptr;         // G+1 offsets into indices, counts and areas
-    // The neighbors of each group, ascending: walls if the rows list them, then numbers of groups. A group is not its own
-    // neighbor, not even across a periodic boundary.
+    // The neighbors of each group, ascending: walls if the rows list them, then numbers of groups. A group is not its
+    // own neighbor, not even across a periodic boundary.
     std::vector<std::int32_t> indices;
     std::vector<std::int64_t> counts;   // the faces between both; of a wall
     std::vector<double> areas;          // their area; equal for both groups

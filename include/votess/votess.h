@@ -475,10 +475,10 @@ typedef struct votess_mesh {
     const votess_column* columns;        // column_count
     double box_lower[3];                 // of the domain; the middle is the origin of positions in .glb
     double box_upper[3];
-    int32_t planar;      // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
-    int32_t skip_open;   // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
-    uint64_t* left_out;  // receives their number; may be NULL
-    double edges[9];     // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
+    int32_t planar;         // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
+    int32_t skip_open;      // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
+    uint64_t* left_out;     // receives their number; may be NULL
+    double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
     const double* seeds;    // 3 * N, for .tess
     const double* weights;  // N, of a power diagram, for .tess; NULL for none
 } votess_mesh;
@@ -504,8 +504,8 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".obj": faces, each once
 //   - ".glb": solids in colors
 //   - ".foam": the files points, faces, owner, neighbour and boundary in constant/polyMesh, for OpenFOAM. Cells are the
-//   rows with faces, in order. A patch for each wall, xmin to zmax for -1 to -6, wall7 and on for -7 and on; in a periodic
-//   domain a pair of cyclic patches for each shift
+//   rows with faces, in order. A patch for each wall, xmin to zmax for -1 to -6, wall7 and on for -7 and on; in a
+//   periodic domain a pair of cyclic patches for each shift
 //   - ".tess": the tessellation of Neper, with seeds and weights; its domain must not be periodic
 //   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
 //   pair of cells and each wall
@@ -518,14 +518,16 @@ typedef struct votess_mesh_quality {
     uint32_t struct_size;  // sizeof(votess_mesh_quality)
     uint32_t reserved;     // 0
     uint64_t cells, faces, internal_faces, vertices;
-    double max_non_orthogonality;   // between a face's normal and the line through the centroids of its cells, in degrees
+    double
+        max_non_orthogonality;  // between a face's normal and the line through the centroids of its cells, in degrees
     double mean_non_orthogonality;  // of internal faces
     uint64_t severe_faces;          // above 70 degrees
-    double max_skewness;  // distance of that line from the face's center, as a share of the face's size in its direction
-    uint64_t skew_faces;  // above 4
+    double
+        max_skewness;  // distance of that line from the face's center, as a share of the face's size in its direction
+    uint64_t skew_faces;                    // above 4
     double min_area, min_volume, min_edge;  // of faces, cells, edges
-    uint64_t wrong_faces;  // whose normal does not lead from owner to neighbor, or that have no area
-    uint64_t wrong_cells;  // without a positive volume
+    uint64_t wrong_faces;                   // whose normal does not lead from owner to neighbor, or that have no area
+    uint64_t wrong_cells;                   // without a positive volume
 } votess_mesh_quality;
 // Measures a mesh as .foam holds it. Fails as votess_write_mesh() does for that. quality: struct_size must be set.
 VOTESS_API votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality);

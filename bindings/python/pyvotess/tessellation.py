@@ -190,15 +190,15 @@ class Tessellation(SeedCells):
         raise_on_failure(watched(lib.votess_groups_new, self._handle().pointer, *arguments))
         return read_groups(handle)
 
-    def shapes(self) -> Shapes:
+    def shapes(self, open: Optional[str] = None) -> Shapes:
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.
 
         The axes are those of the ellipsoid with the same second moments, in the plane of the ellipse. In a mesh they are those
-        of the part of the cell inside. Cells that reach infinity are refused.
+        of the part of the cell inside. Cells that reach infinity are refused; ``open="skip"`` leaves their rows nan.
         """
         from .fields.shapes import make_shapes
 
-        return make_shapes(self)
+        return make_shapes(self if self.least_face == 0 else self._with_all_faces(), open)
 
     def mesh_quality(self, open: Optional[str] = None) -> MeshQuality:
         """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want.

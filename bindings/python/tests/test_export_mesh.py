@@ -133,7 +133,7 @@ class AsClvotess(Folder):
         if not program:
             self.skipTest("VOTESS_CLI names no clvotess")
         np.save(self.path("p.npy"), uniform(200))
-        names = [self.path("a" + extension) for extension in (".vtu", ".ply", ".obj", ".glb")]
+        names = [self.path("a" + extension) for extension in (".vtu", ".ply", ".obj", ".glb", ".msh")]
         for options, periodic in (([], False), (["--periodic"], True)):
             command = [program, self.path("p.npy"), "--box", "0,0,0,1,1,1", "--colormap", "ember", "-q", *options]
             subprocess.run(command + [word for name in names for word in ("-o", name)], check=True)

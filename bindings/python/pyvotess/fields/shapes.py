@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Dict
+from typing import TYPE_CHECKING, Any, Dict, Optional
 
 import numpy as np
 
-from .moments import _simplices
+from .simplices import simplices
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from ..tessellation import Tessellation
+    from .._state import SeedCells
 
     Float64Array = npt.NDArray[np.float64]
 
@@ -41,16 +41,14 @@ class Shapes:
         return {name: array if array.ndim < 3 else array.reshape(len(self), -1) for name, array in self.__dict__.items()}
 
 
-def make_shapes(t: Tessellation) -> Shapes:
-    if t.least_face > 0:
-        t = t._with_all_faces()
+def make_shapes(t: SeedCells, open: Optional[str]) -> Shapes:
     places = t.wrapped_points if t.ids is None else np.asarray(t.points, np.float64)[t.ids]
     count, d = len(t), places.shape[1]
     size, surface = np.zeros(count), np.zeros(count)
     first, second = np.zeros((d, count)), np.zeros((d, d, count))
     # Integrals over a simplex with corners 0 and x_k, of sum s: its size times s / (d + 1), and times
     # (sum of x_k x_k^T + s s^T) / ((d + 1) (d + 2)).
-    for cell, corners, times in _simplices(t, places, "shapes()"):
+    for cell, corners, times in simplices(t, places, "shapes()", may_skip=True, open=open):
         if len(cell) == 0:
             continue
         begin, end = cell[0], cell[-1] + 1

@@ -73,6 +73,8 @@ class ShapesTest(unittest.TestCase):
             vt.tessellate(uniform(10)).shapes()
         with self.assertRaisesRegex(ValueError, "infinity"):
             vt.tessellate(uniform(10), box="none", want="faces").shapes()
+        t = vt.tessellate(uniform(60), box="none", want="faces,volumes")
+        self.assertEqual(np.isnan(t.shapes(open="skip").aspect_ratio).tolist(), t.open_cells.tolist())
 
 
 if __name__ == "__main__":
