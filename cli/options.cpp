@@ -117,6 +117,11 @@ or "17.0", "17.1" if a cell has several; materials are inside and surface.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside)",
          {.needs = Needs::all_points, .solid = true}},
+        {"--min-edge LENGTH",
+         R"(in .foam, .tess and .msh: make one vertex of the ends of shorter edges.
+Faces with two corners vanish, cells stay closed, and vertices on their
+walls. Reports edges that stay, since a cell would be none)",
+         {.needs = Needs::cells}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
 pieces. The planes of each cell move inward by half of it; the surface of

@@ -106,6 +106,11 @@ bool is_pieces_output(const std::string& path) {
     return kind && kind->pieces;
 }
 
+bool collapses_edges(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->write == write_foam || kind->write == write_tess || kind->write == write_msh);
+}
+
 bool is_colored(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->write == write_glb;

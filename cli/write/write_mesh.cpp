@@ -95,12 +95,17 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
 }
 
 void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
-    std::uint64_t left_out = 0;
+    std::uint64_t left_out = 0, short_edges = 0;
     mesh.left_out = &left_out;
+    mesh.short_edges = &short_edges;
+    mesh.min_edge = data.min_edge;
     write_by(votess_write_mesh, mesh, file, format, data.reports_size && std::string_view(format) == ".glb");
     if (left_out > 0 && data.reports_size)
         std::fprintf(stderr, "%s leaves out %s cells that reach infinity\n", file.description().c_str(),
                      std::to_string(left_out).c_str());
+    if (short_edges > 0 && data.reports_size)
+        std::fprintf(stderr, "%s keeps %s edges below --min-edge, for a cell would not remain a polyhedron\n",
+                     file.description().c_str(), std::to_string(short_edges).c_str());
 }
 
 // Returns the ids of the rows, or their numbers.
@@ -250,7 +255,8 @@ void write_tess(OutputFile& file, const OutputData& data) {
 
 // The file itself is empty, as ParaView wants it. The folder constant/polyMesh beside it has the mesh.
 void write_foam(OutputFile& file, const OutputData& data) {
-    const votess_mesh mesh = mesh_of(data);
+    votess_mesh mesh = mesh_of(data);
+    mesh.min_edge = data.min_edge;
     write(file, data, mesh, ".foam");
     votess_mesh_quality quality{};
     quality.struct_size = sizeof quality;

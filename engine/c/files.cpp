@@ -1,5 +1,6 @@
 // votess_write_mesh(): its arrays are checked here and become a files::Mesh. votess_write_pieces().
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -126,6 +127,10 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     for (std::size_t k = 0; k < 3 && !mesh.skewed; ++k) mesh.edges[4 * k] = box.upper[k] - box.lower[k];
     if (given.seeds != nullptr) mesh.seeds = {given.seeds, static_cast<std::size_t>(3 * given.cells)};
     if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
+    if (!(given.min_edge >= 0 && std::isfinite(given.min_edge)))
+        refuse("mesh.min_edge is " + std::to_string(given.min_edge) + ": give a length from 0 on");
+    mesh.min_edge = given.min_edge;
+    mesh.short_edges = given.short_edges;
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
         mesh.columns.push_back(column(one, given.cells));
@@ -240,6 +245,7 @@ votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* 
         out.min_edge = q.min_edge;
         out.wrong_faces = q.wrong_faces;
         out.wrong_cells = q.wrong_cells;
+        out.short_edges = shared.short_edges;
         *quality = out;
     });
 }

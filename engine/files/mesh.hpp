@@ -52,12 +52,14 @@ struct Mesh {
     std::array<std::array<double, 3>, 2> bounds{};
     std::span<const std::uint8_t> colors;  // 3 of sRGB a cell; may be empty
     std::vector<Column> columns;
-    bool planar = false;              // for .vtu alone
-    std::array<double, 9> edges{};    // vectors of the domain
-    bool skewed = false;              // whether they are given, not those of a box
-    bool left_out = false;            // whether cells that reach infinity were, and the wall -1 is in their place
-    std::span<const double> seeds;    // 3 a cell, for .tess
-    std::span<const double> weights;  // of the cells, for .tess; may be empty
+    bool planar = false;                   // for .vtu alone
+    std::array<double, 9> edges{};         // vectors of the domain
+    bool skewed = false;                   // whether they are given, not those of a box
+    bool left_out = false;                 // whether cells that reach infinity were, and the wall -1 is in their place
+    double min_edge = 0;                   // collapse shorter edges, in files with shared faces
+    std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
+    std::span<const double> seeds;         // 3 a cell, for .tess
+    std::span<const double> weights;       // of the cells, for .tess; may be empty
 
 private:
     static std::span<const std::int32_t> row(std::span<const std::int64_t> offsets,

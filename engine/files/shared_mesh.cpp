@@ -177,7 +177,11 @@ SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
             turn_last_face(mesh, {from[0] - apart[0], from[1] - apart[1], from[2] - apart[2]});
         }
     }
-    number_vertices(mesh);
+    vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
+    moved.resize(vertices.size() / 3);
+    drop_unused_vertices();
+    if (mesh.min_edge > 0) short_edges = collapse_edges(*this, mesh.min_edge);
+    if (mesh.short_edges != nullptr) *mesh.short_edges = short_edges;
 }
 
 void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor) {
@@ -235,16 +239,19 @@ CellFaces::CellFaces(const SharedMesh& mesh) : begins_(mesh.cells() + 1) {
     each([&](std::size_t cell, std::int32_t number) { faces_[next[cell]++] = number; });
 }
 
-void SharedMesh::number_vertices(const Mesh& mesh) {
-    std::vector<std::int32_t> number(mesh.vertices.size() / 3, -1);
+void SharedMesh::drop_unused_vertices() {
+    std::vector<std::int32_t> number(vertices.size() / 3, -1);
     for (const std::int32_t v : corners) number[static_cast<std::size_t>(v)] = 0;
     std::int32_t count = 0;
     for (std::size_t v = 0; v < number.size(); ++v) {
         if (number[v] < 0) continue;
+        const auto to = static_cast<std::size_t>(count);
+        std::copy_n(&vertices[3 * v], 3, &vertices[3 * to]);
+        moved[to] = moved[v];
         number[v] = count++;
-        vertices.insert(vertices.end(), mesh.vertices.begin() + static_cast<std::ptrdiff_t>(3 * v),
-                        mesh.vertices.begin() + static_cast<std::ptrdiff_t>(3 * v + 3));
     }
+    vertices.resize(3 * static_cast<std::size_t>(count));
+    moved.resize(static_cast<std::size_t>(count));
     for (std::int32_t& v : corners) v = number[static_cast<std::size_t>(v)];
 }
 

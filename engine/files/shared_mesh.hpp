@@ -29,7 +29,8 @@ struct Patch {
 };
 
 struct SharedMesh {
-    // Throws invalid_argument for cells that are not closed, and for a face that the cell behind it lacks.
+    // Collapses edges below Mesh::min_edge. Throws invalid_argument for cells that are not closed, and for a face that
+    // the cell behind it lacks.
     explicit SharedMesh(const Mesh& mesh);
 
     [[nodiscard]] std::size_t cells() const { return rows.size(); }
@@ -44,10 +45,14 @@ struct SharedMesh {
     }
     // Returns how far the cells behind a periodic boundary are from their places.
     [[nodiscard]] Vector3 separation(const Patch& patch) const;
+    // Numbers the remaining vertices again.
+    void drop_unused_vertices();
 
-    std::vector<std::size_t> rows;  // of the cells: those with faces
-    std::vector<double> vertices;   // 3 each: those of the cells
-    std::vector<SharedFace> faces;  // inner ones ascend by owner, then by neighbor; then patch by patch
+    std::vector<std::size_t> rows;    // of the cells: those with faces
+    std::vector<double> vertices;     // 3 each: those of the cells
+    std::vector<std::uint8_t> moved;  // of the vertices: 1 for one that others joined
+    std::uint64_t short_edges = 0;    // those below Mesh::min_edge that cannot be collapsed
+    std::vector<SharedFace> faces;    // inner ones ascend by owner, then by neighbor; then patch by patch
     std::vector<std::int64_t> offsets{0};
     std::vector<std::int32_t> corners;  // of the faces, counterclockwise seen from outside of the owner
     std::vector<Patch> patches;         // walls from -1 on, then periodic boundaries in pairs
@@ -56,7 +61,6 @@ struct SharedMesh {
 private:
     void add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor);
     void turn_last_face(const Mesh& mesh, const Vector3& place);
-    void number_vertices(const Mesh& mesh);
 };
 
 // The edges of all faces, each once.
@@ -81,6 +85,10 @@ private:
     std::vector<std::size_t> begins_;
     std::vector<std::int32_t> faces_;
 };
+
+// Makes one vertex of the ends of each edge below this length, if all cells stay polyhedra. Returns the number of the
+// edges that stay.
+std::uint64_t collapse_edges(SharedMesh& mesh, double length);
 
 // Measures of the mesh, as votess_mesh_quality.
 struct MeshQuality {

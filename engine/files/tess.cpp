@@ -222,7 +222,7 @@ void write_tess(const Mesh& given, ByteSink& out) {
         out.put("\n  ");
         put_next(out, v + 1);
         put_vector(out, mesh.vertex(static_cast<std::int32_t>(v)));
-        out.put(" 0");
+        out.put(mesh.moved[v] != 0 ? " 1" : " 0");
     }
     out.put("\n **edge\n ");
     put_next(out, edges.ends.size());
@@ -246,7 +246,11 @@ void write_tess(const Mesh& given, ByteSink& out) {
             put_next(out, edges.of_corners[static_cast<std::size_t>(mesh.offsets[f]) + c]);
         out.put("\n    ");
         put_plane(out, mesh, f, 1);
-        out.put("\n     0 0 0 0 0");
+        // The state of a face with moved vertices is 1: it need not be flat, and is that around its center.
+        const bool moved =
+            std::ranges::any_of(polygon, [&](std::int32_t v) { return mesh.moved[static_cast<std::size_t>(v)] != 0; });
+        out.put(moved ? "\n     1 0" : "\n     0 0");
+        put_vector(out, moved ? measure_face(mesh, f).center : Vector3{});
     }
     out.put("\n **polyhedron\n ");
     put_next(out, mesh.cells());

@@ -290,6 +290,9 @@ class SolverFiles(ReaderTest):
         self.assertIn("nCells:200 ", (mesh / "owner").read_text())
         self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 200)
         before = (mesh / "points").read_bytes()
+        lines = [(mesh / "points").read_text().count("\n")]
+        self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam", "--min-edge", "0.03")
+        self.assertLess((mesh / "points").read_text().count("\n"), 0.9 * lines[0])
         self.run_cli("--random", "200", "--rng-seed", "2", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam")
         self.assertNotEqual((mesh / "points").read_bytes(), before)
 
@@ -297,6 +300,8 @@ class SolverFiles(ReaderTest):
         box = ["--random", "50", "--box", "0,0,0,1,1,1"]
         self.refuse(*box, "--min-face", "0.1", "-o", "a.foam", says=["is not closed", "leave out --min-face and --min-area"])
         self.refuse(*box, "--periodic", "-o", "a.tess", says="no periodic boundary")
+        self.refuse(*box, "--min-edge", "0.1", "-o", "a.vtu", says="--min-edge is for meshes of solvers")
+        self.refuse(*box, "--min-edge", "-1", "-o", "a.msh", says="--min-edge is negative")
         self.refuse(*box, "-o", "a.foam", "-o", "b.foam", says="is named twice")
         self.refuse("--random", "50", "--2d", "-o", "a.msh", says="dimensions")
         self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="none")

@@ -257,6 +257,8 @@ class Mesh(ctypes.Structure):
         ("edges", c_double * 9),
         ("seeds", c_void_p),
         ("weights", c_void_p),
+        ("min_edge", c_double),
+        ("short_edges", c_void_p),
     ]  # fmt: skip
 
 
@@ -280,6 +282,7 @@ class MeshQuality(ctypes.Structure):
         ("min_edge", c_double),
         ("wrong_faces", c_uint64),
         ("wrong_cells", c_uint64),
+        ("short_edges", c_uint64),
     ]
 
 

@@ -101,6 +101,7 @@ class MeshQuality:
     min_edge: float  #: length
     wrong_faces: int  #: with a normal that does not lead from one cell to the other, or without an area
     wrong_cells: int  #: without a positive volume
+    short_edges: int  #: below ``min_edge``, which cannot be collapsed
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 
 import numpy as np
 
-from ._arguments import as_flag
+from ._arguments import as_flag, as_number
 from ._c_api import ErrorCode
 from ._call import Handle, Progress, VotessError, raise_on_failure, watched
 from ._input import as_labels, as_one_each
@@ -200,10 +200,10 @@ class Tessellation(SeedCells):
 
         return make_shapes(self if self.least_face == 0 else self._with_all_faces(), open)
 
-    def mesh_quality(self, open: Optional[str] = None) -> MeshQuality:
+    def mesh_quality(self, open: Optional[str] = None, min_edge: float = 0.0) -> MeshQuality:
         """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want.
 
-        ``open``: "skip" leaves out cells that reach infinity, which else are refused. Raises ValueError in the plane, in a mesh,
+        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. Raises ValueError in the plane, in a mesh,
         with ``only``, and where ``min_face`` or ``min_area`` dropped faces.
         """
         self._check_whole()
@@ -211,7 +211,7 @@ class Tessellation(SeedCells):
         from .export.mesh_file import mesh_quality
 
         mesh_of(self, "mesh_quality()", False, True, open)
-        return mesh_quality(self, open is not None)
+        return mesh_quality(self, open is not None, as_number(min_edge, "min_edge"))
 
     def derivatives(self, of: str = "volumes", by: str = "points", open: Optional[str] = None) -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
@@ -312,6 +312,7 @@ class Tessellation(SeedCells):
         color: Any = None,
         colormap: str = "tide",
         open: Optional[str] = None,
+        min_edge: float = 0.0,
     ) -> None:
         """Writes the result to a file in the format of its extension. The file is written whole or not at all.
 
@@ -332,6 +333,9 @@ class Tessellation(SeedCells):
         ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
+        ``min_edge``: in .foam, .tess and .msh the ends of edges below this length become one vertex, and faces with two
+        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
+        remain a polyhedron.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
@@ -342,7 +346,7 @@ class Tessellation(SeedCells):
         self._check_whole()
         from .export.save import save
 
-        save(self, path, columns, color, colormap, open)
+        save(self, path, columns, color, colormap, open, min_edge)
 
     def to_dataframe(self) -> Any:
         """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""

@@ -2,6 +2,7 @@
 
 import re
 import unittest
+import warnings
 
 import numpy as np
 from helpers import CELL, CUBE, UNIT_BOX, Folder, cells, have, lattice, uniform
@@ -168,6 +169,63 @@ class Foam(Folder):
         for t in domains():
             with self.subTest(t):
                 self.check(t)
+
+    def test_short_edges_are_collapsed(self):
+        """Cells stay closed polyhedra, boundaries stay flat or periodic, and volumes sum to the box."""
+        for t in domains():
+            if not len(t.walls):
+                with self.subTest(t), warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always")
+                    before = t.mesh_quality()
+                    length = 0.05 * t.box[1].max()
+                    t.save(self.path("case.foam"), min_edge=length)
+                    points, faces, owner, neighbour, patches = self.read()
+                    inner, q = len(neighbour), t.mesh_quality(min_edge=length)
+                    self.assertEqual((q.wrong_cells, q.faces, q.vertices), (0, len(faces), len(points)))
+                    ends = np.array([(a, b) for f in faces for a, b in zip(f, np.roll(f, -1))])
+                    lengths = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+                    short = {tuple(sorted(e)) for e in ends[lengths < length].tolist()}
+                    self.assertEqual(q.short_edges, len(short))
+                    self.assertEqual([str(w.message) for w in caught], [
+                        f"{len(short)} edges below min_edge={length} stay: cells would not remain polyhedra"] * bool(short))  # fmt: skip
+                    if before.min_edge < length:
+                        self.assertLess(q.vertices, before.vertices)
+                        self.assertLess(len(short), 0.1 * (before.vertices - q.vertices) + 3)
+                    self.assertTrue(set(map(tuple, points)) <= set(map(tuple, t.vertices)), "vertices of cells, as they were")
+                    pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
+                    self.assertEqual(pairs, sorted(set(pairs)))
+                    volumes, cells_edges = np.zeros(q.cells), [[] for _ in range(q.cells)]
+                    for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, inner)):
+                        for i, face in zip(cell[:count], faces):
+                            corners = points[face] - points[faces[0][0]]
+                            fan = np.cross(corners[1:-1], corners[2:])
+                            volumes[i] += sign * (fan @ corners[0]).sum() / 6
+                            cells_edges[i] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+                    self.assertTrue((volumes > 0).all())
+                    size = t.volumes.sum()
+                    np.testing.assert_allclose(volumes.sum(), size, rtol=1e-12)
+                    for own in cells_edges:
+                        self.assertEqual(len(own), len(set(own)))
+                        self.assertEqual(set(own), {(b, a) for a, b in own}, "closed")
+                    for name, patch in patches.items():
+                        part = range(int(patch["startFace"]), int(patch["startFace"]) + int(patch["nFaces"]))
+                        if patch["type"] == "cyclic":
+                            apart = np.array(patch["separationVector"][1:-1].split(), float)
+                            twin = int(patches[patch["neighbourPatch"]]["startFace"]) - part.start
+                            for k in part:
+                                there = np.concatenate((faces[k + twin][:1], faces[k + twin][:0:-1]))
+                                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                        elif t.cell is None:
+                            side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
+                            corners = points[np.unique(np.concatenate([faces[k] for k in part]))]
+                            np.testing.assert_allclose(corners[:, side // 2], t.box[side % 2, side // 2], atol=1e-14)
+        t = cells(30)
+        t.save(self.path("a.tess"), min_edge=0.05)
+        self.assertIn("1", np.array(read_tess(self.path("a.tess"))["**vertex"][1:]).reshape(-1, 5)[:, 4])
+        for name, given, message in (("a.vtu", 0.1, ".vtu keeps all edges"), ("a.msh", -1, "min_edge is -1.0: give a length"),
+                                     ("a.msh", np.nan, "min_edge is nan")):  # fmt: skip
+            with self.assertRaisesRegex(ValueError, message):
+                t.save(self.path(name), min_edge=given)
 
     def test_cells_that_reach_infinity(self):
         t = vt.tessellate(uniform(60), box="none", want="faces,volumes")

@@ -69,20 +69,26 @@ def write_mesh(
     colors: Optional[npt.NDArray[np.uint8]],
     skip_open: bool,
     folder: str = "",
-) -> None:
+    min_edge: float = 0.0,
+) -> int:
     """Writes the cells of ``t``, a result with faces; those of the plane as .vtu alone.
 
     ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
-    .glb, possible for .ply. ``folder``: of .foam. ValueError when a .glb would be larger than 4 GiB.
+    .glb, possible for .ply. ``folder``: of .foam. Returns the number of edges below ``min_edge`` that stay. ValueError
+    when a .glb would be larger than 4 GiB.
     """
     arrays = {**_arrays_of(t), "colors": None if colors is None else np.ascontiguousarray(colors)}
     edges = np.zeros(9) if t.cell is None else t.cell
-    _write(path, extension, arrays, columns, t.box, edges, folder, planar=t.planar, skip_open=int(skip_open))
+    kept = ctypes.c_uint64()
+    flags = dict(planar=t.planar, skip_open=int(skip_open), min_edge=min_edge, short_edges=ctypes.addressof(kept))
+    _write(path, extension, arrays, columns, t.box, edges, folder, **flags)
+    return kept.value
 
 
-def mesh_quality(t: SeedCells, skip_open: bool) -> MeshQuality:
+def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
     """Measures the cells of ``t``, a result with faces."""
-    mesh, kept = _mesh_of(_arrays_of(t), {}, t.box, np.zeros(9) if t.cell is None else t.cell, skip_open=int(skip_open))
+    edges = np.zeros(9) if t.cell is None else t.cell
+    mesh, kept = _mesh_of(_arrays_of(t), {}, t.box, edges, skip_open=int(skip_open), min_edge=min_edge)
     measured = _c_api.MeshQuality(struct_size=ctypes.sizeof(_c_api.MeshQuality))
     raise_on_failure(lib.votess_measure_mesh(ctypes.byref(mesh), ctypes.byref(measured)))
     del kept
@@ -109,7 +115,7 @@ def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
 
 
 def _mesh_of(
-    arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], edges: npt.NDArray[np.float64], **flags: int
+    arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], edges: npt.NDArray[np.float64], **flags: float
 ) -> Tuple[Any, Any]:
     """Returns the struct of the library, and the arrays that must live as long."""
     kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
@@ -141,7 +147,7 @@ def _write(
     box: npt.NDArray[np.float64],
     edges: npt.NDArray[np.float64] = np.zeros(9),
     folder: str = "",
-    **flags: int,
+    **flags: float,
 ) -> None:
     mesh, kept = _mesh_of(arrays, columns, box, edges, **flags)
     with writing(path, folder) as write:
