@@ -39,7 +39,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::clip);
     result_.begin(job, clipper_.pool());
     // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.want.vertices)
         result_.lend(job.snapshot->memory());
     clipper_.lend_scratch(result_);
     result_.touch(1, 0, clipper_.pool());

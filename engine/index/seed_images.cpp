@@ -356,7 +356,7 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
         }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
-    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.options.grid_resolution, job.outside, sorter, pool, out);
+    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.grid_resolution, job.outside, sorter, pool, out);
     restore_false_duplicates(out);
     if (!moves_.empty()) {
         std::vector<exact::Shift> moves(out.size());

@@ -6,7 +6,8 @@
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "input/supports.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
@@ -59,9 +60,7 @@ void check_look(const PictureOptions& options) {
         for (const double x : *options.cut_at)
             if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
     }
-    Options run;  // the option that both share
-    run.threads = options.threads;
-    check_options(run);
+    check_threads(options.threads);
 }
 
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {
@@ -72,7 +71,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     if (n == 0) refuse("picture: no cell to draw");
     if (!t.in_mesh() && (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty())) {
-        refuse("picture: the tessellation has no faces: set Options::want.faces");
+        refuse("picture: the tessellation has no faces, set " + option("want.faces"));
     }
     if (options.values.empty() && t.volumes().size() != n) {
         refuse("picture: no values to color by: give some, or ask the tessellation for volumes");
