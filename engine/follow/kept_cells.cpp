@@ -48,6 +48,7 @@ void KeptCells::set_frame(const Job& job) {
     const Domain& domain = *job.domain;
     constexpr double infinity = std::numeric_limits<double>::infinity();
     frame_ = {};
+    frame_.places = places_.data();
     frame_.weighted = domain.has_weights();
     double largest = 0, longest = 0, shortest = infinity;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -114,8 +115,8 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     complete_ = sampled_ = false;  // until commit()
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
     for (Worker& worker : workers_) worker.over_point.clear();
-    set_frame(job);
     if (plan == Plan::repair) {
+        set_frame(job);
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
             for (std::size_t s = task * task_seeds; s < std::min(count_, (task + 1) * task_seeds); ++s) {
                 places_[s] = {{seeds.x[s], seeds.y[s], seeds.z[s]}, frame_.weighted ? seeds.weights[s] : 0};
