@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t least_sample = 32, sample_share = 64, most_samples = 4096;
 // Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double most_wrong = 0.3, most_pending = 0.6;
+constexpr double most_wrong = 0.07, most_pending = 0.15;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr int max_shift = 2;  // of neighbors whose signs are tested

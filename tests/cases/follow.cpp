@@ -70,10 +70,10 @@ TEST_SUITE("cases") {
                 m.options.list_walls = true;
                 m.move(1e-3);
                 CHECK(m.call() > 0.8);
-                m.move(3e-3);
+                m.move(1e-3);
                 const double share = m.call();
-                CHECK(share > 0.5);
-                CHECK(share < 0.95);
+                CHECK(share > 0.8);
+                CHECK(share < 0.99);
                 m.move(0.5);  // far: all cells are made, and a sample is stored
                 CHECK(m.call() == 0);
                 CHECK(m.call() == 0);  // the sample holds: all are stored again
@@ -81,7 +81,7 @@ TEST_SUITE("cases") {
                 std::swap(m.points[0], m.points[30]);
                 std::swap(m.points[1], m.points[31]);
                 std::swap(m.points[2], m.points[32]);
-                CHECK(m.call() > 0.9);
+                CHECK(m.call() > 0.8);
                 std::copy_n(m.points.begin() + 60, 3, m.points.begin());  // a duplicate
                 CHECK(m.call() == 0);
             }
@@ -101,7 +101,7 @@ TEST_SUITE("cases") {
         CHECK(m.call() == 0);
         CHECK(m.call() > 0.9);
         // A tie among a few of many.
-        Moving few(2000);
+        Moving few(5000);
         CHECK(few.call() == 0);
         for (int k = 0; k < 8; ++k)
             for (int axis = 0; axis < 3; ++axis)
