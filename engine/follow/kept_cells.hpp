@@ -1,26 +1,25 @@
-// Moving seeds: the cells of the last call are tested at the new places, those that still hold are kept, and the others
+// Moving seeds. The cells of the last call are tested at the new places. Those that still hold are kept, and the others
 // are made again.
 //
 // A stored cell has planes and corners, but no places. After a call all stored cells match: a corner of four seeds or
 // walls is in the cells of all of them. At new places each sign is tested once, by the cell of the lowest seed around
-// it: corners have the right orientation, edges the right direction. A wrong or uncertain sign leaves all cells around
-// it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has gained or lost a
-// corner, the other cells around the corner become pending too, until all match again.
+// it. A corner must have the right orientation, and an edge the right direction. A wrong or uncertain sign leaves all
+// cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has gained
+// or lost a corner, the other cells around the corner become pending too, until all match again.
 //
-// Why kept cells are right. Each is a convex polytope, because its signs are right, and it shares whole faces with its
-// neighbors, kept or made, because the corners match. So the number of cells over a place of the domain is the same
-// nearly everywhere; covers_once() finds it to be 1 at one place. Let power_i(x) = |x - p_i|^2 - w_i. Along a line
-// through the domain, off all edges, power_k(x) - |x|^2 of the cell k at x is linear in each cell, and its slope falls
-// at each face, because a neighbor lies on the other side of the face. Such a function lies below the line of its last
-// piece. So power_k(x) <= power_m(x) for each seed m that has a cell, and these cells are the diagram of such seeds.
-// The others are hidden in it: seeds without a cell are always pending, so they are hidden among all seeds.
+// Why kept cells are right. Each is a convex polytope, because its signs are right. It shares whole faces with its
+// neighbors, kept or made, because corners match. So nearly all places of the domain have the same number of cells, and
+// covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off all
+// edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond the
+// face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has a
+// cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among all
+// seeds.
 //
-// Equal seeds would have slopes that do not fall. So two kept cells never have equal seeds. Cells with a tie and their
-// neighbors are always pending: only a new search finds the other seeds of a tie.
+// Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always pending,
+// and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
-// Bisectors of axis-aligned walls bound only the box, because no other region between their planes is bounded. With
-// images, all corners are nearer to their seeds than half a period, so at most the nearest image of a cell is over a
-// place.
+// Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
+// because all corners are nearer to their seeds than half a period: at most the nearest image of a cell is over a place.
 #pragma once
 
 #include <array>
@@ -76,7 +75,7 @@ public:
     // Call when all cells are stored.
     void commit();
 
-    // Of Plan::repair, after begin(). Tests all cells.
+    // Tests all cells; after begin(Plan::repair).
     void test(ThreadPool& pool);
     // Takes the pending cells, ascending. None: all match.
     void take_pending(std::vector<std::int32_t>& out);
