@@ -28,10 +28,11 @@ const std::vector<Option>& option_table() {
                 columns; without one their number does, in common styles.
                 Other words after # are a comment
 POSCAR CONTCAR .vasp  of VASP
+.tess           of Neper: seeds, domain, ids; its weights are --radii radius
 .ply            element vertex: x y z, id
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
-         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR; - is stdin"}},
+         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - is stdin"}},
         {"--dataset NAME", R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
 the only one that fits. Velocities and forces do not)"},
         {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)"},
@@ -116,6 +117,11 @@ or "17.0", "17.1" if a cell has several; materials are inside and surface.
 --image draws pieces. Queries have answers inside: --to-grid is 0 outside,
 and rays have their parts inside)",
          {.needs = Needs::all_points, .solid = true}},
+        {"--min-edge LENGTH",
+         R"(in .foam, .tess and .msh: make one vertex of the ends of shorter edges.
+Faces with two corners vanish, cells stay closed, and vertices on their
+walls. Reports edges that stay, since a cell would be none)",
+         {.needs = Needs::cells}},
         {"--gap WIDTH",
          R"(in .glb, .obj, .stl, .3mf and --image: leave this distance between
 pieces. The planes of each cell move inward by half of it; the surface of
@@ -227,11 +233,18 @@ get an empty one, or the input is refused)",
 .glb   glTF: the cells as solids in flat colors by --color, for Blender
        and browsers, about 830 bytes a cell, 4 GiB at most; the
        attribute _CELL is the row of the input
+.foam  a mesh of OpenFOAM: the folder constant/polyMesh beside the file, which
+       is empty, for ParaView. Walls are patches, periodic boundaries pairs
+       of cyclic patches. Reports non-orthogonality and skewness on stderr
+.tess  Neper: polyhedra with shared faces, seeds and weights, not periodic
+.msh   Gmsh: surfaces in triangles, each once, with a physical volume for
+       each cell and a physical surface for each pair and each wall
 .stl .3mf  pieces of cells in a mesh, as .obj and .glb hold: see --mesh
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb, - for stdout; repeatable", .repeats = true}},
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, - for stdout",
+          .repeats = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"
   %i  id: that of the input, else the index from 0

@@ -5,7 +5,7 @@
 #   ./tools/fuzz.sh --replay FILE... [--device cpu|lavapipe]
 #   ./tools/fuzz.sh --readers HOURS [READER...]
 # Kinds: ties extremes wrapped thin skewed clusters weights walls wedges lattices spheres jobs moving many; default: all.
-# Readers: number text csv gz xyz poscar lammps_dump lammps_data ply npy npz off obj stl ply_mesh hdf5; default: all, for equal times.
+# Readers: number text csv gz xyz poscar tess lammps_dump lammps_data ply npy npz off obj stl ply_mesh hdf5; default: all, for equal times.
 # Prints the seed, which is random unless given, and how many sets of each kind it tried. A wrong answer, crash, hang or
 # excess of time or memory is a finding: it is reduced and kept in FOLDER (default build/fuzz) as a text for --replay.
 # --readers needs clang with libFuzzer. It starts from the inputs that earlier runs kept in build/fuzz/readers and keeps
@@ -36,7 +36,7 @@ fuzz_readers() {  # hours, then readers
     shift
     clang=$(compgen -c clang++ | grep -E '^clang\+\+(-[0-9]+)?$' | sort -V | tail -n 1 || true)
     [[ -n $clang ]] || { echo "fuzz: --readers needs clang++ with libFuzzer (Debian: clang libclang-rt-14-dev)" >&2; exit 2; }
-    [[ $# -gt 0 ]] || set -- number text csv gz xyz poscar lammps_dump lammps_data ply npy npz off obj stl ply_mesh hdf5
+    [[ $# -gt 0 ]] || set -- number text csv gz xyz poscar tess lammps_dump lammps_data ply npy npz off obj stl ply_mesh hdf5
     build build/fuzz/clang votess_reader_fuzzer -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
         "-DCMAKE_CXX_COMPILER=$clang" "-DCMAKE_C_COMPILER=${clang/++/}" -DVOTESS_BUILD_VULKAN=OFF -DVOTESS_FUZZ_READERS=ON
     local seconds seed kept=build/fuzz/readers

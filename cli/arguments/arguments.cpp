@@ -171,6 +171,9 @@ void read_domain(const Typed& typed, Arguments& arguments) {
     }
     if (const std::string* gap = typed.value("--gap")) arguments.gap = read_numbers<1>("--gap", *gap)[0];
     if (const std::string* level = typed.value("--merge")) arguments.merge = read_numbers<1>("--merge", *level)[0];
+    if (const std::string* edge = typed.value("--min-edge"))
+        arguments.min_edge = read_numbers<1>("--min-edge", *edge)[0];
+    if (arguments.min_edge < 0) throw bad_input("--min-edge is negative: give a length from 0 on");
     if (arguments.gap < 0) throw bad_input("--gap is negative: give a length from 0 on");
     if (const std::string* repair = typed.value("--mesh-repair")) {
         if (*repair != "merge") throw bad_input("--mesh-repair is " + in_quotes(*repair) + ": give merge");
@@ -280,6 +283,8 @@ void read_outputs(const Typed& typed, Arguments& arguments) {
     for (const std::string& path : arguments.outputs)
         if (needs_space(path)) need_space("output " + in_quotes(path), arguments);
     const bool pieces = std::ranges::any_of(arguments.outputs, is_pieces_output);
+    if (typed.has("--min-edge") && std::ranges::none_of(arguments.outputs, collapses_edges))
+        throw bad_input("--min-edge is for meshes of solvers: add -o FILE in .foam, .tess or .msh");
     if (typed.has("--gap") && !pieces && !typed.has("--image"))
         throw bad_input("--gap is between pieces: add -o FILE in .glb, .obj, .stl or .3mf");
     for (const std::string& path : arguments.outputs)

@@ -29,6 +29,7 @@ struct Arguments {
     std::string mesh_file;             // --mesh
     Surface mesh;                      // once load_mesh() has read it
     double gap = 0;                    // --gap
+    double min_edge = 0;               // --min-edge
     bool skip_open = false;            // --open skip
     bool points_alone = false;         // --points
     bool covalent = false;             // --radii covalent

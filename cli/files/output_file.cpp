@@ -125,7 +125,8 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
     : name_(std::move(other.name_)),
       target_(std::move(other.target_)),
       temporary_(std::exchange(other.temporary_, {})),
-      file_(std::move(other.file_)) {}
+      file_(std::move(other.file_)),
+      beside_(std::move(other.beside_)) {}
 
 OutputFile::~OutputFile() {
     (void)file_.close();
@@ -148,11 +149,27 @@ void OutputFile::write(std::string_view bytes) {
     }
 }
 
-std::string OutputFile::path_for_library() const {
+void OutputFile::require_regular() const {
     if (target_.empty()) {
         throw bad_input("cannot write " + description() +
                         ": this format needs a regular file, not a device or a pipe: give the name of a file");
     }
+}
+
+OutputFile& OutputFile::beside(const std::string& name) {
+    require_regular();
+    const fs::path path = folder_of(target_) / path_of(name);
+    if (beside_.empty() || beside_.back().name_ != text_of(path)) {
+        std::error_code problem;
+        fs::create_directories(path.parent_path(), problem);
+        if (problem) throw runtime_failure("cannot write " + description() + ": " + problem.message());
+        beside_.emplace_back(text_of(path));
+    }
+    return beside_.back();
+}
+
+std::string OutputFile::path_for_library() const {
+    require_regular();
     return temporary_.empty() ? text_of(file_.path()) : temporary_;
 }
 
@@ -162,6 +179,7 @@ Failure OutputFile::write_failure(int error) const {
 }
 
 void OutputFile::finish() {
+    for (OutputFile& file : beside_) file.finish();
     if (target_.empty()) {
         // Some devices report an error only here.
         if (!file_.close() && errno != EINTR) throw cannot_write(description(), errno);
@@ -171,6 +189,7 @@ void OutputFile::finish() {
 }
 
 void OutputFile::publish() {
+    for (OutputFile& file : beside_) file.publish();
     if (target_.empty()) return;
     const fs::path target = path_of(target_);
     const auto link = [&](const fs::path& name) { return file_.give_name(name); };

@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "core/system.hpp"
 #include "failure.hpp"
@@ -44,6 +45,9 @@ public:
     [[nodiscard]] std::string description() const;  // for messages
     // Unbuffered: pass large pieces. Throws Failure on a write error, Interrupted after a signal.
     void write(std::string_view bytes);
+    // Returns another file, in a folder within the folder of this one, which it makes. It is finished and published
+    // with this file. Calls for one name follow each other. Throws Failure for a device or a pipe.
+    [[nodiscard]] OutputFile& beside(const std::string& name);
     // Returns a path to the temporary file, for libraries that write by name. Only this process can use the path of an
     // unnamed file. Throws Failure for a device or a pipe.
     [[nodiscard]] std::string path_for_library() const;
@@ -53,12 +57,14 @@ public:
     void publish();  // gives the file its name, and syncs the folder
 
 private:
+    void require_regular() const;
     void open_temporary(Temporary temporary);
 
     std::string name_;       // as given by the user, for messages
     std::string target_;     // links resolved; empty when written to directly
     std::string temporary_;  // name until publish(); may be empty
     votess::system::File file_;
+    std::vector<OutputFile> beside_;
 };
 
 // Text and binary numbers for a file.

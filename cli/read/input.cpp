@@ -23,7 +23,8 @@ using votess::system::path_of;
 using votess::system::text_of;
 
 constexpr const char* known =
-    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .h5md .dump .lammpstrj .data .lmp .vasp .ply, POSCAR, "
+    "known are .xyz .extxyz .txt .dat .csv .npy .npz .h5 .hdf5 .h5md .dump .lammpstrj .data .lmp .vasp .ply .tess, "
+    "POSCAR, "
     "text without an extension, and on stdin as -; text also as .gz";
 
 void refuse_options_of_others(const std::string& path, const std::string& extension, const ReadRequest& request) {
@@ -55,8 +56,9 @@ std::string kind_of(const std::string& path) {
     const std::string extension = extension_of(path);
     if (extension == ".extxyz") return ".xyz";
     if (extension == ".hdf5" || extension == ".h5md") return ".h5";
-    constexpr std::array<std::string_view, 13> extensions{".xyz",  ".txt",       ".dat",  ".csv", ".npy", ".npz", ".h5",
-                                                          ".dump", ".lammpstrj", ".data", ".lmp", ".ply", ".vasp"};
+    constexpr std::array<std::string_view, 14> extensions{".xyz", ".txt", ".dat",  ".csv",       ".npy",
+                                                          ".npz", ".h5",  ".dump", ".lammpstrj", ".data",
+                                                          ".lmp", ".ply", ".vasp", ".tess"};
     if (std::ranges::find(extensions, extension) != extensions.end()) return extension;
     const std::string name = text_of(path_of(path).filename());
     if (name.starts_with("data.")) return ".data";
@@ -106,6 +108,7 @@ Input read_file(const std::string& path, const ReadRequest& request) {
     }
     if (extension == ".xyz") return read_xyz(std::make_unique<TextSource>(path, packed), request);
     if (extension == ".vasp") return parse(parse_poscar);
+    if (extension == ".tess") return parse(parse_tess);
     if (extension == ".csv") {
         return parse(
             [](auto bytes, auto& name, auto& request) { return parse_text(bytes, TextKind::csv, name, request); });

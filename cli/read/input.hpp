@@ -147,6 +147,7 @@ enum class TextKind {
 // Reads .xyz: plain rows, or a frame.
 [[nodiscard]] Input read_xyz(std::unique_ptr<TextSource> source, const ReadRequest& request);
 [[nodiscard]] Input parse_poscar(std::string_view text, const std::string& name, const ReadRequest& request);
+[[nodiscard]] Input parse_tess(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_lammps_data(std::string_view text, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_ply(std::string_view bytes, const std::string& name, const ReadRequest& request);
 [[nodiscard]] Input parse_npz(std::string_view bytes, const std::string& name, const ReadRequest& request);

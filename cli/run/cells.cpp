@@ -52,6 +52,7 @@ OutputData Cells::output(const Arguments& arguments, FramePlace place) const {
             .has_radii = arguments.has_radii,
             .all_ids = all_ids,
             .gap = arguments.gap,
+            .min_edge = arguments.min_edge,
             .alpha = alpha ? &*alpha : nullptr,
             .skip_open = arguments.skip_open};
 }

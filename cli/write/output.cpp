@@ -26,7 +26,7 @@ void write_hdf5(OutputFile& file, const OutputData& data) {
     load_hdf5("cannot write HDF5").write(file, data);
 }
 
-constexpr std::array<Kind, 16> kinds{{{".txt", write_text, false, true, true},
+constexpr std::array<Kind, 19> kinds{{{".txt", write_text, false, true, true},
                                       {".vol", write_text, false, true, true},
                                       {".npz", write_npz, false, true, false},
                                       {".h5", write_hdf5, false, true, true},
@@ -40,6 +40,9 @@ constexpr std::array<Kind, 16> kinds{{{".txt", write_text, false, true, true},
                                       {".ply", write_ply, true, false, false},
                                       {".obj", write_obj, true, false, false, true},
                                       {".glb", write_glb, true, false, false, true},
+                                      {".foam", write_foam, true, false, false},
+                                      {".tess", write_tess, true, false, false},
+                                      {".msh", write_msh, true, false, false},
                                       {".stl", write_stl, false, false, false, true},
                                       {".3mf", write_3mf, false, false, false, true}}};
 
@@ -54,6 +57,16 @@ const Kind* kind_of(const std::string& path) {
     const auto* const kind = std::ranges::find(kinds, std::string_view(extension), &Kind::extension);
     if (path != "-" && kind != kinds.end()) return kind;
     return path == "-" || is_special_file(path) ? kinds.data() : nullptr;
+}
+
+bool is_foam(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && kind->write == write_foam;
+}
+
+// Returns the folder of a mesh of OpenFOAM.
+std::string mesh_folder_of(const std::string& path) {
+    return path.substr(0, path.find_last_of("/\\") + 1) + "constant/polyMesh";
 }
 
 }  // namespace
@@ -91,6 +104,11 @@ bool needs_space(const std::string& path) {
 bool is_pieces_output(const std::string& path) {
     const Kind* const kind = kind_of(path);
     return kind && kind->pieces;
+}
+
+bool collapses_edges(const std::string& path) {
+    const Kind* const kind = kind_of(path);
+    return kind && (kind->write == write_foam || kind->write == write_tess || kind->write == write_msh);
 }
 
 bool is_colored(const std::string& path) {
@@ -165,7 +183,7 @@ void check_paths(const std::vector<std::string>& paths, const std::vector<std::s
         if (!input.empty() && input != "-" && !is_special_file(input)) read.insert(identity_of(input));
     for (const std::string& path : paths) {
         if (path != "-") check_writable(path);
-        const std::string identity = identity_of(path);
+        const std::string identity = identity_of(is_foam(path) ? mesh_folder_of(path) : path);
         if (!seen.insert(identity).second)
             throw bad_input("output " + in_quotes(path) + " is named twice: name it once");
         if (path != "-" && read.contains(identity))
@@ -186,7 +204,8 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
         if (!kind) {
             throw bad_input(
                 "cannot write " + in_quotes(path) +
-                ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb, with --mesh .stl and .3mf, "
+                ": known are .txt .csv .xyz .dump .npz .h5 .hdf5 .vtu .ply .obj .glb .foam .tess .msh, with --mesh "
+                ".stl and .3mf, "
                 "and text on stdout "
                 "as -");
         }
@@ -216,6 +235,9 @@ void check_frame_names(const std::vector<std::string>& paths, bool several) {
         if (!several && names_frame(path))
             throw bad_input("output " + in_quotes(path) + " is named by frames: add --frames all");
         const Kind* const kind = kind_of(path);
+        if (several && is_foam(path))
+            throw bad_input("cannot write all frames into " + in_quotes(path) +
+                            ", whose folder holds one mesh: choose a frame by --frame N");
         if (several && !names_frame(path) && !(kind && kind->frames))
             throw bad_input("cannot write all frames into " + in_quotes(path) +
                             ", which holds one: let {frame} stand for its number in the name, as in out-{frame}" +

@@ -40,6 +40,7 @@ void check_outputs(const std::vector<std::string>& paths, const std::vector<std:
 [[nodiscard]] bool needs_space(const std::string& path);     // whether it cannot hold cells of the plane
 // Whether it holds the pieces of cells in a mesh. Without a mesh some such formats hold polyhedra, others nothing.
 [[nodiscard]] bool is_pieces_output(const std::string& path);
+[[nodiscard]] bool collapses_edges(const std::string& path);  // whether --min-edge changes it
 [[nodiscard]] bool is_colored(const std::string& path);
 
 // Adds to `want` the arrays that a file of this extension needs. The needs of text depend on its format. Tables choose
@@ -66,6 +67,7 @@ struct OutputData {
     bool has_radii = false;                       // --radii is given, also where there are no points
     std::span<const std::int64_t> all_ids = {};   // of all points, where the input has those of a subset; may be empty
     double gap = 0;                               // between pieces
+    double min_edge = 0;                          // collapse shorter ones in meshes for solvers
     const votess::AlphaComplex* alpha = nullptr;  // for .npz and .h5; may be null
     bool skip_open = false;                       // leave cells that reach infinity out of meshes
 };
@@ -136,6 +138,9 @@ void write_vtu(OutputFile& file, const OutputData& data);
 void write_ply(OutputFile& file, const OutputData& data);
 void write_obj(OutputFile& file, const OutputData& data);
 void write_glb(OutputFile& file, const OutputData& data);
+void write_foam(OutputFile& file, const OutputData& data);
+void write_tess(OutputFile& file, const OutputData& data);
+void write_msh(OutputFile& file, const OutputData& data);
 void write_stl(OutputFile& file, const OutputData& data);
 void write_3mf(OutputFile& file, const OutputData& data);
 

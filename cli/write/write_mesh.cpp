@@ -35,7 +35,8 @@ int take(const votess_bytes* bytes, void* user) {
         if (target.reports_size)
             std::fprintf(stderr, "%s takes %s\n", target.file.description().c_str(), megabytes(bytes->total).c_str());
         target.reports_size = false;
-        target.file.write({static_cast<const char*>(bytes->data), bytes->count});
+        OutputFile& file = bytes->file ? target.file.beside(bytes->file) : target.file;
+        file.write({static_cast<const char*>(bytes->data), bytes->count});
         return 1;
     } catch (...) {
         target.error = std::current_exception();
@@ -61,6 +62,10 @@ votess_mesh mesh_of(const OutputData& data) {
     mesh.cell_vertex_indices = cells.cell_vertex_indices().data();
     std::ranges::copy(cells.box().lower, mesh.box_lower);
     std::ranges::copy(cells.box().upper, mesh.box_upper);
+    if (cells.cell())
+        for (std::size_t k = 0; k < 3; ++k)
+            mesh.edges[k] = cells.cell()->a[k], mesh.edges[3 + k] = cells.cell()->b[k],
+            mesh.edges[6 + k] = cells.cell()->c[k];
     const auto infinite = [](double x) { return std::isinf(x); };
     const bool endless =
         std::ranges::any_of(cells.box().lower, infinite) || std::ranges::any_of(cells.box().upper, infinite);
@@ -70,6 +75,15 @@ votess_mesh mesh_of(const OutputData& data) {
     return mesh;
 }
 
+// Throws the message of the C interface, with options as members, as cli/words.cpp expects them.
+[[noreturn]] void throw_last_error(votess_status status, std::string message) {
+    message += votess_last_error();
+    constexpr std::string_view named = "options.";
+    for (std::size_t at = 0; (at = message.find(named, at)) != std::string::npos;)
+        message.replace(at, named.size(), "Options::");
+    throw votess::Error(static_cast<votess::ErrorCode>(status), message);
+}
+
 // function: votess_write_mesh or votess_write_pieces.
 template <typename Arrays>
 void write_by(votess_status (*function)(const Arrays*, const char*, votess_write_callback, void*), const Arrays& arrays,
@@ -77,18 +91,21 @@ void write_by(votess_status (*function)(const Arrays*, const char*, votess_write
     Target target{file, reports_size, nullptr};
     const votess_status status = function(&arrays, format, take, &target);
     if (target.error) std::rethrow_exception(target.error);
-    if (status == VOTESS_OK) return;
-    throw votess::Error(static_cast<votess::ErrorCode>(status),
-                        "cannot write " + file.description() + ": " + votess_last_error());
+    if (status != VOTESS_OK) throw_last_error(status, "cannot write " + file.description() + ": ");
 }
 
 void write(OutputFile& file, const OutputData& data, votess_mesh mesh, const char* format) {
-    std::uint64_t left_out = 0;
+    std::uint64_t left_out = 0, short_edges = 0;
     mesh.left_out = &left_out;
+    mesh.short_edges = &short_edges;
+    mesh.min_edge = data.min_edge;
     write_by(votess_write_mesh, mesh, file, format, data.reports_size && std::string_view(format) == ".glb");
     if (left_out > 0 && data.reports_size)
         std::fprintf(stderr, "%s leaves out %s cells that reach infinity\n", file.description().c_str(),
                      std::to_string(left_out).c_str());
+    if (short_edges > 0 && data.reports_size)
+        std::fprintf(stderr, "%s keeps %s edges below --min-edge, for a cell would not remain a polyhedron\n",
+                     file.description().c_str(), std::to_string(short_edges).c_str());
 }
 
 // Returns the ids of the rows, or their numbers.
@@ -223,6 +240,33 @@ void write_ply(OutputFile& file, const OutputData& data) {
 void write_obj(OutputFile& file, const OutputData& data) {
     if (data.tessellation.in_mesh()) return write_pieces(file, data, ".obj");
     write(file, data, mesh_of(data), ".obj");
+}
+
+void write_msh(OutputFile& file, const OutputData& data) {
+    write(file, data, mesh_of(data), ".msh");
+}
+
+void write_tess(OutputFile& file, const OutputData& data) {
+    votess_mesh mesh = mesh_of(data);
+    mesh.seeds = data.input.points.data();
+    if (!data.tessellation.weights().empty()) mesh.weights = data.tessellation.weights().data();
+    write(file, data, mesh, ".tess");
+}
+
+// The file itself is empty, as ParaView wants it. The folder constant/polyMesh beside it has the mesh.
+void write_foam(OutputFile& file, const OutputData& data) {
+    votess_mesh mesh = mesh_of(data);
+    mesh.min_edge = data.min_edge;
+    write(file, data, mesh, ".foam");
+    votess_mesh_quality quality{};
+    quality.struct_size = sizeof quality;
+    if (!data.reports_size) return;
+    if (const votess_status status = votess_measure_mesh(&mesh, &quality); status != VOTESS_OK)
+        throw_last_error(status, "");
+    std::fprintf(stderr,
+                 "%s has non-orthogonality up to %.3g degrees, mean %.3g, skewness up to %.3g, edges from %.3g on\n",
+                 file.description().c_str(), quality.max_non_orthogonality, quality.mean_non_orthogonality,
+                 quality.max_skewness, quality.min_edge);
 }
 
 void write_stl(OutputFile& file, const OutputData& data) {

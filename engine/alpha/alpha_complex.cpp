@@ -23,7 +23,7 @@
 #include "exact/insphere.hpp"
 #include "exact/orthosphere.hpp"
 #include "input/domain_of_result.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "input/supports.hpp"
 #include "mesh/dual.hpp"
 #include "plane/sheet.hpp"
@@ -68,16 +68,10 @@ std::size_t dimensions_of(const Tessellation& t) {
 
 // Returns the job of a periodic domain in space, with ends. sheet: where the points of a plane stay.
 Job periodic_job(const Tessellation& t, std::span<const double> points, std::optional<Sheet>& sheet) {
-    Options options = domain_options(t);
-    options.weights = t.weights();
-    Points given{points, {}};
-    if (t.planar()) {
-        sheet.emplace(given, options);
-        given = sheet->points();
-        options = sheet->options();
-    }
-    if (EndlessSides(options).any()) end_near(options, given);
-    return validate(given, options);
+    Settled run = run_of(t, points);
+    if (t.planar()) run = sheet.emplace(std::move(run)).in_space();
+    if (EndlessSides(run.region).any()) end_near(run.region, run.points, run.weights);
+    return make_job(std::move(run));
 }
 
 // Where the seeds lie exactly, at order one, and the copies of a periodic box.
@@ -112,7 +106,7 @@ public:
         if (domain_ == nullptr) return;
         wraps_.resize(count_);
         for (std::size_t i = 0; i < count_; ++i) wraps_[i] = wrap(*domain_, point(i)).value_or(exact::Shift{});
-        if (!given.cell() || EndlessSides(domain_options(given)).any()) return;
+        if (!given.cell() || EndlessSides(region_of(given)).any()) return;
         std::optional<Sheet> sheet;
         const Job job = periodic_job(given, points, sheet);
         for (std::size_t i = 0; i < count_; ++i) {
@@ -614,7 +608,7 @@ std::vector<double> points_beside(std::span<const double> points, std::span<cons
 
 // Returns the same in a domain that is periodic along some axes, as lists of points to try one after the other: beside
 // a plane some point along the other axes is enough, beside a line two of them.
-std::vector<std::vector<double>> images_beside(const Options& domain, const Tessellation& t,
+std::vector<std::vector<double>> images_beside(const Region& domain, const Tessellation& t,
                                                std::span<const double> points) {
     const auto first = std::ranges::find_if(t.status(), has_cell) - t.status().begin();
     const std::size_t dimensions = dimensions_of(t);
@@ -624,7 +618,7 @@ std::vector<std::vector<double>> images_beside(const Options& domain, const Tess
     if (far == 0) far = 1;
     std::vector<std::vector<double>> tries;
     std::vector<double> all;
-    for (const int axis : endless_axes(domain)) {
+    for (const int axis : endless_axes(t.planar() ? in_sheet(domain, 1) : domain)) {
         if (axis < 0) continue;
         std::vector<double> x(&points[dimensions * at(first)], &points[dimensions * at(first)] + dimensions);
         x[static_cast<std::size_t>(axis)] += 4 * far;
@@ -636,23 +630,22 @@ std::vector<std::vector<double>> images_beside(const Options& domain, const Tess
 }
 
 // Returns the space of the complex: the domain without ends.
-Options space_of(const Tessellation& t) {
-    Options options = domain_options(t);
-    options.walls.clear();
-    if (!options.cell) {
+Region space_of(const Tessellation& t) {
+    Region region = region_of(t);
+    region.walls.clear();
+    if (!region.cell) {
         for (std::size_t k = 0; k < dimensions_of(t); ++k)
-            if (!options.periodic[k]) options.box->lower[k] = -infinity, options.box->upper[k] = infinity;
-        return options;
+            if (!region.periodic[k]) region.box->lower[k] = -infinity, region.box->upper[k] = infinity;
+        return region;
     }
     for (std::size_t k = 0; k < 3; ++k)
-        if (!options.cell->periodic[k])
-            (k == 0 ? options.cell->a : k == 1 ? options.cell->b : options.cell->c) = {0, 0, 0};
-    return options;
+        if (!region.cell->periodic[k]) (k == 0 ? region.cell->a : k == 1 ? region.cell->b : region.cell->c) = {0, 0, 0};
+    return region;
 }
 
 // Whether the polygons of a tessellation are those of all of its space.
 bool has_whole_cells(const Tessellation& t) {
-    const EndlessSides sides(domain_options(t));
+    const EndlessSides sides(region_of(t));
     bool whole = !t.face_offsets().empty() && t.least_face() == 0 && t.walls().empty();
     for (std::size_t k = 0; k < dimensions_of(t); ++k) {
         const auto lower = -1 - 2 * static_cast<std::int32_t>(k);
@@ -678,13 +671,13 @@ WholeDiagram whole_diagram(const Tessellation& t, std::span<const double> points
         }
     }
     const auto make = [&] {
-        Options options = space_of(t);
-        options.weights = weights;
-        options.device = "cpu";
-        options.threads = t.stats().threads;
-        options.want.volumes = false;
-        options.want.faces = true;
-        out.tessellation = tessellate(out.points, options);
+        Settled run = run_of(t, out.points);
+        run.region = space_of(t);
+        run.weights = {weights};
+        run.threads = t.stats().threads;
+        run.want.volumes = false;
+        run.want.faces = true;
+        out.tessellation = tessellate(std::move(run));
     };
     if (!has_whole_cells(t) || drops) make();
     const auto status = out.tessellation.status();

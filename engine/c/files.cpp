@@ -1,5 +1,6 @@
 // votess_write_mesh(): its arrays are checked here and become a files::Mesh. votess_write_pieces().
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -8,6 +9,7 @@
 #include "c/handles.hpp"
 #include "files/mesh.hpp"
 #include "files/pieces.hpp"
+#include "files/shared_mesh.hpp"
 #include "result/closed_rows.hpp"
 
 using namespace votess::c;
@@ -117,7 +119,18 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
         mesh.cell_vertex_indices = rows.cell_vertex_indices;
         box = rows.bounds;
     }
+    mesh.bounds = {box.lower, box.upper};
     for (std::size_t k = 0; k < 3; ++k) mesh.middle[k] = std::midpoint(box.lower[k], box.upper[k]);
+    mesh.left_out = out.closed.has_value();
+    std::ranges::copy(given.edges, mesh.edges.begin());
+    mesh.skewed = std::ranges::any_of(mesh.edges, [](double x) { return x != 0; });
+    for (std::size_t k = 0; k < 3 && !mesh.skewed; ++k) mesh.edges[4 * k] = box.upper[k] - box.lower[k];
+    if (given.seeds != nullptr) mesh.seeds = {given.seeds, static_cast<std::size_t>(3 * given.cells)};
+    if (given.weights != nullptr) mesh.weights = {given.weights, static_cast<std::size_t>(given.cells)};
+    if (!(given.min_edge >= 0 && std::isfinite(given.min_edge)))
+        refuse("mesh.min_edge is " + std::to_string(given.min_edge) + ": give a length from 0 on");
+    mesh.min_edge = given.min_edge;
+    mesh.short_edges = given.short_edges;
     if (given.colors != nullptr) mesh.colors = {given.colors, static_cast<std::size_t>(3 * given.cells)};
     for (const votess_column& one : array(given.columns, given.column_count, "columns"))
         mesh.columns.push_back(column(one, given.cells));
@@ -155,8 +168,8 @@ files::Pieces checked(const votess_piece_arrays& given) {
 
 files::ByteSink sink(votess_write_callback write, void* user) {
     if (write == nullptr) refuse("write is NULL");
-    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total) {
-        const votess_bytes piece{bytes.data(), bytes.size(), total};
+    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total, const std::string& file) {
+        const votess_bytes piece{bytes.data(), bytes.size(), total, file.empty() ? nullptr : file.c_str()};
         if (call_back("write", [&] { return write(&piece, user); }) == 0)
             throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
     });
@@ -178,7 +191,7 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
         const std::string_view name = format;
         if (given.planar != 0 && name != ".vtu")
             refuse("mesh.planar is set, but '" + std::string(name) + "' holds faces of space: give .vtu");
-        const CheckedMesh checked_mesh = checked(given, name == ".ply" || name == ".obj");
+        const CheckedMesh checked_mesh = checked(given, name != ".vtu" && name != ".glb");
         const files::Mesh& arrays = checked_mesh.mesh;
         files::ByteSink out = sink(write, user);
         if (name == ".vtu") {
@@ -190,10 +203,50 @@ votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, vot
         } else if (name == ".glb") {
             if (arrays.colors.empty() && mesh->cells != 0) refuse("mesh.colors is NULL, but .glb needs colors");
             files::write_glb(arrays, out);
+        } else if (name == ".foam") {
+            files::write_foam(arrays, out);
+        } else if (name == ".tess") {
+            files::write_tess(arrays, out);
+        } else if (name == ".msh") {
+            files::write_msh(arrays, out);
         } else {
-            refuse_format(name, ".vtu .ply .obj .glb");
+            refuse_format(name, ".vtu .ply .obj .glb .foam .tess .msh");
         }
         out.flush();
+    });
+}
+
+votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality) {
+    return guarded([&] {
+        require(mesh, "mesh");
+        require(quality, "quality");
+        require_struct_size(mesh->struct_size, first_mesh_size, "mesh.struct_size", "give sizeof(votess_mesh)");
+        require_struct_size(quality->struct_size, sizeof *quality, "quality.struct_size",
+                            "give sizeof(votess_mesh_quality)");
+        votess_mesh given{};
+        std::memcpy(&given, mesh, std::min<std::size_t>(mesh->struct_size, sizeof given));
+        if (given.planar != 0) refuse("mesh.planar is set, but quality is that of cells in space");
+        const CheckedMesh checked_mesh = checked(given, true);
+        const files::SharedMesh shared(checked_mesh.mesh);
+        const files::MeshQuality q = files::measure(shared);
+        votess_mesh_quality out{};
+        out.struct_size = sizeof out;
+        out.cells = shared.cells();
+        out.faces = shared.faces.size();
+        out.internal_faces = shared.inner();
+        out.vertices = shared.vertices.size() / 3;
+        out.max_non_orthogonality = q.max_non_orthogonality;
+        out.mean_non_orthogonality = q.mean_non_orthogonality;
+        out.severe_faces = q.severe_faces;
+        out.max_skewness = q.max_skewness;
+        out.skew_faces = q.skew_faces;
+        out.min_area = q.min_area;
+        out.min_volume = q.min_volume;
+        out.min_edge = q.min_edge;
+        out.wrong_faces = q.wrong_faces;
+        out.wrong_cells = q.wrong_cells;
+        out.short_edges = shared.short_edges;
+        *quality = out;
     });
 }
 

@@ -16,6 +16,7 @@
 #include <votess/alpha.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
+#include <votess/groups.hpp>
 #include <votess/network.hpp>
 #include <votess/pieces.hpp>
 #include <votess/votess.hpp>
@@ -60,6 +61,10 @@ struct votess_fit {
 
 struct votess_zones {
     votess::Zones zones;
+};
+
+struct votess_groups {
+    votess::Groups groups;
 };
 
 struct votess_network {

@@ -151,10 +151,7 @@ ThreadPool::ThreadPool(unsigned requested) : requested_(requested) {
     size_ = static_cast<unsigned>(crew_->workers.size()) + 1;
     if (size_ >= requested) return;
     crew_.reset();  // frees memory that the message needs
-    throw Error(ErrorCode::no_threads, "Options::threads = " + std::to_string(requested) +
-                                           ", but the system gives only " + std::to_string(size_) +
-                                           ": request fewer, or raise its limits (ulimit -u, ulimit -v, pids.max of "
-                                           "the container)");
+    throw_no_threads(requested, size_);
 }
 
 // A child must not destroy a condition variable on which the parent's threads wait.

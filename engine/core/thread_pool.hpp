@@ -9,6 +9,9 @@
 
 namespace votess {
 
+// Throws no_threads. In input/, since the message names an option.
+[[noreturn]] void throw_no_threads(unsigned requested, unsigned given);
+
 class ThreadPool {
 public:
     // task(index, worker): worker is below size(). Each worker runs one task at a time.

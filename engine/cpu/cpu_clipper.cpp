@@ -5,8 +5,8 @@
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
+#include "input/settled.hpp"
 #include "walk/star_bounds.hpp"
 
 namespace votess::cpu {
@@ -32,9 +32,9 @@ constexpr std::size_t cells_per_check = 64;  // between calls of check_stop()
 void CpuClipper::begin(const Job& job) {
     end();
     job_ = job;
-    progress_ = Progress(job.options.progress);
-    pool_of(job.options.threads);
-    const Kernels* kernels = find_kernels(job.options.instructions);
+    progress_ = Progress(job.progress);
+    pool_of(job.threads);
+    const Kernels* kernels = find_kernels(job.instructions);
     if (kernels == nullptr) throw Error(ErrorCode::internal, "the options have not been checked");
     if (kernels != kernels_) workers_.clear();
     kernels_ = kernels;
@@ -70,10 +70,10 @@ void CpuClipper::sort(std::span<const std::int32_t> order) {
     else if (!order.empty())
         put_in_order(job_.points, job_.scale, order, *pool_, seeds_);
     else
-        sort_inside(job_.points, job_.scale, job_.options.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
+        sort_inside(job_.points, job_.scale, job_.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
     gather_beyond();
-    if (seeds_.duplicates > 0 && job_.options.duplicates == Duplicates::error) {
+    if (seeds_.duplicates > 0 && job_.duplicates == Duplicates::error) {
         const auto first = std::ranges::find_if(seeds_.duplicate_of, [](auto d) { return d >= 0; });
         const auto index = static_cast<std::size_t>(first - seeds_.duplicate_of.begin());
         throw Error(ErrorCode::invalid_argument,
@@ -195,7 +195,7 @@ void CpuClipper::clip_first(std::size_t count, std::span<double> powers, ResultB
 
 void CpuClipper::cut_into_blocks(std::size_t count) {
     const std::size_t threads = pool_->size();
-    const bool placed = job_.options.want.vertices;
+    const bool placed = job_.want.vertices;
     const std::size_t longest = placed ? longest_placed : longest_block;
     std::size_t parts = threads == 1 ? 1 : parts_per_thread * threads;
     if (placed && threads <= many_threads) parts = std::max(fewest_placed, count / longest);
@@ -294,7 +294,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                              const Share& share) {
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
-    const Star::Keep keep = kept_ == nullptr ? kept_for(job_.options.want) : Star::Keep::corners;
+    const Star::Keep keep = kept_ == nullptr ? kept_for(job_.want) : Star::Keep::corners;
     const Stoppable stoppable(progress_, share);
     const bool walks = seeds_.lift.curvature <= max_walked_curvature;
     const auto task = [&](std::size_t block, unsigned index) {
@@ -369,7 +369,7 @@ void CpuClipper::finish(Cell* cell, std::size_t seed, Worker& worker) const {
                 cell->empty()
                     ? Star::min_power
                     : bounds::power(cell->radius_squared(), seeds_.weights.empty() ? 0 : seeds_.weights[seed]);
-        const bool placed = job_.options.want.vertices;
+        const bool placed = job_.want.vertices;
         worker.writer.write(seed, placed ? worker.builder.rebuild(worker.faces) : *cell);
     } else {
         worker.hard.push_back(static_cast<std::int32_t>(seed));

@@ -28,7 +28,7 @@ std::shared_ptr<const detail::AllSeeds> seeds_around(const Job& job, std::span<c
 
 void CpuEngine::lend(const Job& job) {
     // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.options.want.vertices)
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.want.vertices)
         result_.lend(job.snapshot->memory());
     clipper_.lend_scratch(result_);
     result_.touch(1, 0, clipper_.pool());
@@ -85,7 +85,7 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clock.enter(&StageSeconds::sort);
     using Plan = KeptCells::Plan;
     Plan plan = Plan::none;
-    if (!job.options.follow)
+    if (!job.follow)
         kept_.clear();
     else if (KeptCells::follows(job))
         plan = kept_.plan(job, clipper_.instructions());

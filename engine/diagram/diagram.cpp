@@ -2,7 +2,7 @@
 
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
-#include "input/implied_wants.hpp"
+#include "input/option_name.hpp"
 #include "plane/sheet.hpp"
 
 namespace votess {
@@ -26,17 +26,17 @@ auto run(const ProgressCallback& callback, const Work& work) {
     }
 }
 
-void check_diagram(const Options& options) {
-    if (options.device != "cpu" && options.device != "auto")
+void check_diagram(const Settled& run) {
+    if (run.device != "cpu" && run.device != "auto")
         throw Error(ErrorCode::unsupported,
-                    "Options::device = " + options.device + ": a Diagram is asked on the CPU, give cpu or auto");
-    if (options.min_face != 0 || options.min_area != 0)
+                    option("device") + " = " + run.device + ": a Diagram is asked on the CPU, give cpu or auto");
+    if (run.min_face != 0 || run.min_area != 0)
         throw Error(ErrorCode::invalid_argument,
-                    "Options::min_face and Options::min_area drop faces of a result: a Diagram has whole cells, leave "
-                    "them out");
-    if (options.only)
+                    option("min_face") + " and " + option("min_area") +
+                        " drop faces of a result: a Diagram has whole cells, leave them out");
+    if (run.subset)
         throw Error(ErrorCode::invalid_argument,
-                    "a Diagram needs all seeds: leave out Options::only, and probe some places");
+                    "a Diagram needs all seeds: leave out " + option("only") + ", and probe some places");
 }
 
 // Drops the last component of vectors with three.
@@ -49,12 +49,14 @@ void make_flat(std::vector<double>& vectors) {
 
 }  // namespace
 
-Diagram::Diagram() : Diagram(std::span<const double>{}) {}
-Diagram::Diagram(std::span<const double> points, const Options& options)
-    : state_(run(options.progress, [&] {
-          check_diagram(options);
-          return detail::settle(points, options);
-      })) {}
+std::shared_ptr<DiagramState> detail::make_state(const ProgressCallback& progress,
+                                                 const std::function<Settled()>& settle) {
+    return run(progress, [&] {
+        Settled whole = settle();
+        check_diagram(whole);
+        return make_state(std::move(whole));
+    });
+}
 
 std::size_t Diagram::size() const noexcept {
     return state_->points.size() / 3;
@@ -89,9 +91,7 @@ Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions&
         ProbeOptions of_sheet = options;
         add_sheet_wants(of_sheet.want, of_sheet.list_walls);
         detail::Result cells = detail::probe(*state_, std::move(places), of_sheet);
-        Options wanted;
-        wanted.want = options.want;
-        flatten(cells, state_->thickness, with_implied(wanted), options.list_walls || options.want.faces);
+        flatten(cells, state_->thickness, with_implied(options.want), options.list_walls || options.want.faces);
         return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
     });
 }

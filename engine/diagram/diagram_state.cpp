@@ -10,9 +10,11 @@
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
 #include "input/default_box.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "solid/run_in_mesh.hpp"
+#include "unbounded/endless_box.hpp"
 
 namespace votess::detail {
 namespace {
@@ -49,13 +51,14 @@ Box hull_of(Box a, const Box& b) {
     return a;
 }
 
-// Makes the state of points in space, in a box that has ends.
-std::shared_ptr<DiagramState> make_state(std::vector<double> points, const Options& options) {
+// Makes the state of a run in space, in a region that has ends.
+std::shared_ptr<DiagramState> make_state(std::vector<double> points, Settled run) {
     auto state = std::make_shared<DiagramState>();
     state->points = std::move(points);
-    state->job = validate({state->points, {}}, options);
-    state->job.options.progress = {};
-    state->job.options.weights = state->job.options.radii = {};  // which the caller keeps; the domain has them
+    run.points = {state->points, {}};
+    run.progress = {};
+    state->job = make_job(std::move(run));
+    state->job.reports_weights = false;  // cells of probes have none
     state->clipper.begin(state->job);
     state->clipper.prepare();
     return state;
@@ -63,45 +66,43 @@ std::shared_ptr<DiagramState> make_state(std::vector<double> points, const Optio
 
 }  // namespace
 
-std::shared_ptr<DiagramState> settle(std::span<const double> points, const Options& given) {
-    const std::size_t count = points.size() / (given.planar ? 2 : 3);
-    if (count > std::numeric_limits<std::int32_t>::max())
-        throw Error(ErrorCode::unsupported, std::to_string(count) + " seeds are too many: at most 2147483647");
-    Options options = given;
+std::shared_ptr<DiagramState> make_state(Settled run) {
     std::optional<solid::ClosedMesh> mesh;
-    if (options.mesh) mesh = solid::mesh_of(options);
-    options.mesh.reset();
-    const bool periodic = options.periodic != std::array<bool, 3>{};
-    if (!options.box && !options.cell && !periodic && options.walls.empty())
-        options.box = options.planar ? no_ends_of_plane : no_ends;
+    Region& region = run.region;
+    if (region.mesh) {
+        mesh.emplace(*region.mesh);
+        solid::check_inside(*mesh, region);
+    }
+    region.mesh.reset();
+    if (!region.box && !region.cell && region.walls.empty()) region.box = region.planar ? no_ends_of_plane : no_ends;
     std::vector<double> places;
     double thickness = 0;
-    if (options.planar) {
-        Sheet sheet({points, {}}, options);
-        options = sheet.options();
+    if (region.planar) {
+        Sheet sheet(std::move(run));
+        run = sheet.take_in_space();
         places = sheet.take_points();
         thickness = sheet.thickness();
     } else {
+        const auto& points = run.points.f64;
         places.reserve(points.size());
         in_pieces(points.size(), [&](std::size_t begin, std::size_t end) {
             places.insert(places.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
                           points.begin() + static_cast<std::ptrdiff_t>(end));
         });
     }
-    const EndlessSides sides(options);
+    const EndlessSides sides(region);
     std::optional<Box> endless;
     std::optional<FlatEnds> flat_ends;
     if (sides.any()) {
-        check_endless(options);
-        if (options.cell)
+        if (region.cell)
             throw Error(ErrorCode::unsupported,
-                        "Options::cell has an edge that is 0: a Diagram without end needs Options::box");
-        endless = options.box;
-        flat_ends.emplace(Points{places, {}}, options);
-        end_near(options, {places, {}});
-        if (mesh) options.box = hull_of(*options.box, solid::default_box_around(*mesh, {places, {}}));
+                        option("cell") + " has an edge that is 0: a Diagram without end needs " + option("box"));
+        endless = region.box;
+        flat_ends.emplace(Points{places, {}}, region);
+        end_near(region, {places, {}}, run.weights);
+        if (mesh) region.box = hull_of(*region.box, solid::default_box_around(*mesh, {places, {}}));
     }
-    std::shared_ptr<DiagramState> state = make_state(std::move(places), options);
+    std::shared_ptr<DiagramState> state = make_state(std::move(places), std::move(run));
     state->thickness = thickness;
     state->endless_sides = sides;
     state->endless = endless;
@@ -113,18 +114,24 @@ std::shared_ptr<DiagramState> settle(std::span<const double> points, const Optio
     return state;
 }
 
-std::vector<double> weights_of(const DiagramState& state) {
-    std::vector<double> weights = state.job.domain->weights;
-    for (double& weight : weights) weight = weight / state.job.scale / state.job.scale;
+Weights weights_of(const DiagramState& state) {
+    Weights weights{state.job.domain->weights};
+    for (double& weight : weights.given) weight = weight / state.job.scale / state.job.scale;
     return weights;
 }
 
-Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights) {
-    Options options = state.job.options;
-    if (!options.cell) options.box = box;
-    options.weights = weights;
-    options.device = "cpu";
-    return options;
+Region region_in(const DiagramState& state, const std::optional<Box>& box) {
+    Region region = state.job.region;
+    if (!region.cell) region.box = box;
+    return region;
+}
+
+Settled run_in(const DiagramState& state, const std::optional<Box>& box) {
+    Settled run = state.job;
+    run.weights = weights_of(state);
+    run.region = region_in(state, box);
+    run.device = "cpu";
+    return run;
 }
 
 Box box_with(const DiagramState& state, std::span<const double> places) {
@@ -149,19 +156,20 @@ bool holds(const Box& outer, const Box& inner) {
 
 // Queries far out and those with many digits each widen the box. Those with both would widen it more than any one does,
 // so the two kinds have boxes of their own.
-Box box_beyond(const DiagramState& state, std::span<const double> places, std::span<const double> weights) {
+Box box_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights) {
     Box box = state.job.box;
     for (const bool is_near : {true, false}) {
-        std::vector<double> all = state.points, of_all = weights_of(state);
+        std::vector<double> all = state.points;
+        Weights of_all = weights_of(state);
         for (std::size_t q = 0; 3 * q < places.size(); ++q) {
             const std::array<double, 3> x{places[3 * q], places[3 * q + 1], places[3 * q + 2]};
             if (holds(state.job.box, {x, x}) != is_near) continue;
             all.insert(all.end(), x.begin(), x.end());
-            if (!of_all.empty()) of_all.push_back(weights.empty() ? 0 : weights[q]);
+            if (!of_all.empty()) of_all.given.push_back(weights.empty() ? 0 : weights[q]);
         }
         if (all.size() == state.points.size()) continue;
-        Options far = options_in(state, state.endless, of_all);
-        end_far(far, {all, {}});
+        Region far = region_in(state, state.endless);
+        end_far(far, {all, {}}, of_all);
         box = hull_of(box, *far.box);
     }
     return box;
@@ -172,23 +180,21 @@ namespace {
 // Makes the state of some seeds, none for all, in a box.
 std::shared_ptr<DiagramState> in_box(const DiagramState& state, const std::vector<std::int32_t>* seeds, const Box& box,
                                      const EndlessSides& sides, const FlatEnds* flat_ends = nullptr) {
-    std::vector<double> weights = weights_of(state);
-    if (seeds != nullptr) weights = some_of(weights, *seeds, 1);
+    Settled run = run_in(state, box);
+    if (seeds != nullptr) run.weights.given = some_of(run.weights.given, *seeds, 1);
     std::vector<double> points = seeds == nullptr ? state.points : some_of(state.points, *seeds, 3);
-    Options options = options_in(state, box, weights);
-    if (flat_ends != nullptr) flat_ends->cut(options);
-    auto made = make_state(std::move(points), options);
+    if (flat_ends != nullptr) flat_ends->cut(run.region);
+    auto made = make_state(std::move(points), std::move(run));
     made->thickness = state.thickness;
     made->endless_sides = sides;
     return made;
 }
 
 std::vector<std::int32_t> open_seeds(const DiagramState& state) {
-    const std::vector<double> weights = weights_of(state);
-    Options options = options_in(state, state.endless, weights);
-    options.want = {.neighbors = true, .volumes = false};
-    options.list_walls = true;
-    const Tessellation t = tessellate(state.points, options);
+    Settled run = run_in(state, state.endless);
+    run.want = {.neighbors = true, .volumes = false};
+    run.list_walls = true;
+    const Tessellation t = tessellate(std::move(run));
     std::vector<std::int32_t> open;
     for (std::size_t i = 0; i < t.size(); ++i)
         if (state.endless_sides.any_of(t.neighbors(i))) open.push_back(static_cast<std::int32_t>(i));
@@ -205,7 +211,7 @@ std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box) {
 
 std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box) {
     const std::scoped_lock lock(state.making);
-    Options cut = options_in(state, box, {});
+    Region cut = region_in(state, box);
     state.flat_ends->cut(cut);
     if (!state.flat || !holds(state.flat->job.box, *cut.box))
         state.flat = in_box(state, nullptr, box, state.endless_sides, &*state.flat_ends);
@@ -279,11 +285,8 @@ Queries check_queries(const DiagramState& state, std::vector<double> x, std::spa
     if (count > std::numeric_limits<std::int32_t>::max())
         throw Error(ErrorCode::unsupported,
                     std::to_string(count) + " queries are too many at once: at most 2147483647");
-    Options given;
-    given.weights = weights;
-    given.radii = radii;
-    check_options(given);
-    Queries queries{std::move(x), scaled_weights(given, count, "queries", state.job.scale)};
+    Queries queries{std::move(x),
+                    scaled_weights(votess::weights_of(weights, radii), count, "queries", state.job.scale)};
     if (!queries.weights.empty() && !state.job.domain->has_weights())
         throw Error(ErrorCode::invalid_argument,
                     "queries have weights, but the seeds have none: give these weights too, which may be 0");
@@ -305,7 +308,7 @@ exact::Point scaled(const Job& job, const Queries& queries, std::size_t number) 
 }
 
 void make_searchers(DiagramState& state) {
-    const cpu::Kernels& kernels = *cpu::find_kernels(state.job.options.instructions);
+    const cpu::Kernels& kernels = *cpu::find_kernels(state.job.instructions);
     while (state.searchers.size() < state.clipper.pool().size())
         state.searchers.emplace_back(state.job, state.clipper.seeds(), state.clipper.hierarchy(), kernels);
 }

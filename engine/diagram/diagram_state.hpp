@@ -21,7 +21,6 @@
 #include "query/prober.hpp"
 #include "query/ray_tracer.hpp"
 #include "solid/inside.hpp"
-#include "unbounded/endless_box.hpp"
 #include "unbounded/flat_ends.hpp"
 #include "votess/diagram.hpp"
 
@@ -77,17 +76,21 @@ struct DiagramState {
     std::optional<solid::Inside> inside;
 };
 
-// Makes the state of a Diagram, with its points in space: those of a plane lie in a sheet.
-std::shared_ptr<DiagramState> settle(std::span<const double> points, const Options& options);
+// Make the state of a Diagram, with its points in space: those of a plane lie in a sheet. The second one is a call that
+// the user may stop.
+std::shared_ptr<DiagramState> make_state(Settled run);
+std::shared_ptr<DiagramState> make_state(const ProgressCallback& progress, const std::function<Settled()>& settle);
 // Returns the weights as given; none without a power diagram.
-std::vector<double> weights_of(const DiagramState& state);
-// Returns the options of the Diagram, for its cells in another box and on the CPU. A triclinic box stays.
-Options options_in(const DiagramState& state, const std::optional<Box>& box, std::span<const double> weights);
+Weights weights_of(const DiagramState& state);
+// Returns the region of a Diagram with another box. A triclinic box stays.
+Region region_in(const DiagramState& state, const std::optional<Box>& box);
+// Returns a run of all seeds in that region, on the CPU.
+Settled run_in(const DiagramState& state, const std::optional<Box>& box);
 
 // Return boxes for the seeds of a state without end: one that holds these places too, and one with all vertices of the
 // diagram of the seeds and any one query. weights: of the queries, as given; empty: 0.
 Box box_with(const DiagramState& state, std::span<const double> places);
-Box box_beyond(const DiagramState& state, std::span<const double> places, std::span<const double> weights);
+Box box_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights);
 // Return those of a state without end. box: what theirs has to hold.
 std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box);
 std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box);

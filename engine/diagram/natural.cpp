@@ -5,6 +5,7 @@
 
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 
 namespace votess::detail {
@@ -31,12 +32,12 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
             for (const double place : {seeds.x[s], seeds.y[s], seeds.z[s]}) points.push_back(place / job.scale);
     });
     for (double& weight : weights) weight /= job.scale * job.scale;
-    Options wanted = options_in(state, job.box, weights);
-    wanted.want = {};
-    wanted.want.volumes = false;
-    wanted.want.faces = true;
-    wanted.progress = Stoppable::within(stage.part(0, share_of_cells));
-    state.graph.emplace(seeds, tessellate(points, wanted), job.scale);
+    Settled run = run_in(state, job.box);
+    run.points = {points, {}};
+    run.weights = {weights};
+    run.want = {.volumes = false, .faces = true};
+    run.progress = Stoppable::within(stage.part(0, share_of_cells));
+    state.graph.emplace(seeds, tessellate(std::move(run)), job.scale);
     Stoppable::enter_stage(stage.part(share_of_graph, 1));
     return true;
 }
@@ -160,7 +161,7 @@ public:
         // Along the normal of flat seeds all cells reach infinity.
         if (!near.endless || numbers_.empty() || near.flat_ends) return;
         take(x, options.weights);
-        const Box box = box_beyond(near, places_, weights_);
+        const Box box = box_beyond(near, places_, {weights_});
         remove_open(*hull_state(near, box));
         if (numbers_.empty()) return;
         take(x, options.weights);

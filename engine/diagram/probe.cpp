@@ -4,7 +4,7 @@
 #include "core/progress.hpp"
 #include "core/stage_clock.hpp"
 #include "diagram/diagram_state.hpp"
-#include "input/implied_wants.hpp"
+#include "input/settle.hpp"
 #include "result/arrays.hpp"
 #include "solid/run_in_mesh.hpp"
 #include "unbounded/open_cells.hpp"
@@ -17,22 +17,20 @@ Result cells_of_probes(DiagramState& state, std::vector<double> x, const ProbeOp
     const Queries queries = check_queries(state, std::move(x), options.weights, options.radii);
     const CallGuard turn(state);
     StageClock clock;
-    Options wanted;
-    wanted.want = options.want;
     Job job = state.job;
     job.points = {queries.x, {}};
-    job.options.want = with_implied(wanted);
-    job.options.list_walls = options.list_walls || options.want.faces;
+    job.want = with_implied(options.want);
+    job.list_walls = options.list_walls || options.want.faces;
     job.outside.clear();
     job.probes_of = static_cast<std::int32_t>(state.points.size() / 3);
     ThreadPool& pool = state.clipper.pool();
     state.result.begin(job, pool);
     std::vector<std::int32_t> duplicate_of;
     lengthen(duplicate_of, queries.count(), -1);
-    const cpu::StarKernels& kernels = cpu::star_kernels(cpu::find_kernels(job.options.instructions)->name);
+    const cpu::StarKernels& kernels = cpu::star_kernels(cpu::find_kernels(job.instructions)->name);
     make_searchers(state);
     for (DiagramState::Searcher& searcher : state.searchers) {
-        searcher.prober.begin_job(*job.domain, cpu::kept_for(job.options.want));
+        searcher.prober.begin_job(*job.domain, cpu::kept_for(job.want));
         searcher.rows.begin_job(job, kernels, duplicate_of, state.result);
     }
     clock.enter(&StageSeconds::clip);
@@ -65,9 +63,7 @@ Result cells_of_probes(DiagramState& state, std::vector<double> x, const ProbeOp
 // In a domain without end, cells that reach the walls of the near box are made again in the far one. Where seeds and
 // query are flat, that one is thin.
 Result endless_cells(DiagramState& state, const std::vector<double>& x, const ProbeOptions& options) {
-    Options wanted;
-    wanted.want = options.want;
-    const Want want = with_implied(wanted);
+    const Want want = with_implied(options.want);
     ProbeOptions asked = options;
     asked.list_walls = true;
     asked.want = want;
@@ -84,7 +80,7 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
         const bool flat = state.flat_ends && state.flat_ends->holds({x[3 * q], x[3 * q + 1], x[3 * q + 2]});
         (flat ? taken_flat : taken)[q] = true;
     }
-    const Options domain = options_in(state, state.endless, {});
+    const Region domain = region_in(state, state.endless);
     const auto take = [&](const std::vector<bool>& of_far, const auto& state_beyond) {
         std::vector<std::int32_t> rows;
         for (std::size_t q = 0; q < of_far.size(); ++q)
@@ -93,9 +89,9 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
         if (!rows.empty()) {
             const std::vector<double> places = some_of(x, rows, 3), weights = some_of(options.weights, rows, 1),
                                       radii = some_of(options.radii, rows, 1);
-            wanted.weights = asked.weights = weights;
-            wanted.radii = asked.radii = radii;
-            const Box box = box_beyond(state, places, votess::weights_of(wanted));
+            asked.weights = weights;
+            asked.radii = radii;
+            const Box box = box_beyond(state, places, votess::weights_of(weights, radii));
             far = cells_of_probes(*state_beyond(state, box), places, asked);
             open_cells(far, domain);
         }

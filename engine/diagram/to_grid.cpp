@@ -7,8 +7,9 @@
 #include "core/progress.hpp"
 #include "diagram/diagram_state.hpp"
 #include "fields/methods.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
-#include "run/engines.hpp"
 #include "votess/pieces.hpp"
 
 namespace votess::detail {
@@ -63,14 +64,12 @@ void check(const DiagramState& state, std::span<const double> values, const Grid
 
 // The cells of the seeds, with faces.
 Result build(const DiagramState& state) {
-    const std::vector<double> weights = weights_of(state);
-    Options options = options_in(state, state.job.box, weights);
-    options.want = {};
-    options.want.faces = true;
-    options.list_walls = false;
-    options.progress = Stoppable::within({0, share_of_building});
-    Engines engines;
-    return run_on(engines, {state.points, {}}, options);
+    Settled run = run_in(state, state.job.box);
+    run.want = {};
+    run.want.faces = true;
+    run.list_walls = false;
+    run.progress = Stoppable::within({0, share_of_building});
+    return arrays_of(std::move(run));
 }
 
 // Returns the centers of grid cells, at z = 0 exactly in a sheet.
@@ -82,15 +81,14 @@ std::vector<double> on_plane(const DiagramState& state, std::span<const double> 
 
 // The parts of the cells in the mesh. around: with the box of the grid.
 Pieces build_pieces(const DiagramState& state, const DiagramState& around) {
-    const std::vector<double> weights = weights_of(around);
     const solid::MeshArrays mesh(*state.inside->mesh(), state.job.scale);
-    Options options = options_in(around, around.job.box, weights);
-    options.mesh = mesh.view();
-    options.want = {};
-    options.progress = Stoppable::within({0, share_of_building});
+    Settled run = run_in(around, around.job.box);
+    run.region.mesh = mesh.view();
+    run.want = {};
+    run.progress = Stoppable::within({0, share_of_building});
     PieceOptions wanted;
-    wanted.threads = options.threads;
-    return pieces(tessellate(around.points, options), wanted);
+    wanted.threads = run.threads;
+    return pieces(tessellate(std::move(run)), wanted);
 }
 
 void locate_centers(DiagramState& state, const fields::Task& task, std::span<const double> centers,
@@ -127,7 +125,8 @@ std::size_t to_grid(DiagramState& state_of_call, std::span<const double> values,
         throw Error(
             ErrorCode::unsupported,
             "to_grid(): dtfe spreads masses over tetrahedra, which reach beyond a mesh: give another method, or "
-            "leave out Options::mesh");
+            "leave out " +
+                option("mesh"));
     in_pieces(grid.size(),
               [&](std::size_t begin, std::size_t end) { std::ranges::fill(grid.subspan(begin, end - begin), 0); });
     if (state_of_call.points.empty()) return 0;

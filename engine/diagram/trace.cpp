@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "diagram/diagram_state.hpp"
+#include "input/settle.hpp"
 
 namespace votess {
 
@@ -97,12 +98,11 @@ exact::Point direction_of(const Rays& rays, std::size_t ray) {
 // Needs a CallGuard.
 void make_cells(DiagramState& state) {
     if (state.cells) return;
-    const std::vector<double> weights = weights_of(state);
-    Options options = options_in(state, state.endless ? *state.endless : state.job.box, weights);
-    options.want = {.neighbors = true, .volumes = false};
-    options.list_walls = false;
-    options.progress = Stoppable::within({0, share_of_neighbors});
-    const Tessellation t = tessellate(state.points, options);
+    Settled run = run_in(state, state.endless ? *state.endless : state.job.box);
+    run.want = {.neighbors = true, .volumes = false};
+    run.list_walls = false;
+    run.progress = Stoppable::within({0, share_of_neighbors});
+    const Tessellation t = tessellate(std::move(run));
     state.cells.emplace(*state.job.domain, state.clipper.seeds(), t);
     Stoppable::enter_stage({share_of_neighbors, 1});
 }
@@ -210,7 +210,7 @@ RayCells trace(DiagramState& state, std::vector<double> origins, std::vector<dou
     std::vector<std::size_t> sorted(beyond.empty() ? 0 : state.points.size() / 3);
     for (std::size_t i = 0; i < seeds.size() && !sorted.empty(); ++i)
         sorted[static_cast<std::size_t>(seeds.input[i])] = i;
-    const std::string_view instructions = cpu::find_kernels(state.job.options.instructions)->name;
+    const std::string_view instructions = cpu::find_kernels(state.job.instructions)->name;
     std::vector<exact::Plane> walls = state.job.domain->walls;
     for (int wall = 0; wall < 6; ++wall)
         if (state.job.domain->has_box_wall(wall) && !state.endless_sides.has(-1 - wall))

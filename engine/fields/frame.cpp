@@ -16,8 +16,8 @@ constexpr double farthest = 0x1p31;
 
 Frame::Frame(const Job& job, const std::array<std::size_t, 3>& shape) : scale_(job.scale) {
     const auto scaled = [&](const Vector& x) { return Vector{x[0] * scale_, x[1] * scale_, x[2] * scale_}; };
-    if (job.options.cell) {
-        const auto& [origin, a, b, c, periodic] = *job.options.cell;
+    if (job.region.cell) {
+        const auto& [origin, a, b, c, periodic] = *job.region.cell;
         origin_ = scaled(origin);
         edges_ = {scaled(a), scaled(b), scaled(c)};
     } else {

@@ -13,16 +13,21 @@ namespace votess::files {
 
 class ByteSink {
 public:
-    // total: bytes of the whole file; 0 when unknown.
-    using Write = std::function<void(std::string_view bytes, std::uint64_t total)>;
+    // total: bytes of the whole file; 0 when unknown. file: its path, for formats of several files; else empty.
+    using Write = std::function<void(std::string_view bytes, std::uint64_t total, const std::string& file)>;
 
     explicit ByteSink(Write write) : write_(std::move(write)) {}
 
     void set_total(std::uint64_t total) { total_ = total; }
+    // Begins the next of several files.
+    void begin_file(std::string path) {
+        flush();
+        file_ = std::move(path);
+    }
 
     void put(std::string_view bytes) {
         if (bytes.size() + bytes_.size() > piece) flush();
-        if (bytes.size() > piece) return write_(bytes, total_);  // no copy of a large array
+        if (bytes.size() > piece) return write_(bytes, total_, file_);  // no copy of a large array
         bytes_ += bytes;
     }
     // Writes the shortest text that reads back as the same number.
@@ -37,7 +42,7 @@ public:
         put({reinterpret_cast<const char*>(&value), sizeof value});
     }
     void flush() {
-        if (!bytes_.empty()) write_(bytes_, total_);
+        if (!bytes_.empty()) write_(bytes_, total_, file_);
         bytes_.clear();
     }
 
@@ -45,7 +50,7 @@ private:
     static constexpr std::size_t piece = std::size_t{1} << 20;
 
     Write write_;
-    std::string bytes_;
+    std::string bytes_, file_;
     std::uint64_t total_ = 0;
 };
 

@@ -48,10 +48,18 @@ struct Mesh {
     std::span<const std::int32_t> cell_vertex_indices;
     std::span<const std::int64_t> face_offsets;  // one more than entries
     std::span<const std::int32_t> face_vertices;
-    std::array<double, 3> middle{};        // of the domain
+    std::array<double, 3> middle{};  // of the domain
+    std::array<std::array<double, 3>, 2> bounds{};
     std::span<const std::uint8_t> colors;  // 3 of sRGB a cell; may be empty
     std::vector<Column> columns;
-    bool planar = false;  // for .vtu alone
+    bool planar = false;                   // for .vtu alone
+    std::array<double, 9> edges{};         // vectors of the domain
+    bool skewed = false;                   // whether they are given, not those of a box
+    bool left_out = false;                 // whether cells that reach infinity were, and the wall -1 is in their place
+    double min_edge = 0;                   // collapse shorter edges, in files with shared faces
+    std::uint64_t* short_edges = nullptr;  // receives the number of those that stay
+    std::span<const double> seeds;         // 3 a cell, for .tess
+    std::span<const double> weights;       // of the cells, for .tess; may be empty
 
 private:
     static std::span<const std::int32_t> row(std::span<const std::int64_t> offsets,
@@ -66,5 +74,9 @@ void write_vtu(const Mesh& mesh, ByteSink& out);
 void write_ply(const Mesh& mesh, ByteSink& out);
 void write_obj(const Mesh& mesh, ByteSink& out);
 void write_glb(const Mesh& mesh, ByteSink& out);
+// Throw invalid_argument for cells that are not closed. write_foam() writes several files, write_tess() needs seeds.
+void write_foam(const Mesh& mesh, ByteSink& out);
+void write_tess(const Mesh& mesh, ByteSink& out);
+void write_msh(const Mesh& mesh, ByteSink& out);
 
 }  // namespace votess::files

@@ -123,7 +123,7 @@ void put_zip(std::span<const std::pair<std::string, std::string>> members, ByteS
         put16(to, 0);
     };
     std::string directory;
-    ByteSink entries([&](std::string_view bytes, std::uint64_t) { directory += bytes; });
+    ByteSink entries([&](std::string_view bytes, std::uint64_t, const std::string&) { directory += bytes; });
     std::size_t place = 0;
     for (const auto& member : members) {
         out.put(std::string_view("PK\3\4", 4));
@@ -253,7 +253,7 @@ void write_pieces_stl(const Pieces& pieces, ByteSink& out) {
 
 void write_pieces_3mf(const Pieces& pieces, ByteSink& out) {
     std::string model;
-    ByteSink text([&](std::string_view bytes, std::uint64_t) { model += bytes; });
+    ByteSink text([&](std::string_view bytes, std::uint64_t, const std::string&) { model += bytes; });
     text.put(R"(<?xml version="1.0" encoding="UTF-8"?>)"
              "\n"
              R"(<model unit="millimeter" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"><resources>)"

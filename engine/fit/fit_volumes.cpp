@@ -1,3 +1,5 @@
+#include "fit/fit_volumes.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,12 +14,11 @@
 #include "fit/timed.hpp"
 #include "index/sort.hpp"
 #include "input/domain_of_result.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "input/snapshot.hpp"
 #include "plane/sheet.hpp"
 #include "solid/run_in_mesh.hpp"
-#include "unbounded/endless_box.hpp"
-#include "votess/fit.hpp"
 
 namespace votess {
 
@@ -34,12 +35,12 @@ constexpr double sum_tolerance = 1e-9;
     throw Error(ErrorCode::invalid_argument, "fit_volumes(): " + message);
 }
 
-void check(const Options& options, const FitOptions& fit) {
-    if (options.mesh && options.planar) refuse("a mesh is in three dimensions: leave out Options::planar");
-    if (!options.mesh && !options.planar) check_options(options);  // the sheet has other ones
+void check(const Settled& run, const FitOptions& fit) {
     if (!(fit.tolerance > 0) || !std::isfinite(fit.tolerance))
         refuse("FitOptions::tolerance is " + number(fit.tolerance) + ": it must be positive and finite");
-    if (options.only) refuse("a fit needs all cells: leave out Options::only");
+    if (run.subset) refuse("a fit needs all cells: leave out " + option("only"));
+    if (EndlessSides(run.region).any())
+        refuse(option("box") + ": cells that reach infinity have no volume, give a box with ends");
 }
 
 bool is_dropped(const Job& job, std::size_t i) {
@@ -72,7 +73,7 @@ std::vector<double> checked_targets(const Job& job, std::span<const double> give
 }
 
 Edges edges_of(const Job& job) {
-    if (const auto& cell = job.options.cell) return {cell->a, cell->b, cell->c};
+    if (const auto& cell = job.region.cell) return {cell->a, cell->b, cell->c};
     Edges edges{};
     for (std::size_t k = 0; k < 3; ++k) edges[k][k] = job.box.upper[k] - job.box.lower[k];
     return edges;
@@ -82,14 +83,13 @@ Edges edges_of(const Job& job) {
 std::vector<std::int32_t> order_of(const Job& job, std::span<const double> places, ThreadPool& pool) {
     cpu::SeedSorter sorter;
     cpu::SortedSeeds seeds;
-    sorter.sort(places, job.scale, job.options.grid_resolution, pool, seeds);
+    sorter.sort(places, job.scale, job.grid_resolution, pool, seeds);
     if (seeds.duplicates > 0) {  // refuses those that are not equal by rounding alone
-        Options options = job.options;
-        options.weights = options.radii = {};
-        options.want = {};
-        options.duplicates = Duplicates::error;
-        options.progress = Stoppable::within({});
-        (void)tessellate(job.points.f64, options);
+        Settled run = job;
+        run.want = {};
+        run.duplicates = Duplicates::error;
+        run.progress = Stoppable::within({});
+        (void)tessellate(std::move(run));
     }
     std::vector<std::int32_t> order(seeds.input.begin(), seeds.input.begin() + seeds.size());
     for (std::size_t i = 0; i < seeds.duplicate_of.size(); ++i)
@@ -104,22 +104,23 @@ std::vector<std::int32_t> order_of(const Job& job, std::span<const double> place
 Vector first_weights(const Job& job, std::span<const std::int32_t> order) {
     Vector weights = Vector::Zero(static_cast<Eigen::Index>(order.size()));
     if (job.beyond.empty() || job.domain->is_periodic()) return weights;
-    Options options = job.options;
-    options.weights = options.radii = {};
-    options.progress = Stoppable::within({});
-    options.want = {.neighbors = false, .volumes = false, .centroids = true};
-    if (!options.cell) options.box = job.box;
+    Settled run = job;
+    run.progress = Stoppable::within({});
+    run.want = {.neighbors = false, .volumes = false, .centroids = true};
+    if (!run.region.cell) run.region.box = job.box;
     std::array<double, 3> middle{};
     for (std::size_t k = 0; k < 3; ++k) middle[k] = 0.5 * job.box.lower[k] + 0.5 * job.box.upper[k];
-    const Tessellation whole = tessellate(std::span<const double>(middle), options);
+    run.points = {middle, {}};
+    const Tessellation whole = tessellate(run);
     const auto center = whole.centroids();
-    options.outside = Outside::drop;
+    run.region.outside = Outside::drop;
     const auto all_inside = [&](double t) {
         std::vector<double> moved;
         for (const std::int32_t i : order)
             for (std::size_t k = 0; k < 3; ++k)
                 moved.push_back(center[k] + t * (job.points[3 * static_cast<std::size_t>(i) + k] - center[k]));
-        return validate({moved, {}}, options).outside.empty();
+        run.points = {moved, {}};
+        return make_job(run).outside.empty();
     };
     double t = 0.5;
     while (t > 0 && !all_inside(t)) t *= 0.5;
@@ -137,11 +138,10 @@ Problem problem_of(const Job& job, const std::optional<TriangleMesh>& mesh, std:
     problem.dimensions = dimensions;
     problem.edges = edges_of(job);
     problem.start = first_weights(job, order);
-    problem.options = job.options;
-    problem.options.mesh = mesh;
-    problem.options.radii = {};
-    problem.options.list_walls = false;
-    problem.options.min_face = problem.options.min_area = 0;
+    problem.run = job;
+    problem.run.region.mesh = mesh;
+    problem.run.list_walls = false;
+    problem.run.min_face = problem.run.min_area = 0;
     problem.points.reserve(places.size());
     problem.places.reserve(places.size());
     problem.targets.resize(static_cast<Eigen::Index>(order.size()));
@@ -185,58 +185,60 @@ void fit(const Job& job, const std::optional<TriangleMesh>& mesh, std::span<cons
     throw FitError(message, std::move(out.weights), out.residual, out.steps);
 }
 
-void fit_into(std::span<const double> points, std::span<const double> targets, const Options& options,
-              const FitOptions& fit_options, VolumeFit& out) {
+void fit_into(Settled whole, std::span<const double> targets, const FitOptions& options, VolumeFit& out) {
     const Timed total(out.seconds.total);
-    Progress progress(options.progress);
+    Progress progress(whole.progress);
     progress.postpone();  // a refusal of short input comes before any report
     const Stoppable stoppable(progress, {});
-    check(options, fit_options);
-    if (!options.planar) check_shape({points, {}});
-    Options inner = options;
-    inner.progress = nullptr;
-    ThreadPool pool(inner.threads);
+    check(whole, options);
+    whole.progress = nullptr;
+    ThreadPool pool(whole.threads);
     Snapshot snapshot;
-    const Points copy = snapshot.take({points, {}}, pool);
-    std::optional<solid::BoxAround> around;
-    if (inner.mesh) around = solid::box_around(copy, inner);
+    whole.points = snapshot.take(whole.points, pool);
+    const std::optional<TriangleMesh> mesh = whole.region.mesh;
+    Settled in_space = whole;
+    double mesh_volume = 0, unit = 1;  // the latter: the volume of the sheet for an area of 1
+    if (mesh) {
+        solid::check_want(whole.want);
+        const solid::ClosedMesh closed(*mesh);
+        in_space.region = solid::region_around(closed, whole);
+        mesh_volume = closed.volume();
+    }
     std::optional<Sheet> sheet;  // whose weights are those of the plane
-    if (inner.planar) sheet.emplace(copy, inner);
-    if (EndlessSides(sheet ? sheet->options() : inner).any())
-        refuse("Options::box: cells that reach infinity have no volume, give a box with ends");
-    const double unit = sheet ? sheet->thickness() : 1;  // the volume of the sheet for an area of 1
-    const Job job =
-        sheet ? validate(sheet->points(), sheet->options()) : validate(copy, around ? around->options : inner);
+    if (whole.region.planar) {
+        in_space = sheet.emplace(std::move(in_space)).in_space();
+        unit = sheet->thickness();
+    }
+    const Job job = make_job(std::move(in_space));
     const std::size_t count = job.points.count();
     if (count > 0) {
         if (std::ranges::count(job.outside, CellStatus::outside) == static_cast<std::ptrdiff_t>(count))
             refuse("all points are outside and dropped: move some into the domain");
-        std::vector<double> volumes = checked_targets(
-            job, targets, (around ? around->mesh_volume : job.box_volume) / unit, fit_options.normalize);
+        std::vector<double> volumes =
+            checked_targets(job, targets, (mesh ? mesh_volume : job.box_volume) / unit, options.normalize);
         for (double& volume : volumes) volume *= unit;
-        fit(job, inner.mesh, volumes, fit_options, inner.planar ? 2 : 3, pool, out);
+        fit(job, mesh, volumes, options, sheet ? 2 : 3, pool, out);
     }
     const Timed last(out.seconds.tessellate);
-    inner.weights = out.weights;
-    inner.radii = {};
-    inner.progress = Stoppable::within({0.95, 1});
-    out.tessellation = tessellate(copy.f64, inner);
+    whole.weights = {out.weights};
+    whole.progress = Stoppable::within({0.95, 1});
+    out.tessellation = tessellate(std::move(whole));
     ++out.tessellations;
 }
 
 }  // namespace
-}  // namespace fit
 
-VolumeFit fit_volumes(std::span<const double> points, std::span<const double> targets, const Options& options,
-                      const FitOptions& fit_options) {
+VolumeFit fit_volumes(const std::function<Settled()>& settle, std::size_t seeds, std::span<const double> targets,
+                      const FitOptions& options) {
     VolumeFit out;
     try {
-        fit::fit_into(points, targets, options, fit_options, out);
+        fit_into(settle(), targets, options, out);
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::out_of_memory, "out of memory while fitting the volumes of " +
-                                                  std::to_string(points.size() / (options.planar ? 2 : 3)) + " seeds");
+        throw Error(ErrorCode::out_of_memory,
+                    "out of memory while fitting the volumes of " + std::to_string(seeds) + " seeds");
     }
     return out;
 }
 
+}  // namespace fit
 }  // namespace votess

@@ -34,21 +34,22 @@ double distance_between(const Vector& volumes, const Vector& targets) {
 
 Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
     : problem_(std::move(problem)), options_(options), out_(out) {
-    problem_.options.want = {};
-    problem_.options.want.areas = problem_.options.want.centroids = true;
-    problem_.options.precision = Precision::double_;
+    problem_.run.points = {problem_.points, {}};
+    problem_.run.want = {};
+    problem_.run.want.areas = problem_.run.want.centroids = true;
+    problem_.run.precision = Precision::double_;
 }
 
 Weighted Newton::tessellate(Vector weights) {
     const Timed timed(out_.seconds.tessellate);
     Weighted result;
-    problem_.options.weights = {weights.data(), static_cast<std::size_t>(weights.size())};
+    problem_.run.weights.given.assign(weights.begin(), weights.end());
     // Convergence is the progress of a fit; 0.95 to 1 is for the tessellation that is returned.
     const double digits = first_residual_ > 0 ? std::log(first_residual_ / now_.residual) : 0;
     const double all_digits = std::log(std::max(first_residual_, 2 * options_.tolerance) / options_.tolerance);
     const double done = 0.95 * std::clamp(digits / all_digits, 0.0, 1.0);
-    problem_.options.progress = Stoppable::within({done, done});
-    result.tessellation = tessellator_.tessellate(problem_.points, problem_.options);
+    problem_.run.progress = Stoppable::within({done, done});
+    result.tessellation = runner_(problem_.run);
     const std::span<const double> volumes = result.tessellation.volumes();
     result.volumes = Eigen::Map<const Vector>(volumes.data(), static_cast<Eigen::Index>(volumes.size()));
     result.weights = std::move(weights);
@@ -140,7 +141,7 @@ bool Newton::run(Vector weights) {
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         const double* const p = problem_.points.data() + 3 * smallest_cell;
         why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) +
-               ") has no cell, move it into the " + (problem_.options.mesh ? "mesh" : "domain");
+               ") has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain");
         return false;
     }
     first_residual_ = now_.residual;

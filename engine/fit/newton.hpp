@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fit/laplacian.hpp"
+#include "input/settle.hpp"
 #include "votess/fit.hpp"
 
 namespace votess::fit {
@@ -15,7 +16,7 @@ struct Problem {
     Vector targets;              // N volumes
     Vector start;                // N weights, with which each seed has a cell
     Edges edges{};               // of the domain
-    Options options;             // its domain, device, threads and tuning
+    Settled run;                 // its region and how it works
     int dimensions = 3;          // 2: the cells are those of a sheet, see plane/sheet.hpp
 };
 
@@ -55,7 +56,7 @@ private:
     Problem problem_;
     const FitOptions& options_;
     VolumeFit& out_;
-    Tessellator tessellator_;
+    Runner runner_;
     Matrix matrix_;
     Weighted now_;
     double share_ = 1;      // of the way from volumes to targets, for the goal

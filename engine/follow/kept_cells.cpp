@@ -28,7 +28,7 @@ double determinant(const double* a, const double* b, const double* c) {
 bool KeptCells::follows(const Job& job) {
     const Domain& domain = *job.domain;
     // Vertices are where the first cell of a stretch finds them.
-    const bool plain = !job.options.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
+    const bool plain = !job.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
     return plain && job.outside.empty() && job.beyond.empty() && !domain.triclinic && domain.walls.empty() &&
            job.points.count() > 0;
 }

@@ -9,7 +9,7 @@
 
 #include "gpu/domain/walls.hpp"
 #include "gpu/passes/kernel_choice.hpp"
-#include "input/implied_wants.hpp"
+#include "input/option_name.hpp"
 
 namespace votess::gpu {
 namespace {
@@ -31,23 +31,22 @@ GpuEngine::GpuEngine(std::shared_ptr<vulkan::Device> device, ExactClipper& clipp
       seeds_(*device_, memory_),
       download_(*device_, memory_) {}
 
-PassSettings GpuEngine::pass_settings(const Options& options) const {
+PassSettings GpuEngine::pass_settings() const {
     const bool float64 = device_->has_float64();
-    const bool measured_double = options.precision == Precision::double_ && !lists_only_;
+    const bool measured_double = job_.precision == Precision::double_ && !lists_only_;
     if (measured_double && !float64)
-        throw Error(ErrorCode::unsupported,
-                    "device '" + device_->adapter().name +
-                        "' has no float64 arithmetic: use Options::precision = single, or the CPU");
-    PassSettings s = usual_settings(*device_, options.k_init);
+        throw Error(ErrorCode::unsupported, "device '" + device_->adapter().name + "' has no float64 arithmetic: use " +
+                                                option("precision") + " = single, or the CPU");
+    PassSettings s = usual_settings(*device_, job_.k_init);
     if (limits_.max_walk_visits != 0) s.max_walk_visits = limits_.max_walk_visits;
     if (measured_double) {
         s.tiers[0].float64 = true;
         if (s.subgroup_size != 0) s.tiers[0] = s.tiers[1];
     }
     s.measure_float64 = s.measure_float64 || measured_double;
-    s.measure = !lists_only_ && (options.want.volumes || options.want.centroids || options.want.areas);
+    s.measure = !lists_only_ && (job_.want.volumes || job_.want.centroids || job_.want.areas);
     s.walls = has_device_walls(*job_.domain);
-    s.areas = !lists_only_ && options.want.areas;
+    s.areas = !lists_only_ && job_.want.areas;
     s.weights = job_.domain->has_weights();
     if (const std::uint32_t size = limits_.local_size != 0 ? limits_.local_size : local_size_from_environment();
         size != 0) {
@@ -58,7 +57,7 @@ PassSettings GpuEngine::pass_settings(const Options& options) const {
 }
 
 std::uint32_t GpuEngine::chunk_cells(const PassSettings& settings) const {
-    const VkDeviceSize usual = usual_chunk(*device_, settings, job_.options.chunk_size, seeds_.count());
+    const VkDeviceSize usual = usual_chunk(*device_, settings, job_.chunk_size, seeds_.count());
     const auto cells = static_cast<std::uint32_t>(
         std::clamp<VkDeviceSize>(memory_.max_buffer_bytes() / DeviceCells::largest_bytes_per_cell(settings), 1, usual));
     // Pieces begin with a tile of the second tier's list.
@@ -98,7 +97,7 @@ void GpuEngine::run(const Job& job, const DeviceDomain* domain, StageClock& cloc
 
 void GpuEngine::begin(const Job& job) {
     job_ = job;
-    progress_ = Progress(job.options.progress);
+    progress_ = Progress(job.progress);
     progress_.report(0);
     device_seconds_ = {};
     pending_.reset();
@@ -111,13 +110,13 @@ void GpuEngine::begin(const Job& job) {
         if (chunk) chunk->wait();
     download_.wait();
     // The CPU finds small faces, by areas of double precision: they do not depend on the device.
-    lists_only_ = needs_polytopes(job_.options.want) || job_.options.min_face > 0 || job_.options.min_area > 0;
+    lists_only_ = needs_polytopes(job_.want) || job_.min_face > 0 || job_.min_area > 0;
     clipper_.begin(job_);
     result_.begin(job_, clipper_.pool());
 }
 
 void GpuEngine::find_parts() {
-    const PassSettings settings = pass_settings(job_.options);
+    const PassSettings settings = pass_settings();
     if (!passes_ || passes_->settings != settings) {
         const StageClock::Within opening(*clock_, &StageSeconds::open);
         passes_.reset();
@@ -180,13 +179,13 @@ void GpuEngine::upload_part(std::size_t index) {
 }
 
 void GpuEngine::sort_part() {
-    const unsigned resolution = job_.options.grid_resolution;
+    const unsigned resolution = job_.grid_resolution;
     const auto bits = resolution == 0 ? KEY_BITS_PER_AXIS
                                       : std::clamp<std::uint32_t>(std::bit_width(resolution - 1), 1, KEY_BITS_PER_AXIS);
     seeds_.sort(*passes_, bits);
     if (seeds_.state().duplicates == 0 && seeds_.state().suspects == 0) return;
     duplicates_ = true;
-    if (job_.options.duplicates == Duplicates::error) clipper_.prepare();  // throws, and names the first
+    if (job_.duplicates == Duplicates::error) clipper_.prepare();  // throws, and names the first
 }
 
 void GpuEngine::clip_part(std::size_t index) {
@@ -197,10 +196,9 @@ void GpuEngine::clip_part(std::size_t index) {
             chunk.emplace(*device_, memory_, cells, passes_->settings);
         }
     ChunkJob job;
-    const Options& options = job_.options;
-    job.neighbors = options.want.neighbors || lists_only_;
-    job.walls = options.list_walls;
-    job.volume_tolerance = options.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
+    job.neighbors = job_.want.neighbors || lists_only_;
+    job.walls = job_.list_walls;
+    job.volume_tolerance = job_.precision == Precision::double_ ? 0.5e-10 : 0.5e-5;
     if (limits_.volume_tolerance != 0) job.volume_tolerance = limits_.volume_tolerance;
     static_cast<KnownSeeds&>(job) = part_;
     if (!part_.members.empty()) job.named_from = named_from();
@@ -287,7 +285,7 @@ void GpuEngine::clip_part(std::size_t index) {
 }
 
 void GpuEngine::touch_results(double share, bool first_batch) {
-    const bool placed = first_batch && is_in_input_order() && job_.options.want.neighbors && !lists_only_;
+    const bool placed = first_batch && is_in_input_order() && job_.want.neighbors && !lists_only_;
     const double row = placed && done_cells_ > 0 ? static_cast<double>(download_.entries()) / done_cells_ : 0;
     result_.touch(share, row, clipper_.pool());
 }
@@ -326,7 +324,7 @@ void GpuEngine::collect(const Chunk& chunk, Schedule& schedule) {
 
 void GpuEngine::take_batch(bool all_cells) {
     const StageClock::Within stage(*clock_, &StageSeconds::download);
-    const Want& want = job_.options.want;
+    const Want& want = job_.want;
     download_.read_cells(*passes_);
     const HostCells cells({.job = &job_,
                            .result = &result_,
@@ -382,7 +380,7 @@ void GpuEngine::finish(detail::Result& result) {
     stoppable.reset();
     result.stats.device = device_->adapter().name;
     result.stats.fallback_reasons = pending_.reasons();
-    result.stats.precision = device_clips_ && !lists_only_ ? job_.options.precision : Precision::double_;
+    result.stats.precision = device_clips_ && !lists_only_ ? job_.precision : Precision::double_;
     clipper_.end();
     check_messages();
     progress_.report(1);

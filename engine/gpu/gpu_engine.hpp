@@ -29,7 +29,7 @@ struct EngineLimits {
     std::uint32_t local_size = 0;
     std::uint32_t max_walk_visits = 0;
     double chunk_seconds = 0;     // the device may take for a chunk; sets the cells of the next one
-    double volume_tolerance = 0;  // relative error that the device may prove; 0: by Options::precision
+    double volume_tolerance = 0;  // relative error that the device may prove; 0: by the precision of the job
 };
 
 class GpuEngine {
@@ -45,7 +45,7 @@ public:
     [[nodiscard]] vulkan::Memory& memory() { return memory_; }
 
 private:
-    [[nodiscard]] PassSettings pass_settings(const Options& options) const;
+    [[nodiscard]] PassSettings pass_settings() const;
     [[nodiscard]] std::uint32_t chunk_cells(const PassSettings& settings) const;
     void begin(const Job& job);
     // Finds the seeds and images. Returns whether the passes can do the job; else the exact clipper takes all cells.

@@ -359,7 +359,7 @@ void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedS
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
     const double scale = wrapped_.empty() ? scale_ : 1;
     if (order.empty()) {
-        sort_inside(positions, scale, job.options.grid_resolution, job.outside, sorter, pool, out);
+        sort_inside(positions, scale, job.grid_resolution, job.outside, sorter, pool, out);
         restore_false_duplicates(out);
     } else {
         put_in_order(positions, scale, order, pool, out);

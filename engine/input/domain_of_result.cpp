@@ -6,7 +6,7 @@
 
 #include "core/progress.hpp"
 #include "core/text.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 
 namespace votess {
 namespace {
@@ -15,17 +15,26 @@ constexpr std::size_t seeds_per_stop_check = 1024;
 
 }  // namespace
 
-Options domain_options(const Tessellation& t) {
-    Options options;
+Region region_of(const Tessellation& t) {
+    Region region;
     if (t.cell())
-        options.cell = t.cell();
+        region.cell = t.cell();
     else
-        options.box = t.box(), options.periodic = t.periodic();
-    options.walls.assign(t.walls().begin(), t.walls().end());
-    options.planar = t.planar();
+        region.box = t.box(), region.periodic = t.periodic();
+    region.walls.assign(t.walls().begin(), t.walls().end());
+    region.planar = t.planar();
     const bool dropped = std::ranges::find(t.status(), CellStatus::outside) != t.status().end();
-    options.outside = dropped ? Outside::drop : Outside::keep;
-    return options;
+    region.outside = dropped ? Outside::drop : Outside::keep;
+    return region;
+}
+
+Settled run_of(const Tessellation& t, std::span<const double> points) {
+    Settled run;
+    run.points = {points, {}};
+    run.region = region_of(t);
+    run.weights.given.assign(t.weights().begin(), t.weights().end());
+    run.device = "cpu";
+    return run;
 }
 
 void require_points(const Tessellation& t, std::span<const double> points, const std::string& function) {

@@ -10,7 +10,9 @@
 namespace votess {
 
 // Returns box or cell, periodic axes and walls, without weights. Seeds outside are kept, unless some were dropped.
-Options domain_options(const Tessellation& tessellation);
+Region region_of(const Tessellation& tessellation);
+// Returns a run of these points with the region and the weights of a result, on the CPU.
+Settled run_of(const Tessellation& tessellation, std::span<const double> points);
 
 // Moves each of the job's points that is not `outside` into a periodic domain, by whole box vectors. Each coordinate is
 // rounded once. places: 3N, the points.

@@ -6,14 +6,15 @@
 #include <span>
 #include <vector>
 
+#include "input/region.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
 
 class VOTESS_API HullOfParts {
 public:
-    // Throws invalid_argument for options of another domain.
-    explicit HullOfParts(const Options& options);
+    // Throws invalid_argument if another domain is given. Its number of dimensions counts.
+    explicit HullOfParts(const Region& given);
 
     // points: (n, 3), in the plane (n, 2).
     void add(std::span<const double> points);

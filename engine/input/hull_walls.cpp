@@ -14,7 +14,7 @@
 #include "domain/hull.hpp"
 #include "exact/insphere.hpp"
 #include "input/hull_of_parts.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 
 namespace votess {
 namespace {
@@ -25,15 +25,15 @@ using exact::Point;
     throw Error(ErrorCode::invalid_argument, message);
 }
 
-void check_no_domain(const Options& options) {
+void check_no_domain(const Region& region) {
     const auto refuse_if = [](bool given, const char* name) {
         if (given) refuse_hull(std::string("the convex hull and Options::") + name + " are both given: leave one out");
     };
-    refuse_if(options.box.has_value(), "box");
-    refuse_if(options.cell.has_value(), "cell");
-    refuse_if(options.periodic != std::array<bool, 3>{}, "periodic");
-    refuse_if(!options.walls.empty(), "walls");
-    if (options.outside != Outside::error)
+    refuse_if(region.box.has_value(), "box");
+    refuse_if(region.cell.has_value(), "cell");
+    refuse_if(region.periodic != std::array<bool, 3>{}, "periodic");
+    refuse_if(!region.walls.empty(), "walls");
+    if (region.outside != Outside::error)
         refuse_hull("no point is outside of the convex hull: leave out Options::outside");
 }
 
@@ -100,8 +100,8 @@ double offset_of(const exact::RoundedNormal& normal, const Point& corner, const 
 
 }  // namespace
 
-HullOfParts::HullOfParts(const Options& options) : planar_(options.planar), dimensions_(planar_ ? 2 : 3) {
-    check_no_domain(options);
+HullOfParts::HullOfParts(const Region& given) : planar_(given.planar), dimensions_(planar_ ? 2 : 3) {
+    check_no_domain(given);
 }
 
 void HullOfParts::add(std::span<const double> points) {
@@ -167,7 +167,7 @@ std::vector<Wall> HullOfParts::walls(std::uint64_t count) {
 }
 
 std::vector<Wall> hull_walls(std::span<const double> given, const Options& options) {
-    HullOfParts hull(options);
+    HullOfParts hull(region_of(options));
     Progress progress(options.progress);
     const Stoppable stoppable(progress);
     const std::vector<double> copy(given.begin(), given.end());  // read once, see input/snapshot.hpp

@@ -11,22 +11,12 @@
 #include <vector>
 
 #include "domain/domain.hpp"
+#include "input/settled.hpp"
 #include "votess/votess.hpp"
 
 namespace votess {
 
 class Snapshot;
-
-// The input as given, in one of the two spans.
-struct Points {
-    std::span<const double> f64;
-    std::span<const float> f32;
-    std::uint64_t first = 0;  // number of the first one in messages
-
-    [[nodiscard]] std::size_t coordinates() const { return f64.size() + f32.size(); }
-    [[nodiscard]] std::size_t count() const { return coordinates() / 3; }
-    [[nodiscard]] double operator[](std::size_t i) const { return f32.empty() ? f64[i] : f32[i]; }
-};
 
 // The seeds of the rows, if these are not all.
 class Subset {
@@ -48,20 +38,20 @@ private:
     std::vector<std::pair<std::int32_t, std::int32_t>> rows_;  // of ids, ascending
 };
 
-// Checked input, with the domain and the power of two that brings it to order one. Copies share the domain.
-struct Job {
-    Points points;
-    Options options;
+// A settled run in a domain with ends, with the power of two that brings it to order one. Copies share the domain,
+// which took the weights.
+struct Job : Settled {
     Box box;                // as given
     double box_volume = 0;  // of the domain, as given
     double scale = 1;
     std::shared_ptr<const Domain> domain;  // times scale
     std::vector<CellStatus> outside;       // N if seeds outside are dropped: `outside` for those
     std::vector<bool> beyond;              // N if seeds outside are kept: whether a seed is one
-    std::shared_ptr<const Subset> only;    // null: all seeds have rows
+    std::shared_ptr<const Subset> only;    // the checked subset; null: all seeds have rows
     // N: the place of each seed in the order of the rows, if that is not the order of the indices. The last digits of
     // measures depend on this order alone.
     std::span<const std::int32_t> row_order;
+    bool reports_weights = false;  // whether the result has them
     // Number of seeds if the points are queries among them; their cells do not form a diagram.
     std::optional<std::int32_t> probes_of;
     // Arrays of an earlier run; ResultBuilder::begin() takes their memory. May be null.

@@ -3,11 +3,11 @@
 
 #include <functional>
 
-#include "input/job.hpp"
+#include "input/settled.hpp"
 
 namespace votess {
 
-// Runs points in a box with ends; weights or radii are those of the options.
-using RunInBox = std::function<detail::Result(const Points&, const Options&)>;
+// Runs in a region with ends.
+using RunInBox = std::function<detail::Result(Settled)>;
 
 }  // namespace votess

@@ -2,7 +2,7 @@
 //
 // Another thread may write into the caller's arrays during a call, and a mapped file may change. Two reads may then
 // differ: a count of seeds, the bounds of a grid or a test for NaN would no longer fit the coordinates. So each call
-// copies the points first, and reads only the copy. scaled_weights() copies weights, check_queries() queries.
+// copies the points first, and reads only the copy. settle() copies weights and subsets, check_queries() queries.
 #pragma once
 
 #include "core/buffer.hpp"

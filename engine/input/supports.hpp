@@ -26,6 +26,7 @@ inline constexpr std::array support{
     Support{"alpha_complex", probed | subset | in_mesh},
     Support{"count_tiny_faces", probed | subset | in_mesh | flat},
     Support{"delaunay", probed | subset | in_mesh},
+    Support{"groups", probed | subset},
     Support{"network", probed | subset | in_mesh},
     Support{"picture", probed | subset},
     Support{"verify", probed},

@@ -10,6 +10,7 @@
 
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "input/option_name.hpp"
 #include "input/supports.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
@@ -224,7 +225,7 @@ private:
         throw Error(r_.dropped_offsets.empty() ? ErrorCode::internal : ErrorCode::invalid_argument,
                     "delaunay(): edges below a length of " + number(r_.least_face) +
                         " were dropped, and without them a cell at vertex " + std::to_string(center) +
-                        " has no area: give a smaller Options::min_face or Options::min_area");
+                        " has no area: give a smaller " + option("min_face") + " or " + option("min_area"));
     }
 
     void add_polytopes() {
@@ -275,7 +276,7 @@ Delaunay delaunay(const Tessellation& tessellation) {
     const Result& result = detail::result_of(tessellation.result_);
     if (result.face_offsets.empty() && !result.status.empty())
         throw Error(ErrorCode::invalid_argument,
-                    "delaunay(): the tessellation has no polygons, set Options::want.faces");
+                    "delaunay(): the tessellation has no polygons, set " + option("want.faces"));
     return Dual(result).make();
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/text.hpp"
+#include "input/option_name.hpp"
 #include "mesh/vertex_sets.hpp"
 
 namespace votess {
@@ -75,8 +76,8 @@ private:
     [[noreturn]] void refuse(const std::string& what) const {
         throw Error(ErrorCode::invalid_argument,
                     (r_.planar ? "delaunay(): edges below a length of " : "delaunay(): faces below an area of ") +
-                        number(r_.least_face) + " were dropped, and without them " + what +
-                        ": give a smaller Options::min_face or Options::min_area");
+                        number(r_.least_face) + " were dropped, and without them " + what + ": give a smaller " +
+                        option("min_face") + " or " + option("min_area"));
     }
 
     // A vertex may be joined when a dropped face has it or an image of it, or an edge that is short.

@@ -35,8 +35,8 @@ std::vector<std::size_t> sums_before(std::vector<std::size_t> counts) {
 }  // namespace
 
 void MeshBuilder::begin(const Job& job) {
-    wanted_ = job.options.want.vertices;
-    want_faces_ = job.options.want.faces;
+    wanted_ = job.want.vertices;
+    want_faces_ = job.want.faces;
     unscale_ = 1 / job.scale;
     job_ = wanted_ ? job : Job{};
     const std::size_t count = wanted_ ? job.rows() : 0;

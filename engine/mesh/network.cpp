@@ -13,6 +13,7 @@
 
 #include "core/progress.hpp"
 #include "input/domain_of_result.hpp"
+#include "input/option_name.hpp"
 #include "input/supports.hpp"
 #include "mesh/dual.hpp"
 #include "mesh/joined_corners.hpp"
@@ -340,7 +341,7 @@ Network network(const Tessellation& tessellation, std::span<const double> points
         throw Error(ErrorCode::invalid_argument, "network(): " + message);
     };
     if (result.face_offsets.empty() && !result.status.empty())
-        refuse("the tessellation has no polygons, set Options::want.faces");
+        refuse("the tessellation has no polygons, set " + option("want.faces"));
     for (std::size_t i = 0; i < result.weights.size(); ++i)
         if (result.weights[i] < 0)
             refuse("the weight of seed " + std::to_string(i) +

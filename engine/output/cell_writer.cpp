@@ -10,7 +10,7 @@
 
 #include "core/vector3.hpp"
 #include "index/seed_images.hpp"
-#include "input/implied_wants.hpp"
+#include "input/settled.hpp"
 
 namespace votess::cpu {
 namespace {
@@ -43,8 +43,8 @@ inline void narrow(const exact::Shift& shift, std::int8_t* out) {
 void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out) {
     kernels_ = &kernels;
     out_ = &out;
-    want_ = job.options.want;
-    walls_ = job.options.list_walls;
+    want_ = job.want;
+    walls_ = job.list_walls;
     domain_ = job.domain.get();
     kept_planes_.begin_job(*domain_);
     kept_ = nullptr;

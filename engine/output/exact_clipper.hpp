@@ -28,7 +28,7 @@ public:
     // Begins a job, whose points must stay valid until end(). Seeds are sorted and the search structure is built on
     // first need.
     virtual void begin(const Job& job) = 0;
-    // Has job.options.threads threads, is kept between jobs, and is free whenever no call of the clipper runs.
+    // Has job.threads threads, is kept between jobs, and is free whenever no call of the clipper runs.
     virtual ThreadPool& pool() = 0;
 
     // Sorts and builds now, once a job, for a thread that would otherwise wait. Throws invalid_argument when there are

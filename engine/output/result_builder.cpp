@@ -12,7 +12,7 @@
 #include "core/arithmetic.hpp"
 #include "core/system.hpp"
 #include "core/vector3.hpp"
-#include "input/implied_wants.hpp"
+#include "input/settled.hpp"
 #include "result/arrays.hpp"
 #include "result/drop_faces.hpp"
 
@@ -73,7 +73,7 @@ std::size_t sum_of(std::span<const std::uint32_t> lengths) {
 
 void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     const std::size_t count = job.rows();
-    const Want& want = job.options.want;
+    const Want& want = job.want;
     const bool larger = job.arrays != nullptr && job.arrays->status.capacity() > result_.status.capacity();
     result_ = detail::emptied(std::move(larger ? *job.arrays : result_));
     blocks_.clear();
@@ -91,9 +91,9 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
     want_shifts_ = want.neighbors && job.domain->is_periodic();
     result_.box = job.box;
     result_.periodic = job.domain->periodic;
-    result_.cell = job.options.cell;
-    result_.walls = job.options.walls;
-    if (!job.options.weights.empty() || !job.options.radii.empty()) {
+    result_.cell = job.region.cell;
+    result_.walls = job.region.walls;
+    if (job.reports_weights) {
         result_.weights.resize_uninitialized(job.only ? count : job.domain->weights.size());
         // Scaling by a power of two loses nothing.
         for (std::size_t i = 0; i < result_.weights.size(); ++i) {
@@ -102,15 +102,15 @@ void ResultBuilder::begin(const Job& job, ThreadPool& pool) {
         }
     }
     box_volume_ = job.box_volume;
-    result_.lists_walls = job.options.list_walls;
+    result_.lists_walls = job.list_walls;
     result_.probed = job.probes_of.has_value();
     if (job.only) {
         result_.is_subset = true;
         result_.ids.resize_uninitialized(count);
         std::ranges::copy(job.only->ids(), result_.ids.begin());
     }
-    min_face_ = job.options.min_face;
-    min_area_ = job.options.min_area;
+    min_face_ = job.min_face;
+    min_area_ = job.min_area;
     fill(result_.status, count, CellStatus::certified, pool);
     if (want.neighbors) fill(result_.indptr, count + 1, std::int64_t{0}, pool);
     if (want.volumes) result_.volumes.resize_uninitialized(count);

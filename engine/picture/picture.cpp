@@ -6,7 +6,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/text.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "input/supports.hpp"
 #include "picture/colors.hpp"
 #include "picture/legend/layout.hpp"
@@ -59,9 +59,7 @@ void check_look(const PictureOptions& options) {
         for (const double x : *options.cut_at)
             if (!std::isfinite(x)) refuse("picture: the cut is at " + number(x));
     }
-    Options run;  // the option that both share
-    run.threads = options.threads;
-    check_options(run);
+    check_threads(options.threads);
 }
 
 void check(const Tessellation& t, std::span<const double> points, const PictureOptions& options) {

@@ -5,15 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "core/arithmetic.hpp"
-#include "core/text.hpp"
 #include "input/default_box.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "result/arrays.hpp"
-#include "unbounded/endless_box.hpp"
 
 namespace votess {
 namespace {
@@ -23,14 +19,6 @@ using detail::Result;
 // Height over the mean distance of the points. Large ones slow dense clusters, small ones all cells: for 1e5 points
 // uniform and in 50 clusters 2^-5 was best on the whole.
 constexpr double relative_height = 0x1p-5;
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
-void check_flat(double z, const std::string& what) {
-    if (z != 0) refuse(what + " has z = " + number(z) + ": leave z 0 in two dimensions");
-}
 
 std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
@@ -50,9 +38,9 @@ Box bounds_of_plane(const Points& points) {
 }
 
 // Returns the box of `count` points of the plane.
-Box box_of_plane(const Box& bounds, std::uint64_t count, const Options& planar) {
+Box box_of_plane(const Box& bounds, std::uint64_t count, const std::vector<Wall>& walls) {
     Box box = default_box(bounds, count, 2);
-    if (!planar.walls.empty()) check_box(box = bounds_of(planar.walls, box));
+    if (!walls.empty()) check_box(box = bounds_of(walls, box));
     return box;
 }
 
@@ -71,33 +59,6 @@ std::array<std::int32_t, 2> upper_edge(std::span<const std::int32_t> polygon, st
 
 }  // namespace
 
-Options sheet_options(const Options& planar, double height) {
-    Options options = planar;
-    options.planar = false;
-    if (planar.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
-    if (options.box) {
-        check_flat(options.box->lower[2], "Options::box");
-        check_flat(options.box->upper[2], "Options::box");
-        options.box->lower[2] = -height, options.box->upper[2] = height;
-    }
-    if (options.cell) {
-        TriclinicBox& cell = *options.cell;
-        check_flat(cell.origin[2], "cell: origin");
-        check_flat(cell.a[2], "cell: a");
-        check_flat(cell.b[2], "cell: b");
-        for (const double x : cell.c)
-            if (x != 0) refuse("Options::cell: c is given: leave it 0 in two dimensions");
-        cell.origin[2] = -height;
-        cell.c = {0, 0, 2 * height};
-        cell.periodic[2] = false;
-    }
-    for (std::size_t w = 0; w < options.walls.size(); ++w)
-        check_flat(options.walls[w].normal[2], "wall " + std::to_string(w));
-    options.min_area *= 2 * height;
-    add_sheet_wants(options.want, options.list_walls);
-    return options;
-}
-
 // Corners come from the polygons above. Perimeters are sums of edges. The surface of the prism less the areas above and
 // below would lose digits.
 void add_sheet_wants(Want& want, bool& list_walls) {
@@ -113,40 +74,37 @@ std::vector<double> in_sheet(std::span<const double> places) {
     return lifted;
 }
 
-Sheet::Sheet(const Points& points, const Options& planar)
-    : Sheet(bounds_of_plane(points), points.coordinates() / 2, planar) {
-    if (points.coordinates() % 2 != 0)
-        refuse("points hold " + std::to_string(points.coordinates()) +
-               " coordinates, not a multiple of 2: the shape must be (N,2)");
-    points_ = in_sheet(points);
+Sheet::Sheet(Settled planar)
+    : Sheet(bounds_of_plane(planar.points), planar.points.coordinates() / 2, std::move(planar)) {
+    points_ = in_sheet(in_space_.points);
+    in_space_.points = {points_, {}};
 }
 
-Sheet::Sheet(const Box& bounds, std::uint64_t count, const Options& planar)
-    : wanted_(with_implied(planar)), list_walls_(planar.list_walls || planar.want.faces) {
-    options_ = sheet_options(planar, 1);
+Sheet::Sheet(const Box& bounds, std::uint64_t count, Settled planar)
+    : in_space_(std::move(planar)), wanted_(in_space_.want), list_walls_(in_space_.list_walls) {
+    Region& region = in_space_.region;
+    const bool endless = EndlessSides(region).any();
     double width = 0, length = 0;
-    if (options_.cell) {
-        const auto &a = options_.cell->a, &b = options_.cell->b;
+    if (region.cell) {
+        const auto &a = region.cell->a, &b = region.cell->b;
         width = std::hypot(a[0], a[1]);
         length = width == 0 ? 0 : std::abs(a[0] / width * b[1] - a[1] / width * b[0]);
-    } else if (!options_.box && options_.periodic == std::array<bool, 3>{}) {  // which needs a box
-        options_.box = box_of_plane(bounds, count, options_);
+    } else if (!region.box) {
+        region.box = box_of_plane(bounds, count, region.walls);
+        region.box->lower[2] = region.box->upper[2] = 0;
     }
-    const bool endless = EndlessSides(options_).any();
-    if (endless || !options_.cell) {
-        const Box box = options_.box && !endless ? *options_.box : box_of_plane(bounds, count, options_);
+    if (endless || !region.cell) {
+        const Box box = endless ? box_of_plane(bounds, count, region.walls) : *region.box;
         width = box.upper[0] - box.lower[0];
         length = box.upper[1] - box.lower[1];
     }
     const double distance =
         std::sqrt(width) * std::sqrt(length) / std::sqrt(static_cast<double>(std::max<std::uint64_t>(count, 1)));
     if (distance > 0 && std::isfinite(distance)) height_ = std::ldexp(relative_height, std::ilogb(distance));
-    Options with_box = planar;
-    if (!planar.cell && options_.box) {
-        with_box.box = options_.box;
-        with_box.box->lower[2] = with_box.box->upper[2] = 0;
-    }
-    options_ = sheet_options(with_box, height_);
+    region = in_sheet(std::move(region), height_);
+    in_space_.min_area *= 2 * height_;
+    add_sheet_wants(in_space_.want, in_space_.list_walls);
+    imply(in_space_);
 }
 
 namespace {

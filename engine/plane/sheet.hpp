@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "input/job.hpp"
+#include "input/settled.hpp"
 #include "result/result.hpp"
 #include "votess/votess.hpp"
 
@@ -20,10 +20,6 @@ namespace votess {
 void add_sheet_wants(Want& want, bool& list_walls);
 // Turns the result of a sheet into that of the plane. wanted, list_walls: those of the plane, with all that they imply.
 void flatten(detail::Result& result, double thickness, const Want& wanted, bool list_walls);
-
-// Returns the options of a sheet with walls at z = -height and height. Its box or cell is unset if `planar` has none.
-// Throws invalid_argument for z in the domain.
-[[nodiscard]] Options sheet_options(const Options& planar, double height);
 
 // Returns (N, 3) points, with z = 0. points: (N, 2), whole ones.
 [[nodiscard]] inline std::vector<double> in_sheet(const Points& points) {
@@ -41,13 +37,14 @@ void flatten(detail::Result& result, double thickness, const Want& wanted, bool 
 
 class Sheet {
 public:
-    // points: (N, 2). Throws invalid_argument for z in the domain and for an odd number of coordinates.
-    Sheet(const Points& points, const Options& planar);
+    // planar: with whole points, (N, 2).
+    explicit Sheet(Settled planar);
     // A sheet without points, for those that come in parts. bounds: of all `count` points.
-    Sheet(const Box& bounds, std::uint64_t count, const Options& planar);
+    Sheet(const Box& bounds, std::uint64_t count, Settled planar);
 
-    [[nodiscard]] Points points() const { return {points_, {}}; }  // (N, 3)
-    [[nodiscard]] const Options& options() const { return options_; }
+    // Returns the run in space, with points (N, 3) of the sheet.
+    [[nodiscard]] const Settled& in_space() const { return in_space_; }
+    [[nodiscard]] Settled take_in_space() { return std::move(in_space_); }
     [[nodiscard]] std::vector<double> take_points() { return std::move(points_); }
     [[nodiscard]] double thickness() const { return 2 * height_; }
     // Returns whether a wall is that below or above all points.
@@ -61,7 +58,7 @@ public:
 
 private:
     std::vector<double> points_;
-    Options options_;
+    Settled in_space_;
     Want wanted_;      // of the plane
     bool list_walls_;  // of the plane
     double height_ = 1;

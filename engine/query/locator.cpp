@@ -30,7 +30,7 @@ Locator::Locator(const Job& job, const SortedSeeds& seeds, const Hierarchy& hier
     : domain_(*job.domain),
       seeds_(seeds),
       hierarchy_(hierarchy),
-      kernels_(*find_kernels(job.options.instructions)),
+      kernels_(*find_kernels(job.instructions)),
       box_kernels_(star_kernels(kernels_.name)) {
     if (seeds_.images != nullptr)
         for (const double largest : seeds_.images->largest_rounded())

@@ -1,4 +1,4 @@
-// Options::min_face and min_area.
+// The options min_face and min_area.
 #pragma once
 
 #include <cstdint>

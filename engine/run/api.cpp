@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "input/domain_of_result.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
+#include "input/settled.hpp"
 #include "input/supports.hpp"
 #include "plane/sheet.hpp"
 #include "result/handle.hpp"
@@ -154,10 +154,6 @@ Tessellator& Tessellator::operator=(Tessellator&&) noexcept = default;
 
 namespace {
 
-void log(const Options& options, const std::string& line) {
-    if (options.log) options.log(line);
-}
-
 // Allows one call at a time. It is a flag, not a mutex, because the second call may come from a callback of the first.
 class CallGuard {
 public:
@@ -176,57 +172,57 @@ private:
 };
 
 // In space. arrays: memory of an earlier result to use again.
-detail::Result run_in_space(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
-    if (!options.mesh && !EndlessSides(options).any()) return run_on(engines, points, options, std::move(arrays));
+detail::Result run_in_space(Engines& engines, Settled whole, detail::Result arrays) {
+    const auto run = [&](Settled part) { return run_on(engines, std::move(part), std::exchange(arrays, {})); };
+    if (!whole.region.mesh && !EndlessSides(whole.region).any()) return run(std::move(whole));
     // All parts of the run read the same copy.
-    check_shape(points);
-    std::vector<double> copy(points.coordinates());
-    for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = points[i];
-    const auto run = [&](const Points& some, const Options& in_box) {
-        return run_on(engines, some, in_box, std::exchange(arrays, {}));
-    };
-    return options.mesh ? solid::run_in_mesh({copy, {}}, options, run) : run_endless({copy, {}}, options, run);
+    std::vector<double> copy(whole.points.coordinates());
+    for (std::size_t i = 0; i < copy.size(); ++i) copy[i] = whole.points[i];
+    whole.points = {copy, {}};
+    return whole.region.mesh ? solid::run_in_mesh(whole, run) : run_endless(whole, run);
 }
 
-[[noreturn]] void throw_out_of_memory(const Points& points, const Options& options) {
-    throw Error(ErrorCode::out_of_memory, "out of memory while tessellating " +
-                                              std::to_string(points.coordinates() / (options.planar ? 2 : 3)) +
-                                              " seeds");
+detail::Result run_anywhere(Engines& engines, Settled whole, detail::Result arrays) {
+    imply(whole);
+    if (!whole.region.planar) return run_in_space(engines, std::move(whole), std::move(arrays));
+    Sheet sheet(std::move(whole));
+    detail::Result result = run_in_space(engines, sheet.take_in_space(), std::move(arrays));
+    sheet.flatten(result);
+    return result;
 }
 
 // shared: outlives a Tessellator that a callback destroys, and is not destroyed in a child that fork() makes meanwhile.
-Tessellation run(std::shared_ptr<detail::TessellatorState> shared, const Points& points, const Options& options) {
+// settled: makes the run.
+Tessellation run(std::shared_ptr<detail::TessellatorState> shared, std::size_t seeds, const auto& settled) {
     if (!shared) throw Error(ErrorCode::invalid_use, "this Tessellator was moved from: it can only be assigned to");
     detail::TessellatorState& state = *shared;
     const CallGuard turn(state);
+    const auto out_of_memory = [seeds] {
+        return Error(ErrorCode::out_of_memory, "out of memory while tessellating " + std::to_string(seeds) + " seeds");
+    };
     try {
-        detail::Result made;
-        if (options.planar && !options.mesh) {
-            const Sheet sheet(points, options);
-            made = run_in_space(state.engines, sheet.points(), sheet.options(), state.results->take());
-            sheet.flatten(made);
-        } else {
-            made = run_in_space(state.engines, points, options, state.results->take());
-        }
-        auto result = state.results->share(std::move(made));
+        Settled whole = settled();
+        const LogCallback log = whole.log;
+        auto result = state.results->share(run_anywhere(state.engines, std::move(whole), state.results->take()));
         const Stats& s = result->stats;
-        log(options, "tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
-                         std::to_string(s.seconds.total) + " s");
+        if (log)
+            log("tessellated " + std::to_string(s.points) + " seeds on " + s.device + " in " +
+                std::to_string(s.seconds.total) + " s");
         return Tessellation(std::move(result));
     } catch (const std::bad_alloc&) {
-        throw_out_of_memory(points, options);
+        throw out_of_memory();
     } catch (const std::length_error&) {
-        throw_out_of_memory(points, options);
+        throw out_of_memory();
     }
 }
 
 }  // namespace
 
 Tessellation Tessellator::tessellate(std::span<const double> points, const Options& options) {
-    return run(state_, {points, {}}, options);
+    return run(state_, points.size() / (options.planar ? 2 : 3), [&] { return settle({points, {}}, options); });
 }
 Tessellation Tessellator::tessellate(std::span<const float> points, const Options& options) {
-    return run(state_, {{}, points}, options);
+    return run(state_, points.size() / (options.planar ? 2 : 3), [&] { return settle({{}, points}, options); });
 }
 
 Tessellation tessellate(std::span<const double> points, const Options& options) {
@@ -236,18 +232,22 @@ Tessellation tessellate(std::span<const float> points, const Options& options) {
     return Tessellator().tessellate(points, options);
 }
 
+Runner::Runner() : state_(std::make_shared<detail::TessellatorState>()) {}
+Tessellation Runner::operator()(Settled whole) {
+    return run(state_, whole.points.coordinates() / (whole.region.planar ? 2 : 3), [&] { return std::move(whole); });
+}
+detail::Result arrays_of(Settled whole) {
+    Engines engines;
+    return run_anywhere(engines, std::move(whole), {});
+}
+
 Want implied_want(const Options& options) {
-    if (options.mesh) {
-        solid::check_in_mesh(options);
-        return with_implied(options);
+    const Settled run = settle(options);
+    if (run.region.mesh) {
+        solid::check_want(run.want);
+        (void)solid::ClosedMesh(*run.region.mesh);
     }
-    Options in_space = options.planar ? sheet_options(options, 1) : options;
-    if (EndlessSides(in_space).any()) {
-        check_endless(in_space);
-        in_space = without_domain(std::move(in_space));
-    }
-    check_options(in_space);
-    return with_implied(options);
+    return run.want;
 }
 
 std::vector<double> wrapped_points(const Tessellation& t, std::span<const double> points) {
@@ -257,20 +257,17 @@ std::vector<double> wrapped_points(const Tessellation& t, std::span<const double
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
     std::vector<double> wrapped = copy;
     if (t.periodic() == std::array<bool, 3>{}) return wrapped;
-    const Options options = domain_options(t);
-    const auto move_in = [](const Points& all, Options with_ends, std::span<double> places) {
-        if (EndlessSides(with_ends).any()) end_near(with_ends, all);
-        move_into_domain(validate(all, with_ends), places);
-    };
-    if (!t.planar()) {
-        move_in({copy, {}}, options, wrapped);
-        return wrapped;
-    }
-    const Sheet sheet({copy, {}}, options);  // refuses half points
-    const std::span<const double> places = sheet.points().f64;
-    std::vector<double> moved(places.begin(), places.end());
-    move_in(sheet.points(), sheet.options(), moved);
-    for (std::size_t i = 0; i < wrapped.size(); ++i) wrapped[i] = moved[i / 2 * 3 + i % 2];
+    Settled run;
+    run.points = {copy, {}};
+    run.region = region_of(t);
+    check_shape(run.points, t.planar());
+    std::optional<Sheet> sheet;
+    if (t.planar()) run = sheet.emplace(std::move(run)).in_space();
+    if (EndlessSides(run.region).any()) end_near(run.region, run.points);
+    std::vector<double> moved(run.points.f64.begin(), run.points.f64.end());
+    move_into_domain(make_job(std::move(run)), moved);
+    const std::size_t dimensions = t.planar() ? 2 : 3;
+    for (std::size_t i = 0; i < wrapped.size(); ++i) wrapped[i] = moved[i / dimensions * 3 + i % dimensions];
     return wrapped;
 }
 

@@ -6,7 +6,7 @@
 #include "core/processors.hpp"
 #include "core/progress.hpp"
 #include "cpu/cpu_engine.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "input/snapshot.hpp"
 #include "polytope/cell_kernels.hpp"
 #if VOTESS_HAVE_VULKAN
@@ -48,7 +48,7 @@ private:
 
 gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, ExactClipper& clipper,
                               StageClock& clock) {
-    const std::string& device = job.options.device;
+    const std::string& device = job.device;
     const bool is_auto = device == "auto";
     if (is_auto && domain == nullptr) return nullptr;
     if (engine_ && !home_.is_this())
@@ -58,9 +58,9 @@ gpu::GpuEngine* OpenGpu::find(const Job& job, const gpu::DeviceDomain* domain, E
                         "CPU there, or start the process afresh instead of by fork()");
     if (engine_ && name_ == device) return engine_.get();
     if (is_auto && job.points.count() < min_seeds) {
-        if (job.options.log)
-            job.options.log("the CPU takes fewer than " + std::to_string(min_seeds) +
-                            " seeds: it is done before a GPU is found");
+        if (job.log)
+            job.log("the CPU takes fewer than " + std::to_string(min_seeds) +
+                    " seeds: it is done before a GPU is found");
         return nullptr;
     }
     const StageClock::Within opening(clock, &StageSeconds::open);
@@ -102,7 +102,7 @@ void Engines::put(const std::string& device, std::unique_ptr<gpu::GpuEngine> eng
 }
 
 void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
-    const std::string& device = job.options.device;
+    const std::string& device = job.device;
     if (device == "cpu" || job.only) return state_->cpu.run(job, clock, result);
     std::optional<Job> again;
     try {
@@ -114,7 +114,7 @@ void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
         const bool device_failed = error.code() == ErrorCode::device_lost || error.code() == ErrorCode::out_of_memory;
         if (device_failed) state_->gpu.close();  // its device may be unusable
         if (device != "auto" || (!device_failed && error.code() != ErrorCode::unsupported)) throw;
-        if (job.options.log) job.options.log(std::string("the CPU takes over: ") + error.what());
+        if (job.log) job.log(std::string("the CPU takes over: ") + error.what());
         result = {};
         again = job;
         again->arrays = nullptr;  // the failed run may have taken them
@@ -125,7 +125,7 @@ void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
 #else
 
 void Engines::run(const Job& job, StageClock& clock, detail::Result& result) {
-    const std::string& device = job.options.device;
+    const std::string& device = job.device;
     if (device != "cpu" && device != "auto")
         throw Error(ErrorCode::unsupported, "device '" + device + "': this votess was built without Vulkan, use cpu");
     state_->cpu.run(job, clock, result);
@@ -145,15 +145,14 @@ std::vector<DeviceInfo> Engines::devices() {
     return all;
 }
 
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays) {
+detail::Result run_on(Engines& engines, Settled run, detail::Result arrays) {
     StageClock clock;
-    Progress progress(options.progress);
+    Progress progress(run.progress);
     progress.postpone();  // a refusal of short input comes before any report
     std::optional<Stoppable> stoppable(std::in_place, progress);
-    check_options(options);
-    check_shape(points);
-    ThreadPool& pool = engines.pool_of(options.threads);
-    Job job = validate(engines.snapshot().take(points, pool), options, &pool);
+    ThreadPool& pool = engines.pool_of(run.threads);
+    run.points = engines.snapshot().take(run.points, pool);
+    Job job = make_job(std::move(run), &pool);
     stoppable.reset();  // an engine has its own
     job.arrays = &arrays;
     job.snapshot = &engines.snapshot();

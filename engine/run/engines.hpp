@@ -39,7 +39,7 @@ private:
     std::unique_ptr<State> state_;
 };
 
-// Checks the input and runs it. arrays: memory of an earlier result to use again.
-detail::Result run_on(Engines& engines, const Points& points, const Options& options, detail::Result arrays = {});
+// Checks the seeds of a run in a region with ends and runs it. arrays: memory of an earlier result to use again.
+detail::Result run_on(Engines& engines, Settled run, detail::Result arrays = {});
 
 }  // namespace votess

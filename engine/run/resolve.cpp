@@ -8,8 +8,8 @@
 #include "distributed/blocks/local_block.hpp"
 #include "domain/near_places.hpp"
 #include "gpu/frames/frame.hpp"
-#include "input/options.hpp"
 #include "input/seeds.hpp"
+#include "input/settle.hpp"
 
 namespace votess::vulkan {
 namespace {
@@ -46,16 +46,18 @@ public:
             check_count(weights.size(), plan.weights->first + std::size_t{1}, plan.weights->stride, "weights");
         else if (!weights.empty())
             detail::refuse("weights are given, but the plan has none");
+        Options options;
         if (plan.cell)
-            options_.cell = how.cell.value_or(*plan.cell);
+            options.cell = how.cell.value_or(*plan.cell);
         else
-            options_.box = how.box.value_or(plan.box);
-        options_.list_walls = plan.list_walls;
-        options_.periodic = plan.periodic;
-        options_.walls = plan.walls;
-        if (!plan.walls.empty()) options_.outside = Outside::drop;  // seeds that the frame was not sure of
-        options_.threads = how.threads;
-        options_.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = plan.areas};
+            options.box = how.box.value_or(plan.box);
+        options.list_walls = plan.list_walls;
+        options.periodic = plan.periodic;
+        options.walls = plan.walls;
+        if (!plan.walls.empty()) options.outside = Outside::drop;  // seeds that the frame was not sure of
+        options.threads = how.threads;
+        options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = plan.areas};
+        run_ = settle(options);
     }
 
     Resolved resolve() {
@@ -70,7 +72,7 @@ public:
             if (is_unresolved(cells_[i].status)) open.push_back({i, open.size(), 0});
         }
         made_.resize(open.size());
-        const Job empty = validate({}, options_);
+        const Job empty = make_job(run_);
         heaviest_ = heaviest * empty.scale * empty.scale;
         const double spacing = std::cbrt(empty.domain->volume / static_cast<double>(std::max<std::size_t>(count, 1)));
         for (Open& cell : open) cell.distance = first_spacings * spacing;
@@ -129,7 +131,7 @@ private:
             else if (is_there(cells_[i].status) && chosen(i))
                 add(run.seeds, i);
         }
-        run.clip(options_, open.size());
+        run.clip(run_, open.size());
         std::vector<Open> rest;
         for (std::size_t k = 0; k < open.size(); ++k) {
             const double reach = run.reach_of(k, heaviest_);
@@ -174,7 +176,7 @@ private:
     std::size_t stride_;
     std::optional<WeightOptions> weight_options_;
     double heaviest_ = 0;  // largest weight of a seed in use, times scale squared
-    Options options_;
+    Settled run_;
     std::deque<blocks::Run> runs_;
     std::vector<Made> made_;  // in the order of the unresolved
 };

@@ -13,6 +13,7 @@
 #include "core/text.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
+#include "input/option_name.hpp"
 #include "solid/mesh_signs.hpp"
 #include "solid/sum.hpp"
 
@@ -27,7 +28,7 @@ constexpr double sure_volume = 1e-3;     // of the terms it sums: the sum then h
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
 
 [[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, "Options::mesh: " + message);
+    throw Error(ErrorCode::invalid_argument, option("mesh") + ": " + message);
 }
 
 void include(Box& box, const exact::Point& x) {
@@ -116,11 +117,12 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
     find_bounds();
     merged_ = given.merge;
     if (!(given.tolerance >= 0 && given.tolerance <= max_tolerance))
-        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance is " + number(given.tolerance) +
+        throw Error(ErrorCode::invalid_argument, option("mesh.tolerance") + " is " + number(given.tolerance) +
                                                      ": give a share of the mesh's size, from 0 to " +
                                                      number(max_tolerance));
     if (given.tolerance > 0 && !merged_)
-        throw Error(ErrorCode::invalid_argument, "Options::mesh.tolerance needs Options::mesh.merge: set both");
+        throw Error(ErrorCode::invalid_argument,
+                    option("mesh.tolerance") + " needs " + option("mesh.merge") + ": set both");
     if (merged_) merge_vertices(given.tolerance);
     check_closed();
     find_volume();
@@ -215,9 +217,9 @@ void ClosedMesh::check_closed() const {
         if (end - begin == 1)
             refuse(edge + " belongs to triangle " + std::to_string(first.triangle) + " alone" + others +
                    ": close the hole" +
-                   (!merged_ ? ", or merge vertices at equal places: Options::mesh.merge"
+                   (!merged_ ? ", or merge vertices at equal places: " + option("mesh.merge")
                     : tolerance_for(first) <= max_tolerance
-                        ? ", or merge near vertices: Options::mesh.tolerance = " +
+                        ? ", or merge near vertices: " + option("mesh.tolerance") + " = " +
                               number(std::min(2 * tolerance_for(first), max_tolerance))
                         : ""));
         for (std::size_t i = begin; i < end; ++i)

@@ -12,7 +12,8 @@
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "result/handle.hpp"
 #include "result/result.hpp"
 #include "solid/cell_pieces.hpp"
@@ -71,13 +72,11 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     const solid::MeshCells* const cells = detail::result_of(tessellation.result_).mesh_cells.get();
     if (cells == nullptr)
         throw Error(ErrorCode::invalid_argument,
-                    "pieces(): the cells are not cut by a mesh: tessellate with Options::mesh");
+                    "pieces(): the cells are not cut by a mesh: tessellate with " + option("mesh"));
     if (!std::isfinite(options.gap) || options.gap < 0)
         throw Error(ErrorCode::invalid_argument,
                     "PieceOptions::gap is " + number(options.gap) + ": give a length from 0 on");
-    Options run;  // the option that both share
-    run.threads = options.threads;
-    check_options(run);
+    check_threads(options.threads);
     Progress progress(options.progress);
     const Stoppable stoppable(progress, {});
     ThreadPool pool(options.threads);

@@ -12,8 +12,8 @@
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/default_box.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "result/drop_faces.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
@@ -30,44 +30,6 @@ constexpr double radius_slack = 1e-4;          // covers the error of a radius f
 constexpr double min_share = 1e-3;             // of a flat mesh's bounds in a cube, along one axis
 constexpr std::size_t rows_per_task = 256, rows_per_group = 8;
 
-[[noreturn]] void unsupported(const std::string& what) {
-    throw Error(ErrorCode::unsupported, "Options::mesh: " + what);
-}
-
-void check_others(const Options& options) {
-    if (options.planar) unsupported("it works in three dimensions only: leave out Options::planar");
-    if (options.cell && options.cell->periodic != std::array{true, true, true})
-        unsupported(
-            "a triclinic box must repeat along all its edges: set Options::cell.periodic so, or give Options::box");
-    if (!options.walls.empty()) unsupported("it replaces Options::walls: leave them out");
-    if (options.outside != Outside::error)
-        unsupported("seeds may lie outside of the mesh, but not outside of the box: leave out Options::outside");
-    if (options.box)
-        for (std::size_t k = 0; k < 3; ++k)
-            if (std::isinf(options.box->lower[k]) || std::isinf(options.box->upper[k]))
-                unsupported("Options::box needs ends: leave it out, the default holds the mesh");
-}
-
-void check_want(const Want& want) {
-    if (want.vertices || want.faces || want.counts)
-        unsupported(
-            "the parts of cells have no vertices, faces and counts: leave these out of Options::want, use pieces()");
-    if (want.radii) unsupported("the parts of cells have no security radii: leave these out of Options::want");
-}
-
-void check_in_box(const ClosedMesh& mesh, const Box& box, const std::array<bool, 3>& periodic) {
-    for (std::size_t k = 0; k < 3; ++k)
-        for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
-            const bool inside = x > box.lower[k] && x < box.upper[k];
-            if (inside || (periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;
-            throw Error(ErrorCode::invalid_argument, std::string("Options::mesh: it reaches ") + axis_name[k] + " = " +
-                                                         number(x) + ", and the box spans " + number(box.lower[k]) +
-                                                         " to " + number(box.upper[k]) +
-                                                         ": give Options::box with the mesh " +
-                                                         (periodic[k] ? "inside" : "strictly inside, or none"));
-        }
-}
-
 // To rounding. Longer meshes would need many images of each cell.
 void check_in_cell(const ClosedMesh& mesh, const Domain& domain, double scale) {
     constexpr double slack = 1e-9;
@@ -76,15 +38,9 @@ void check_in_cell(const ClosedMesh& mesh, const Domain& domain, double scale) {
         for (double& coordinate : x) coordinate *= scale;
         for (const double f : domain.fraction(x))
             if (!(f >= -slack && f <= 1 + slack))
-                throw Error(ErrorCode::invalid_argument, "Options::mesh: vertex " + std::to_string(v) +
+                throw Error(ErrorCode::invalid_argument, option("mesh") + ": vertex " + std::to_string(v) +
                                                              " lies outside of the cell: move the mesh into it");
     }
-}
-
-Options without_mesh(const Options& options) {
-    Options in_box = options;
-    in_box.mesh.reset();
-    return in_box;
 }
 
 double sum_of(std::span<const double> values) {
@@ -97,37 +53,16 @@ std::size_t to_index(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
-// Returns options of a run in the box in which the cells are made.
-Options options_in_box(const ClosedMesh& mesh, const Points& points, const Options& options) {
-    Options in_box = without_mesh(options);
-    check_options(in_box);
-    in_box.min_face = in_box.min_area = 0;  // they drop faces by their areas inside
-    check_shape(points);
-    if (in_box.box) {
-        check_box(*in_box.box);
-    } else if (!in_box.cell) {
-        in_box.box = default_box_around(mesh, points);
-    }
-    if (in_box.box) check_in_box(mesh, *in_box.box, in_box.periodic);
-    return in_box;
-}
-
-template <class Number>
-std::vector<std::remove_const_t<Number>> copy(std::span<Number>& numbers) {
-    std::vector<std::remove_const_t<Number>> kept(numbers.begin(), numbers.end());
-    if (!kept.empty()) numbers = kept;
-    return kept;
-}
-
 // Cuts whole cells, in rows.
 class MeshCut {
 public:
-    // cells: with the mesh and the seeds, in units of the job. job: with the rows of a subset. options: of the cut.
-    MeshCut(std::shared_ptr<MeshCells> cells, const Job& job, const Options& options)
-        : options_(options),
-          cells_(std::move(cells)),
+    // cells: with the mesh and the seeds, in units of the job. job: with the rows of a subset. wanted: of the cut.
+    MeshCut(std::shared_ptr<MeshCells> cells, const Job& job, const Wanted& wanted)
+        : cells_(std::move(cells)),
           mesh_(cells_->mesh),
-          wanted_(with_implied(options)),
+          wanted_(wanted.want),
+          min_face_(wanted.min_face),
+          min_area_(wanted.min_area),
           job_(job),
           has_areas_(wanted_.areas || wanted_.surfaces) {}
 
@@ -288,7 +223,7 @@ private:
         empty_.assign(count, 0);
         result_.mesh_areas.resize_uninitialized(count);
         std::ranges::fill(result_.mesh_areas, 0.0);
-        ThreadPool pool(options_.threads);
+        ThreadPool pool(job_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
         const auto task = [&](std::size_t index, unsigned worker) {
             if (!cells[worker]) cells[worker] = std::make_unique<CutCell>(mesh_, *job_.domain, wanted_.centroids);
@@ -432,7 +367,7 @@ private:
 
     // Finds out whether faces exist that are as small as rounding. Empty neighbors have none.
     void decide_faces() {
-        ThreadPool pool(options_.threads);
+        ThreadPool pool(job_.threads);
         std::vector<std::unique_ptr<CutCell>> cells(pool.size());
         const auto task = [&](std::size_t index, unsigned worker) {
             for (std::size_t k = index * rows_per_task; k < std::min(rows(), (index + 1) * rows_per_task); ++k) {
@@ -534,8 +469,7 @@ private:
         result_.mesh_cells = cells_;
         result_.lists_walls = false;
         result_.security_radii = {};
-        if (options_.min_face > 0 || options_.min_area > 0)
-            (void)drop_small_faces(result_, options_.min_face, options_.min_area);
+        if (min_face_ > 0 || min_area_ > 0) (void)drop_small_faces(result_, min_face_, min_area_);
         Stats& stats = result_.stats;
         stats.faces = result_.indices.size();
         stats.empty_cells = static_cast<std::uint64_t>(
@@ -553,10 +487,10 @@ private:
         if (!wanted_.neighbors) result_.indptr = {}, result_.indices = {}, result_.shifts = {};
     }
 
-    const Options& options_;
     std::shared_ptr<MeshCells> cells_;
     const ClosedMesh& mesh_;
     const Want wanted_;
+    const double min_face_, min_area_;
     const Job& job_;
     const bool has_areas_;
     Result result_;
@@ -568,36 +502,31 @@ private:
 
 }  // namespace
 
-Result run_in_mesh(const Points& points, const Options& given, const RunInBox& run) {
-    check_others(given);
-    check_want(given.want);
-    Options options = given;
-    // Both parts of the run read the same copy, see input/snapshot.hpp.
-    const std::vector<double> weights = copy(options.weights), radii = copy(options.radii);
-    std::vector<std::int64_t> only;
-    if (options.only) only = copy(*options.only);
-    Progress progress(options.progress);
-    ClosedMesh mesh(*options.mesh);
-    Options in_box = options_in_box(mesh, points, options);
-    in_box.want = MeshCut::of_whole_cells(with_implied(options));
+Result run_in_mesh(const Settled& whole, const RunInBox& run) {
+    check_want(whole.want);
+    const Points& points = whole.points;
+    Progress progress(whole.progress);
+    ClosedMesh mesh(*whole.region.mesh);
+    Settled in_box = whole;
+    in_box.region = region_around(mesh, whole);
+    in_box.want = MeshCut::of_whole_cells(whole.want);
     in_box.list_walls = false;
+    in_box.min_face = in_box.min_area = 0;  // they drop faces by their areas inside
     in_box.progress = progress.within({0, 0.5});
-    const Job job = validate(points, in_box);
+    const Job job = make_job(in_box);
     place_mesh(mesh, job);
     const auto cells = std::make_shared<MeshCells>(std::make_shared<const ClosedMesh>(std::move(mesh)));
     cells->seeds.resize(points.coordinates());
     for (std::size_t i = 0; i < points.coordinates(); ++i) cells->seeds[i] = points[i] * job.scale;
     cells->weights = job.domain->weights;
-    Result whole = run(points, in_box);
+    Result cut = run(std::move(in_box));
     const Stoppable stoppable(progress, {0.5, 0.95});
-    return MeshCut(cells, job, options).make(std::move(whole));
+    return MeshCut(cells, job, whole).make(std::move(cut));
 }
 
 Want want_of_probes(const Want& wanted) {
     check_want(wanted);
-    Options options;
-    options.want = wanted;
-    return MeshCut::of_whole_cells(with_implied(options));
+    return MeshCut::of_whole_cells(with_implied(wanted));
 }
 
 Result cut_probes(Result whole, std::span<const double> places, std::span<const double> weights,
@@ -640,30 +569,22 @@ Result cut_probes(Result whole, std::span<const double> places, std::span<const 
     for (const std::size_t r : duplicates) whole.status[r] = CellStatus::certified;
     Job of_rows = job;
     of_rows.only = std::make_shared<const Subset>(std::move(ids));
-    Options options;
-    options.want = wanted;
-    options.threads = job.options.threads;
+    Wanted of_cut;
+    of_cut.want = with_implied(wanted);
     cells->names = std::move(seeds);
     cells->names.resize(to_index(first) + count, *job.probes_of);
-    Result result = MeshCut(cells, of_rows, options).make(std::move(whole));
+    Result result = MeshCut(cells, of_rows, of_cut).make(std::move(whole));
     for (std::int32_t& id : result.indices) id = cells->name(id);
     for (const std::size_t r : duplicates) result.status[r] = CellStatus::duplicate;
     return result;
 }
 
-BoxAround box_around(const Points& points, const Options& options) {
-    check_others(options);
-    check_want(options.want);
-    const ClosedMesh mesh(*options.mesh);
-    return {options_in_box(mesh, points, options), mesh.volume()};
-}
-
-ClosedMesh mesh_of(const Options& options) {
-    check_others(options);
-    ClosedMesh mesh(*options.mesh);
-    check_options(without_mesh(options));
-    if (options.box) check_in_box(mesh, *options.box, options.periodic);
-    return mesh;
+Region region_around(const ClosedMesh& mesh, const Settled& run) {
+    Region region = run.region;
+    region.mesh.reset();
+    if (!region.box && !region.cell) region.box = default_box_around(mesh, run.points);
+    check_inside(mesh, region);
+    return region;
 }
 
 void place_mesh(ClosedMesh& mesh, const Job& job) {
@@ -681,11 +602,28 @@ Box default_box_around(const ClosedMesh& mesh, const Points& points) {
     return default_box(bounds, std::max<std::size_t>(points.count(), 1));
 }
 
-void check_in_mesh(const Options& options) {
-    check_others(options);
-    check_want(options.want);
-    (void)ClosedMesh(*options.mesh);
-    check_options(without_mesh(options));
+void check_want(const Want& want) {
+    const auto refuse = [](const std::string& what) {
+        throw Error(ErrorCode::unsupported, option("mesh") + ": " + what);
+    };
+    if (want.vertices || want.faces || want.counts)
+        refuse("the parts of cells have no vertices, faces and counts: leave these out of " + option("want") +
+               ", use pieces()");
+    if (want.radii) refuse("the parts of cells have no security radii: leave these out of " + option("want"));
+}
+
+void check_inside(const ClosedMesh& mesh, const Region& region) {
+    if (!region.box) return;
+    const Box& box = *region.box;
+    for (std::size_t k = 0; k < 3; ++k)
+        for (const double x : {mesh.bounds().lower[k], mesh.bounds().upper[k]}) {
+            const bool inside = x > box.lower[k] && x < box.upper[k];
+            if (inside || (region.periodic[k] && (x == box.lower[k] || x == box.upper[k]))) continue;
+            throw Error(ErrorCode::invalid_argument,
+                        option("mesh") + ": it reaches " + axis_name[k] + " = " + number(x) + ", and the box spans " +
+                            number(box.lower[k]) + " to " + number(box.upper[k]) + ": give " + option("box") +
+                            " with the mesh " + (region.periodic[k] ? "inside" : "strictly inside, or none"));
+        }
 }
 
 }  // namespace votess::solid

@@ -11,34 +11,30 @@
 
 namespace votess::solid {
 
-// Returns the parts of the cells in options.mesh. Makes the cells in a box around the mesh, on any device. Then the CPU
-// cuts those that triangles come near. The others are inside or outside as a whole: one ray decides for all of them
-// that are connected.
-[[nodiscard]] detail::Result run_in_mesh(const Points& points, const Options& options, const RunInBox& run);
+// Returns the parts of the cells of a run in the mesh of its region. Makes the cells in a box around the mesh, on any
+// device. Then the CPU cuts those that triangles come near. The others are inside or outside as a whole: one ray
+// decides for all of them that are connected.
+[[nodiscard]] detail::Result run_in_mesh(const Settled& whole, const RunInBox& run);
 
-struct BoxAround {
-    Options options;  // with the box, without the mesh
-    double mesh_volume = 0;
-};
-// Returns the box around options.mesh and the points in which the cells are made. Throws as check_in_mesh(), and for
-// points that have no box.
-[[nodiscard]] BoxAround box_around(const Points& points, const Options& options);
+// Returns the region around the mesh and the points in which the cells are made: with a box, without the mesh. Throws
+// for points that have no box, and for a mesh that is not inside.
+[[nodiscard]] Region region_around(const ClosedMesh& mesh, const Settled& run);
 
-// Returns options.mesh for a domain that others make. Throws as check_in_mesh(), except for arrays.
-[[nodiscard]] ClosedMesh mesh_of(const Options& options);
+// Throws invalid_argument unless the mesh lies in the box of the region, if that has one.
+void check_inside(const ClosedMesh& mesh, const Region& region);
 // Brings a mesh into the units of a job. Throws invalid_argument if it lies outside of a triclinic box.
 void place_mesh(ClosedMesh& mesh, const Job& job);
 // Returns the default box of a mesh and points. Throws for points that are not finite.
 [[nodiscard]] Box default_box_around(const ClosedMesh& mesh, const Points& points);
 
-// Returns the arrays of whole cells of probes that cut_probes() needs. Throws `unsupported` for arrays that parts lack.
+// Returns the arrays of whole cells of probes that cut_probes() needs. Throws as check_want().
 [[nodiscard]] Want want_of_probes(const Want& wanted);
 // Cuts cells of probes at these places, 3Q as given. weights: scaled, or none. job: of the seeds, in units of the mesh.
 [[nodiscard]] detail::Result cut_probes(detail::Result whole, std::span<const double> places,
                                         std::span<const double> weights, std::shared_ptr<const ClosedMesh> mesh,
                                         const Job& job, const Want& wanted);
 
-// Throws for options that do not go with a mesh, or for a mesh that is not closed.
-void check_in_mesh(const Options& options);
+// Throws `unsupported` for arrays that parts lack.
+void check_want(const Want& want);
 
 }  // namespace votess::solid

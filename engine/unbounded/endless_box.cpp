@@ -16,10 +16,6 @@ namespace {
 constexpr double near_margin = 6;
 constexpr std::size_t points_per_check = 4096;
 
-[[noreturn]] void refuse_endless(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
 // Returns e, where 2^e is the largest power of two that divides x; x is not 0.
 int lowest_bit(double x) {
     constexpr int fraction_bits = 52;
@@ -42,22 +38,22 @@ Vector3 direction(const Vector3& x) {
 // The edges of a domain, with axes in place of those without end, and places along them.
 class Edges {
 public:
-    explicit Edges(const Options& options) : axes_(endless_axes(options)) {
-        const bool cell = options.cell.has_value();
+    explicit Edges(const Region& region) : axes_(endless_axes(region)) {
+        const bool cell = region.cell.has_value();
         std::array<Vector3, 3> edge{};
         if (cell) {
-            origin_ = options.cell->origin;
-            edge = {options.cell->a, options.cell->b, options.cell->c};
+            origin_ = region.cell->origin;
+            edge = {region.cell->a, region.cell->b, region.cell->c};
         }
         std::vector<Vector3> lattice;
         for (std::size_t j = 0; j < 3; ++j) {
-            const bool repeats = cell ? options.cell->periodic[j] : options.periodic[j];
+            const bool repeats = region.repeats()[j];
             if (cell) {
                 numbers_.insert(numbers_.end(), edge[j].begin(), edge[j].end());
                 has_walls_ = has_walls_ || (!repeats && axes_[j] < 0);
             } else if (repeats) {
-                numbers_.insert(numbers_.end(), {options.box->lower[j], options.box->upper[j]});
-                edge[j][j] = options.box->upper[j] - options.box->lower[j];
+                numbers_.insert(numbers_.end(), {region.box->lower[j], region.box->upper[j]});
+                edge[j][j] = region.box->upper[j] - region.box->lower[j];
             }
             longest_sum_ += length3(edge[j][0], edge[j][1], edge[j][2]);
             if (repeats) lattice.push_back(edge[j]);
@@ -133,9 +129,10 @@ struct Spread {
         }
     }
     // Returns a length of the order of the coordinates and of the roots of the weights, for seeds at one place.
-    [[nodiscard]] double length(std::span<const double> weights) const {
+    [[nodiscard]] double length(const Weights& weights) const {
         double length = largest;
-        for (const double weight : weights) length = std::max(length, std::sqrt(std::abs(weight)));
+        for (std::size_t i = 0; i < weights.given.size(); ++i)
+            length = std::max(length, std::sqrt(std::abs(weights[i])));
         return length > 0 ? length : 1;
     }
 
@@ -148,51 +145,32 @@ private:
 };
 
 // Sets sides of the box that are at infinity, or all of the cell.
-void put_ends(Options& options, const std::array<int, 3>& axes, const auto& lower, const auto& upper) {
+void put_ends(Region& region, const std::array<int, 3>& axes, const auto& lower, const auto& upper) {
     for (std::size_t j = 0; j < 3; ++j) {
         if (axes[j] < 0) continue;
-        if (options.cell) {
-            set_ends(options, j, axes[j], lower(j), upper(j));
+        if (region.cell) {
+            set_ends(region, j, axes[j], lower(j), upper(j));
             continue;
         }
-        if (options.box->lower[j] == -infinity) options.box->lower[j] = lower(j);
-        if (options.box->upper[j] == infinity) options.box->upper[j] = upper(j);
+        if (region.box->lower[j] == -infinity) region.box->lower[j] = lower(j);
+        if (region.box->upper[j] == infinity) region.box->upper[j] = upper(j);
     }
 }
 
 }  // namespace
 
-EndlessSides::EndlessSides(const Options& options) {
-    for (std::size_t k = 0; options.box && k < 3; ++k) {
-        if (options.box->lower[k] == -infinity) sides_ |= 1u << 2 * k;
-        if (options.box->upper[k] == infinity) sides_ |= 2u << 2 * k;
-    }
-    if (!options.cell) return;
-    const TriclinicBox& cell = *options.cell;
-    for (std::size_t j = 0; j < 3; ++j)
-        if (is_zero(std::array{cell.a, cell.b, cell.c}[j]) && !cell.periodic[j]) sides_ |= 3u << 2 * j;
-}
-
-bool EndlessSides::any_of(std::span<const std::int32_t> ids) const {
-    return std::ranges::any_of(ids, [this](std::int32_t id) { return has(id); });
-}
-
-std::int32_t EndlessSides::id() const {
-    return -1 - std::countr_zero(sides_);
-}
-
-std::array<int, 3> endless_axes(const Options& options) {
+std::array<int, 3> endless_axes(const Region& region) {
     std::array<int, 3> axes{-1, -1, -1};
-    const EndlessSides sides(options);
+    const EndlessSides sides(region);
     const auto endless = [&](int j) { return sides.has(-1 - 2 * j) || sides.has(-2 - 2 * j); };
-    if (!options.cell) {
+    if (!region.cell) {
         for (int j = 0; j < 3; ++j)
             if (endless(j)) axes[static_cast<std::size_t>(j)] = j;
         return axes;
     }
     std::vector<Vector3> given;
     for (int j = 0; j < 3; ++j)
-        if (!endless(j)) given.push_back(std::array{options.cell->a, options.cell->b, options.cell->c}[j]);
+        if (!endless(j)) given.push_back(std::array{region.cell->a, region.cell->b, region.cell->c}[j]);
     const auto largest = [](const Vector3& x) {
         return static_cast<int>(std::ranges::max_element(x, {}, [](double c) { return std::abs(c); }) - x.begin());
     };
@@ -202,52 +180,29 @@ std::array<int, 3> endless_axes(const Options& options) {
     return axes;
 }
 
-void set_ends(Options& options, std::size_t j, int axis, double lower, double upper) {
+void set_ends(Region& region, std::size_t j, int axis, double lower, double upper) {
     const auto k = static_cast<std::size_t>(axis);
-    if (!options.cell) {
-        options.box->lower[k] = lower, options.box->upper[k] = upper;
+    if (!region.cell) {
+        region.box->lower[k] = lower, region.box->upper[k] = upper;
         return;
     }
-    TriclinicBox& cell = *options.cell;
+    TriclinicBox& cell = *region.cell;
     cell.origin[k] = lower;
     (j == 0 ? cell.a : j == 1 ? cell.b : cell.c)[k] = upper - lower;
 }
 
-std::vector<double> weights_of(const Options& options) {
-    std::vector<double> weights(options.weights.begin(), options.weights.end());
-    for (const double radius : options.radii) weights.push_back(radius * radius);
-    return weights;
-}
-
-Options without_domain(Options options) {
-    options.box.reset();
-    options.cell.reset();
-    options.periodic = {};
-    return options;
-}
-
-void check_endless(const Options& options) {
-    for (std::size_t k = 0; options.box && k < 3; ++k)
-        if (options.periodic[k] && !(std::isfinite(options.box->lower[k]) && std::isfinite(options.box->upper[k])))
-            refuse_endless(std::string("Options::periodic: ") + axis_name[k] +
-                           " repeats, but Options::box has no end along it: give both of its bounds");
-    if (!options.walls.empty())
-        refuse_endless("Options::box without end and Options::walls are both given: walls bound the domain alone");
-    if (options.box && options.cell) refuse_endless("Options::box and Options::cell are both given: give one of them");
-}
-
-void end_near(Options& options, const Points& points) {
-    const Edges edges(options);
+void end_near(Region& region, const Points& points, const Weights& weights) {
+    const Edges edges(region);
     const Spread spread(points, edges);
     const double longest = std::max(spread.longest, edges.is_periodic() ? edges.longest_sum() : 0);
     // Places along edges are rounded.
-    const double margin = (longest > 0 ? near_margin * longest : spread.length(weights_of(options))) +
-                          (options.cell ? 0x1p-40 * spread.largest : 0);
-    const std::optional<Box> box = options.box;
+    const double margin =
+        (longest > 0 ? near_margin * longest : spread.length(weights)) + (region.cell ? 0x1p-40 * spread.largest : 0);
+    const std::optional<Box> box = region.box;
     const Vector3& origin = edges.origin();
     const auto offset = [&](std::size_t j) { return origin[static_cast<std::size_t>(edges.axes()[j])]; };
     put_ends(
-        options, edges.axes(),
+        region, edges.axes(),
         [&](std::size_t j) {
             return offset(j) + (box ? std::min(spread.bounds.lower[j], box->upper[j]) : spread.bounds.lower[j]) -
                    margin;
@@ -258,37 +213,35 @@ void end_near(Options& options, const Points& points) {
         });
 }
 
-void end_far(Options& options, const Points& points) {
-    const std::vector<double> weights = weights_of(options);
+void end_far(Region& region, const Points& points, const Weights& weights) {
     // How many times the box may be as large as the extent of the points. Weights are scaled by its square, and their
     // lowest bits must not underflow. Neither must products of numbers of a cell.
-    const int max_exponent = options.cell ? 360 : weights.empty() ? 700 : 484;
-    const Edges edges(options);
+    const int max_exponent = region.cell ? 360 : weights.empty() ? 700 : 484;
+    const Edges edges(region);
     const Spread spread(points, edges);
     double size = std::max(spread.longest, 0x1p-1000), largest = spread.largest;
     const bool bisectors = spread.longest > 0 || edges.is_periodic();
     if (!bisectors) size = largest = spread.length(weights);
-    for (std::size_t k = 0; options.box && k < 3; ++k)
-        for (const double wall : {options.box->lower[k], options.box->upper[k]}) {
-            if (!std::isfinite(wall) || options.periodic[k]) continue;
+    for (std::size_t k = 0; region.box && k < 3; ++k)
+        for (const double wall : {region.box->lower[k], region.box->upper[k]}) {
+            if (!std::isfinite(wall) || region.periodic[k]) continue;
             size = std::max({size, std::abs(wall - spread.bounds.lower[k]), std::abs(wall - spread.bounds.upper[k])});
             largest = std::max(largest, std::abs(wall));
         }
     if (edges.has_walls()) size = std::max(size, 4 * largest);
     // Parts across the lattice are rounded, and no longer than twice their longest coordinate.
-    if (options.cell) size = 2 * size + 0x1p-40 * largest;
+    if (region.cell) size = 2 * size + 0x1p-40 * largest;
     size += edges.longest_sum();
     for (const double x : edges.origin()) largest = std::max(largest, std::abs(x));
     const int exponent = std::ilogb(size) + 1;
-    int above_vertices = exponent + (options.cell ? 6 : 4);
+    int above_vertices = exponent + (region.cell ? 6 : 4);
     if (bisectors) {
         if (spread.smallest != 0) above_vertices += 3 * std::max(exponent - spread.unit, 0);
         const int without_weights = above_vertices;
-        double difference = 0;
-        if (!weights.empty()) {
-            const auto [least, most] = std::ranges::minmax(weights);
-            difference = most - least;
-        }
+        double least = infinity, most = -infinity;
+        for (std::size_t i = 0; i < weights.given.size(); ++i)
+            least = std::min(least, weights[i]), most = std::max(most, weights[i]);
+        const double difference = weights.empty() ? 0 : most - least;
         if (difference > 0) above_vertices += std::max(std::ilogb(difference) + 2 - 2 * (exponent - 1), 0);
         const std::string remedy =
             number(std::max(spread.longest, edges.longest_sum())) + ", for a domain without end: ";
@@ -304,7 +257,7 @@ void end_far(Options& options, const Points& points) {
     if (largest > 0) above_vertices = std::max(above_vertices, std::ilogb(largest) + 3);
     const double far = std::ldexp(1.0, above_vertices);
     put_ends(
-        options, edges.axes(), [&](std::size_t) { return -far; }, [&](std::size_t) { return far; });
+        region, edges.axes(), [&](std::size_t) { return -far; }, [&](std::size_t) { return far; });
 }
 
 }  // namespace votess

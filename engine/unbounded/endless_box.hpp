@@ -11,45 +11,17 @@
 
 namespace votess {
 
-// The sides of a domain that are at infinity.
-class EndlessSides {
-public:
-    EndlessSides() = default;  // none
-    // Throws invalid_argument for bounds of a box at the wrong infinity.
-    explicit EndlessSides(const Options& options);
-
-    [[nodiscard]] bool any() const { return sides_ != 0; }
-    // Whether the wall of this id is at infinity. Those below -6 are FlatEnds.
-    [[nodiscard]] bool has(std::int32_t id) const { return id < -6 || (id < 0 && (sides_ >> (-1 - id) & 1) != 0); }
-    // Whether one of the walls of these ids is at infinity.
-    [[nodiscard]] bool any_of(std::span<const std::int32_t> ids) const;
-    // The id of infinity in rows: of the sides that are there, the one nearest to -1.
-    [[nodiscard]] std::int32_t id() const;
-
-private:
-    unsigned sides_ = 0;
-};
-
 // Returns the axis that each pair of sides at infinity lies across, -1 for sides that have ends. An edge of a cell that
 // is 0 stands for the axis that is most nearly perpendicular to the other edges.
-[[nodiscard]] std::array<int, 3> endless_axes(const Options& options);
+[[nodiscard]] std::array<int, 3> endless_axes(const Region& region);
 
 // Moves sides without end to two places along their axis. Across an edge of a cell they are the planes of the other
 // edges through these places. pair: of sides, or the edge.
-void set_ends(Options& options, std::size_t pair, int axis, double lower, double upper);
-
-// Returns the weights, or the squares of the radii.
-[[nodiscard]] std::vector<double> weights_of(const Options& options);
-
-// Returns options without a domain, for checks of the others.
-[[nodiscard]] Options without_domain(Options options);
-
-// Refuses options that need a domain with ends.
-void check_endless(const Options& options);
+void set_ends(Region& region, std::size_t pair, int axis, double lower, double upper);
 
 // Gives all sides ends that are farther than the points by six times the longest side of their bounds, or the longest
-// period. Nearly all cells of many points end within it. The weights are those of the options.
-void end_near(Options& options, const Points& points);
+// period. Nearly all cells of many points end within it.
+void end_near(Region& region, const Points& points, const Weights& weights = {});
 
 // Gives all sides ends beyond all vertices of the diagram of these points and of any subset. Vertices on walls of sides
 // that have ends are among them.
@@ -65,6 +37,6 @@ void end_near(Options& options, const Points& points);
 //
 // Walls of a cell are rows n x = n y, where the normal n is the product of an edge and an axis, or of edges. It is a
 // multiple of u or u^2, no longer than S or S^2, and y is within S. So b is at most twice as large.
-void end_far(Options& options, const Points& points);
+void end_far(Region& region, const Points& points, const Weights& weights = {});
 
 }  // namespace votess

@@ -21,16 +21,16 @@ constexpr double farthest_held = 0x1p8;     // over the same: ends there are rou
 constexpr std::size_t seeds_per_check = 4096;
 
 // The lengths of a lattice along axes, 0 across it; nothing where it lies along others than axes and their planes.
-std::optional<Vector3> periods_of(const Options& options) {
+std::optional<Vector3> periods_of(const Region& region) {
     Vector3 periods{};
     std::ptrdiff_t dimensions = 0;
     for (std::size_t j = 0; j < 3; ++j) {
-        if (!(options.cell ? options.cell->periodic[j] : options.periodic[j])) continue;
+        if (!region.repeats()[j]) continue;
         ++dimensions;
         for (std::size_t k = 0; k < 3; ++k) {
-            const double x = options.cell ? std::array{options.cell->a, options.cell->b, options.cell->c}[j][k]
-                             : j == k     ? options.box->upper[j] - options.box->lower[j]
-                                          : 0;
+            const double x = region.cell ? std::array{region.cell->a, region.cell->b, region.cell->c}[j][k]
+                             : j == k    ? region.box->upper[j] - region.box->lower[j]
+                                         : 0;
             periods[k] = std::max(periods[k], std::abs(x));
         }
     }
@@ -89,8 +89,8 @@ private:
 
 }  // namespace
 
-FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless_axes(options)) {
-    const std::optional<Vector3> periods = periods_of(options);
+FlatEnds::FlatEnds(const Points& points, const Region& region) : axes_(endless_axes(region)) {
+    const std::optional<Vector3> periods = periods_of(region);
     if (!periods) return;
     const Scaled x(points, *periods);
     if (!x.exact() || x.size() < 2) return;
@@ -116,7 +116,7 @@ FlatEnds::FlatEnds(const Points& points, const Options& options) : axes_(endless
             add_plane(b, beside);
         }
     }
-    const EndlessSides sides(options);
+    const EndlessSides sides(region);
     const bool periodic = *periods != Vector3{};
     std::erase_if(planes_, [&](const FlatPlane& plane) {
         const auto& [n, error] = plane.normal;
@@ -174,12 +174,12 @@ bool FlatEnds::holds(const Vector3& x) const {
     });
 }
 
-void FlatEnds::cut(Options& options) const {
-    options.walls = walls_;
+void FlatEnds::cut(Region& region) const {
+    region.walls = walls_;
     for (std::size_t j = 0; j < 3; ++j) {
         if (!thin_[j]) continue;
         const auto k = static_cast<std::size_t>(axes_[j]);
-        set_ends(options, j, axes_[j], sides_.lower[k], sides_.upper[k]);
+        set_ends(region, j, axes_[j], sides_.lower[k], sides_.upper[k]);
     }
 }
 

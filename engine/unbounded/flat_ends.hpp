@@ -18,9 +18,9 @@ class FlatEnds {
 public:
     // No ends if the seeds span space, and none across a normal that is not along all walls of the domain. In a
     // periodic domain only those across axes; none where the lattice has parts along more axes than it has dimensions.
-    FlatEnds(const Points& points, const Options& options);
+    FlatEnds(const Points& points, const Region& region);
 
-    // Whether the wall of this id is one of them, in a run with cut() options.
+    // Whether the wall of this id is one of them, in a run in a region that was cut().
     [[nodiscard]] bool has(std::int32_t id) const {
         return id <= -7 || (id < 0 && thin_[static_cast<std::size_t>((-1 - id) / 2)]);
     }
@@ -28,8 +28,8 @@ public:
     [[nodiscard]] bool any() const { return !planes_.empty(); }
     // Whether the diagram with a seed there has these ends too. Returns false for places far from the seeds.
     [[nodiscard]] bool holds(const Vector3& x) const;
-    // Adds the ends to options with a box.
-    void cut(Options& options) const;
+    // Adds the ends to a region with a box.
+    void cut(Region& region) const;
 
 private:
     // The plane of the seeds across a normal.

@@ -172,7 +172,7 @@ void set_open(Result& r, std::size_t row) {
     if (!r.security_radii.empty()) r.security_radii[row] = infinity;
 }
 
-void set_endless_stats(Result& r, const Options& domain, std::uint64_t faces) {
+void set_endless_stats(Result& r, const Region& domain, std::uint64_t faces) {
     r.box = domain.box.value_or(Box{});
     r.cell = domain.cell;
     if (domain.cell) {
@@ -237,7 +237,7 @@ void drop_infinite(Result& r, std::span<const std::int32_t> number, std::size_t 
 
 }  // namespace
 
-void open_cells(Result& r, const Options& domain) {
+void open_cells(Result& r, const Region& domain) {
     const EndlessSides sides(domain);
     const bool has_polygons = !r.face_offsets.empty();
     const std::vector<bool> at_infinity = has_polygons ? find_infinite(r, sides) : std::vector<bool>();
@@ -384,7 +384,7 @@ private:
 }  // namespace
 
 Result join_cells(Result&& near, const Result& far, std::span<const std::int32_t> rows, const std::vector<bool>& taken,
-                  std::span<const std::int32_t> names, const Options& domain) {
+                  std::span<const std::int32_t> names, const Region& domain) {
     const JoinedVertices vertices(near, far, rows, taken, names);
     const bool has_polygons = !near.face_offsets.empty();
     NewRows joined(near);

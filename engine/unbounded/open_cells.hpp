@@ -12,9 +12,9 @@
 
 namespace votess {
 
-// Turns a result of end_far() or end_near(), whose rows list walls, into that of the domain in the options. Counts and
+// Turns a result of end_far() or end_near(), whose rows list walls, into that of the domain. Counts and
 // areas need polygons.
-void open_cells(detail::Result& result, const Options& domain);
+void open_cells(detail::Result& result, const Region& domain);
 
 // Takes cells of `far` into the result `near` of end_near(); open_cells() has turned both. rows: the near row of each
 // far one, ascending. taken: by near row, whether the far cell replaces the near one. names: the seeds that the ids of
@@ -22,6 +22,6 @@ void open_cells(detail::Result& result, const Options& domain);
 // all neighbors of the taken ones.
 [[nodiscard]] detail::Result join_cells(detail::Result&& near, const detail::Result& far,
                                         std::span<const std::int32_t> rows, const std::vector<bool>& taken,
-                                        std::span<const std::int32_t> names, const Options& domain);
+                                        std::span<const std::int32_t> names, const Region& domain);
 
 }  // namespace votess

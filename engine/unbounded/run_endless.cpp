@@ -8,8 +8,6 @@
 
 #include "core/progress.hpp"
 #include "exact/insphere.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
 #include "result/arrays.hpp"
 #include "result/drop_faces.hpp"
 #include "unbounded/flat_ends.hpp"
@@ -63,55 +61,47 @@ void take_measures(Result& result, const Want& want, const Result& some, std::sp
 
 class EndlessRun {
 public:
-    EndlessRun(const Points& points, const Options& options, const RunInBox& run)
-        : options_(options),
+    EndlessRun(const Settled& whole, const RunInBox& run)
+        : whole_(whole),
           run_(run),
-          points_(points),
-          progress_(options.progress),
-          sides_(options),
-          flat_ends_((check_endless(options), points), options) {
-        check_options(without_domain(options));  // the device too, which the far box does not use
-        wanted_ = with_implied(options);
-        weights_ = options.weights.empty() ? options.radii : options.weights;
-        squares_ = !options.radii.empty();
-    }
+          progress_(whole.progress),
+          sides_(whole.region),
+          flat_ends_(whole.points, whole.region) {}
 
     Result make() {
-        Result result =
-            points_.count() < min_near ? far_cells(points_, weights_, options_.only, {0, 1}) : in_both_boxes();
-        if (options_.min_face > 0 || options_.min_area > 0) {
+        Result result = whole_.points.count() < min_near ? far_cells(whole_, {0, 1}) : in_both_boxes();
+        if (whole_.min_face > 0 || whole_.min_area > 0) {
             Stats& stats = result.stats;
-            stats.faces -= drop_small_faces(result, options_.min_face, options_.min_area);
+            stats.faces -= drop_small_faces(result, whole_.min_face, whole_.min_area);
             const std::uint64_t cells = result.status.size() - stats.empty_cells;
             if (cells > 0) stats.mean_faces = static_cast<double>(stats.faces) / static_cast<double>(cells);
         }
-        if (result.vertices.size() == 3 && !options_.only && result.vertex_image_of.empty()) find_tetrahedron(result);
+        if (result.vertices.size() == 3 && !whole_.subset && result.vertex_image_of.empty()) find_tetrahedron(result);
         result.walls.clear();
-        detail::keep_wanted(result, wanted_, options_.list_walls || wanted_.faces);
+        detail::keep_wanted(result, whole_.want, whole_.list_walls);
         return result;
     }
 
 private:
-    using Only = std::optional<std::span<const std::int64_t>>;
-
-    // The options of a part of the run, whose rows list walls. with_ends: those of the run, with ends.
-    [[nodiscard]] Options part(Options with_ends, const Want& want, const Only& only, const Share& share) {
-        Options part = std::move(with_ends);
-        flat_ends_.cut(part);
+    // Runs a part, whose rows list walls. region: of the whole, with ends.
+    [[nodiscard]] Result run(Settled part, Region region, const Want& want, const Share& share) {
+        part.region = std::move(region);
+        flat_ends_.cut(part.region);
         part.list_walls = true;
         part.want = want;
         part.want.neighbors = true;
-        part.only = only;
         part.progress = progress_.within(share);
         part.min_face = part.min_area = 0;  // make() drops faces
-        return part;
+        return run_(std::move(part));
     }
     // Open cells need polygons for areas and counts.
-    [[nodiscard]] bool needs_polygons() const { return wanted_.areas || wanted_.counts || wanted_.vertices; }
+    [[nodiscard]] bool needs_polygons() const {
+        return whole_.want.areas || whole_.want.counts || whole_.want.vertices;
+    }
 
     void find_tetrahedron(Result& result) const {
         std::vector<std::int32_t> seeds;
-        for (std::size_t i = 0; i < points_.count(); ++i)
+        for (std::size_t i = 0; i < whole_.points.count(); ++i)
             if (result.cell_vertex_indptr[i] != result.cell_vertex_indptr[i + 1])
                 seeds.push_back(static_cast<std::int32_t>(i));
         if (seeds.size() != 4) return;
@@ -119,7 +109,7 @@ private:
         double largest = 0;
         for (std::size_t k = 0; k < 4; ++k)
             for (std::size_t axis = 0; axis < 3; ++axis) {
-                x[k][axis] = points_[3 * to_index(seeds[k]) + axis];
+                x[k][axis] = whole_.points[3 * to_index(seeds[k]) + axis];
                 largest = std::max(largest, std::abs(x[k][axis]));
             }
         const int exponent = std::ilogb(largest);
@@ -129,47 +119,49 @@ private:
         result.lone_tetrahedron = {seeds[0], seeds[1], seeds[2], seeds[3]};
     }
 
-    // A run between far ends. weights: or radii.
-    Result run_far(const Points& points, std::span<const double> weights, const Want& want, const Only& only,
-                   const Share& share) {
-        Options far = options_;
-        (squares_ ? far.radii : far.weights) = weights;
-        end_far(far, points);
-        far.device = "cpu";  // no device clips so large a box
-        return run_(points, part(std::move(far), want, only, share));
+    // Runs a part between far ends.
+    Result run_far(Settled part, const Want& want, const Share& share) {
+        Region region = whole_.region;
+        end_far(region, part.points, part.weights);
+        part.device = "cpu";  // no device clips so large a box
+        return run(std::move(part), std::move(region), want, share);
     }
 
-    // Returns the cells of these points. weights: or radii. The first run finds the rows; a second one measures the
-    // cells that have an end, since the others take long to measure in so large a box.
-    Result far_cells(const Points& points, std::span<const double> weights, const Only& only, const Share& share) {
-        Want rows = wanted_;
+    // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end,
+    // since the others take long to measure in so large a box.
+    Result far_cells(Settled part, const Share& share) {
+        Want rows = whole_.want;
         rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
         rows.faces |= needs_polygons();
-        Result result = run_far(points, weights, rows, only, share.part(0, 0.8));
-        if (wanted_.volumes || wanted_.centroids || wanted_.surfaces || wanted_.radii || wanted_.areas) {
+        Result result = run_far(part, rows, share.part(0, 0.8));
+        if (whole_.want.volumes || whole_.want.centroids || whole_.want.surfaces || whole_.want.radii ||
+            whole_.want.areas) {
             std::vector<std::int64_t> ids;
             std::vector<std::size_t> closed;
             for (std::size_t i = 0; i < result.status.size(); ++i) {
                 if (reaches_end(result, i, [&](std::int32_t id) { return sides_.has(id); })) continue;
                 closed.push_back(i);
-                ids.push_back(only ? (*only)[i] : static_cast<std::int64_t>(i));
+                ids.push_back(part.subset ? (*part.subset)[i] : static_cast<std::int64_t>(i));
             }
-            Want measures = wanted_;
+            Want measures = whole_.want;
             measures.counts = measures.normals = measures.vertices = measures.faces = false;
             Result some;
-            if (!ids.empty()) some = run_far(points, weights, measures, ids, share.part(0.8, 1));
-            take_measures(result, wanted_, some, closed, [](std::size_t k) { return k; });
+            if (!ids.empty()) {
+                part.subset = std::move(ids);
+                some = run_far(std::move(part), measures, share.part(0.8, 1));
+            }
+            take_measures(result, whole_.want, some, closed, [](std::size_t k) { return k; });
         }
-        open_cells(result, options_);
+        open_cells(result, whole_.region);
         return result;
     }
 
     Result near_cells() {
-        Want want = wanted_;
+        Want want = whole_.want;
         want.faces |= needs_polygons();
-        Options near = options_;
-        end_near(near, points_);
-        return run_(points_, part(std::move(near), want, options_.only, {0, 0.7}));
+        Region region = whole_.region;
+        end_near(region, whole_.points, whole_.weights);
+        return run(whole_, std::move(region), want, {0, 0.7});
     }
     // Returns the rows whose cells reach beyond the near box. A cell that is empty there may lie beyond it.
     std::vector<bool> find_taken(const Result& near) {
@@ -179,11 +171,13 @@ private:
             taken[i] = reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !flat_ends_.has(id); });
             if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
-        if (options_.only || empty.empty()) {
+        if (whole_.subset || empty.empty()) {
             for (const std::int64_t i : empty) taken[to_index(i)] = true;
             return taken;
         }
-        const Result beyond = run_far(points_, weights_, {.neighbors = true, .volumes = false}, empty, {0.7, 0.8});
+        Settled part = whole_;
+        part.subset = empty;
+        const Result beyond = run_far(std::move(part), {.neighbors = true, .volumes = false}, {0.7, 0.8});
         for (std::size_t k = 0; k < empty.size(); ++k)
             taken[to_index(empty[k])] = beyond.status[k] != CellStatus::empty;
         return taken;
@@ -192,9 +186,9 @@ private:
     Result in_both_boxes() {
         Result near = near_cells();
         const std::vector<bool> taken = find_taken(near);
-        open_cells(near, options_);
+        open_cells(near, whole_.region);
         if (std::ranges::find(taken, true) == taken.end()) return near;
-        if (options_.only) return with_far(std::move(near), taken);
+        if (whole_.subset) return with_far(std::move(near), taken);
 
         // Vertices that taken cells share with others are found by all cells around them.
         std::vector<bool> needed = taken;
@@ -202,7 +196,9 @@ private:
             for (auto e = near.indptr[i]; e < near.indptr[i + 1] && taken[i]; ++e)
                 if (near.indices[to_index(e)] >= 0) needed[to_index(near.indices[to_index(e)])] = true;
         std::vector<std::int32_t> seeds, taken_seeds;
-        std::vector<double> some_points, some_weights;
+        std::vector<double> some_points;
+        Settled part = whole_;
+        part.weights.given.clear();
         std::vector<std::int64_t> only;
         for (std::size_t i = 0; i < taken.size(); ++i) {
             if (!needed[i]) continue;
@@ -211,23 +207,25 @@ private:
                 taken_seeds.push_back(static_cast<std::int32_t>(i));
             }
             seeds.push_back(static_cast<std::int32_t>(i));
-            for (std::size_t k = 0; k < 3; ++k) some_points.push_back(points_[3 * i + k]);
-            if (!weights_.empty()) some_weights.push_back(weights_[i]);
+            for (std::size_t k = 0; k < 3; ++k) some_points.push_back(whole_.points[3 * i + k]);
+            if (!whole_.weights.empty()) part.weights.given.push_back(whole_.weights.given[i]);
         }
         const bool all = needs_polygons();
-        const Result far = far_cells({some_points, {}}, some_weights, all ? Only() : Only(only), {0.8, 0.95});
-        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, options_);
+        part.points = {some_points, {}};
+        if (!all) part.subset = std::move(only);
+        const Result far = far_cells(std::move(part), {0.8, 0.95});
+        return join_cells(std::move(near), far, all ? seeds : taken_seeds, taken, seeds, whole_.region);
     }
 
     // Takes cells of a subset into its near result, from among all points. Where there are polygons all come from the
     // far box, since those of two runs may share vertices that no cell of the subset tells.
     Result with_far(Result near, const std::vector<bool>& taken) {
         if (needs_polygons()) {
-            Result far = far_cells(points_, weights_, options_.only, {0.7, 0.95});
+            Result far = far_cells(whole_, {0.7, 0.95});
             std::vector<std::size_t> kept;
             for (std::size_t i = 0; i < taken.size(); ++i)
                 if (!taken[i]) kept.push_back(i);
-            take_measures(far, wanted_, near, kept, [&](std::size_t k) { return kept[k]; });
+            take_measures(far, whole_.want, near, kept, [&](std::size_t k) { return kept[k]; });
             return far;
         }
         std::vector<std::int32_t> rows;
@@ -235,27 +233,25 @@ private:
         for (std::size_t i = 0; i < taken.size(); ++i) {
             if (!taken[i]) continue;
             rows.push_back(static_cast<std::int32_t>(i));
-            only.push_back((*options_.only)[i]);
+            only.push_back((*whole_.subset)[i]);
         }
-        const Result far = far_cells(points_, weights_, only, {0.7, 0.95});
-        return join_cells(std::move(near), far, rows, taken, {}, options_);
+        Settled part = whole_;
+        part.subset = std::move(only);
+        const Result far = far_cells(std::move(part), {0.7, 0.95});
+        return join_cells(std::move(near), far, rows, taken, {}, whole_.region);
     }
 
-    const Options& options_;
+    const Settled& whole_;
     const RunInBox& run_;
-    Points points_;
     Progress progress_;
     EndlessSides sides_;
     FlatEnds flat_ends_;
-    Want wanted_;
-    std::span<const double> weights_;  // or radii
-    bool squares_ = false;
 };
 
 }  // namespace
 
-Result run_endless(const Points& points, const Options& options, const RunInBox& run) {
-    return EndlessRun(points, options, run).make();
+Result run_endless(const Settled& whole, const RunInBox& run) {
+    return EndlessRun(whole, run).make();
 }
 
 }  // namespace votess

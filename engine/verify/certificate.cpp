@@ -144,15 +144,30 @@ void Certificate::check_cell(Worker& w, std::size_t i) {
     add_names(w, i);
 }
 
-// Makes P_i, condition 1. Walls that the row does not list join where the cell may reach them.
+// Makes P_i, condition 1. Walls that the row does not list join it, the nearest ones first: all until they close it,
+// then those that it may reach.
 bool Certificate::build(Worker& w, std::size_t i) {
     RowPolytope& polytope = w.polytope;
     if (!add_row(w, i)) return false;
-    const int listed = polytope.planes();
-    bool sure = polytope.wrap_surely();
-    add_walls(polytope, listed, !sure);
-    if (sure && polytope.planes() == listed) return check_faces(w, i, Shape::solid);
-    return check_faces(w, i, polytope.wrap());
+    find_walls(w);
+    const std::span<const Worker::UnlistedWall> walls = w.walls;
+    std::size_t next = 0;
+    const auto wrap = [&] {
+        if (polytope.wrap_surely()) return Shape::solid;
+        return polytope.seems_open() && next < walls.size() ? Shape::open : polytope.wrap_exactly();
+    };
+    Shape shape = wrap();
+    if (shape != Shape::solid) std::ranges::sort(w.walls, {}, &Worker::UnlistedWall::distance);
+    for (std::size_t most = 12; next < walls.size() && shape != Shape::flat && shape != Shape::repeated; most *= 2) {
+        const int before = polytope.planes();
+        for (std::size_t added = 0; next < walls.size() && added < most; ++next) {
+            if (shape == Shape::solid && polytope.is_beyond(walls[next].plane)) continue;
+            polytope.add({walls[next].id, {}}, walls[next].plane);
+            ++added;
+        }
+        if (polytope.planes() > before) shape = wrap();
+    }
+    return check_faces(w, i, shape);
 }
 
 bool Certificate::add_row(Worker& w, std::size_t i) {
@@ -183,14 +198,16 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
     return true;
 }
 
-void Certificate::add_walls(RowPolytope& polytope, int listed, bool all) const {
-    for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
+// Finds the walls that are not among the planes of the polytope.
+void Certificate::find_walls(Worker& w) const {
+    w.walls.clear();
+    for (std::int32_t id = -1; -id <= planes_.walls(); --id) {
         if (!planes_.has_wall(id)) continue;
         bool known = false;
-        for (int f = 0; f < listed && polytope.name(f).id < 0; ++f) known |= polytope.name(f).id == id;
+        for (int f = 0; f < w.polytope.planes() && w.polytope.name(f).id < 0; ++f) known |= w.polytope.name(f).id == id;
         if (known) continue;
-        const RoundedPlane wall = polytope.seen({id, {}});
-        if (all || !polytope.is_beyond(wall)) polytope.add({id, {}}, wall);
+        const RoundedPlane plane = w.polytope.seen({id, {}});
+        w.walls.push_back({id, plane.d / plane.length, plane});
     }
 }
 
@@ -214,7 +231,7 @@ bool Certificate::check_faces(Worker& w, std::size_t i, Shape shape) {
     for (int f = 0; f < polytope.planes(); ++f) {
         if (f < listed && !polytope.has_face(f))
             return fault(seed + " lists " + text_of(polytope.name(f)) + ", with which its cell shares no face");
-        if (f >= listed && polytope.has_face(f) && run_.options.list_walls)
+        if (f >= listed && polytope.has_face(f) && run_.settled.list_walls)
             return fault(seed + " does not list wall " + text_of(polytope.name(f)) + ", which bounds its cell");
     }
     return true;
@@ -509,7 +526,8 @@ void Certificate::check_hidden(Worker& w, std::size_t i) {
         polytope.add({self, shift});
         polytope.add({self, {-shift[0], -shift[1], -shift[2]}});
     }
-    add_walls(polytope, 0, true);
+    find_walls(w);
+    for (const Worker::UnlistedWall& wall : w.walls) polytope.add({wall.id, {}}, wall.plane);
     for (int cuts = 0; cuts < max_cuts; ++cuts) {
         const Shape shape = polytope.wrap();
         if (shape == Shape::flat) return;

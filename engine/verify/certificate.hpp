@@ -75,6 +75,12 @@ private:
             std::uint64_t key;
         };
         std::vector<Vertex> vertices;
+        struct UnlistedWall {
+            std::int32_t id;
+            double distance;  // from the seed
+            RoundedPlane plane;
+        };
+        std::vector<UnlistedWall> walls;
     };
 
     template <class Task>
@@ -84,7 +90,7 @@ private:
     void check_cell(Worker& w, std::size_t i);
     [[nodiscard]] bool build(Worker& w, std::size_t i);
     [[nodiscard]] bool add_row(Worker& w, std::size_t i);
-    void add_walls(RowPolytope& polytope, int listed, bool all) const;
+    void find_walls(Worker& w) const;
     [[nodiscard]] bool check_faces(Worker& w, std::size_t i, RowPolytope::Shape shape);
     void check_numbers(Worker& w, std::size_t i);
     void check_polygons(Worker& w, std::size_t i);

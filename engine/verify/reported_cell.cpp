@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "verify/brute_force.hpp"
 
 namespace votess {
@@ -13,8 +13,7 @@ namespace {
 // The job of some seeds, and cells that are clipped by them.
 class Clipper {
 public:
-    Clipper(const Options& options, const Seeds& seeds)
-        : job_(validate({seeds.points, {}}, with_weights(options, seeds.weights))), brute_force_(job_) {}
+    Clipper(const Settled& run, const Seeds& seeds) : job_(make_job(with_seeds(run, seeds))), brute_force_(job_) {}
 
     // Returns whether the cell is empty. index: of its seed; or another seed, in the user's lengths.
     bool clip(std::size_t index) {
@@ -36,9 +35,10 @@ public:
     cpu::CellFaces faces;
 
 private:
-    static Options with_weights(Options options, std::span<const double> weights) {
-        options.weights = weights;
-        return options;
+    static Settled with_seeds(Settled run, const Seeds& seeds) {
+        run.points = {seeds.points, {}};
+        run.weights = {seeds.weights};
+        return run;
     }
     bool is_empty() {
         constexpr std::size_t min_faces = 4;  // with fewer a cell has no interior
@@ -142,7 +142,7 @@ std::string difference(const CheckedRun& run, const ReportedCell& reported, bool
 
 std::vector<Message> clip_by_block(const CheckedRun& run, const Seeds& block, std::span<const Message> requests,
                                    double& work) {
-    Clipper clipper(run.options, block);
+    Clipper clipper(run.settled, block);
     std::vector<Message> replies;
     std::vector<std::size_t> own;
     for (const Message& request : requests) {
@@ -186,7 +186,7 @@ Fault first_difference(const CheckedRun& run, std::span<const ReportedCell> cell
     for (std::size_t c = 0; c < cells.size(); ++c) {
         around[c].add(seeds, c);
         const Seeds all = around[c].sorted();
-        Clipper clipper(run.options, all);
+        Clipper clipper(run.settled, all);
         const bool empty = buried[c] || clipper.clip(place_of(cells[c].id, all.ids));
         auto text = difference(run, cells[c], empty, all.ids, clipper);
         if (!text.empty()) first.merge({cells[c].id, std::move(text)});

@@ -36,25 +36,25 @@ struct VolumeTolerance {
 };
 inline constexpr VolumeTolerance double_tolerance{1e-10, 1e-9}, single_tolerance{1e-5, 1e-4};
 
-// The run whose cells are checked. In the plane the options are those of a sheet, and the rows those of the plane.
+// The run whose cells are checked. In the plane it is that of a sheet, and the rows those of the plane.
 struct CheckedRun {
-    Options options;           // the domain, and whether rows list walls; without weights
+    Settled settled;           // the domain, and whether rows list walls; without weights
     std::uint64_t seeds = 0;   // of all blocks
     double domain_volume = 0;  // that cells fill
     double least_face = 0;     // smaller faces were dropped
     VolumeTolerance tolerance = double_tolerance;
     std::vector<std::int64_t> only{};  // of a subset: the seeds that have rows, ascending; otherwise empty
     double thickness = 0;              // of the sheet; 0 in space
-    EndlessSides ends{};  // where the domain has none: the options have near ones, whose cells are not tried
+    EndlessSides ends{};               // where the domain has none: the run has near ones, whose cells are not tried
 
     // Whether the row of a neighbor is there.
     [[nodiscard]] bool has_row(std::int64_t id) const {
         return id >= 0 && (only.empty() || std::ranges::binary_search(only, id));
     }
     [[nodiscard]] bool planar() const { return thickness > 0; }
-    // Returns whether rows list a face with that id of a cell of the options.
+    // Returns whether rows list a face with that id of a cell of the run.
     [[nodiscard]] bool lists(std::int32_t id) const {
-        return id >= 0 || (options.list_walls && !(planar() && Sheet::bounds(id)));
+        return id >= 0 || (settled.list_walls && !(planar() && Sheet::bounds(id)));
     }
 };
 

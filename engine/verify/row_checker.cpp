@@ -149,7 +149,7 @@ std::size_t sample_size(std::uint64_t seeds, std::size_t blocks, bool periodic) 
 void RowChecker::take(const StreamRows& rows, const RowNames& names) {
     const bool faces = !rows.indptr.empty(), all_faces = run_.least_face == 0, counts = !rows.face_counts.empty();
     const bool surfaces =
-        !rows.face_areas.empty() && !rows.face_normals.empty() && run_.options.list_walls && all_faces;
+        !rows.face_areas.empty() && !rows.face_normals.empty() && run_.settled.list_walls && all_faces;
     sums_.rows |= faces;
     sums_.volumes |= !rows.volumes.empty();
     sums_.counts |= counts && all_faces;

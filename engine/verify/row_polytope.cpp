@@ -116,17 +116,17 @@ Hit RowPolytope::first_hit(const Vector3& from, const Vector3& along, int a, int
     return loops_.first_hit(arrays(), slacks_.data(), along);
 }
 
-// From a seed inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried.
+// From a seed well inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried. They end
+// far from the seed: many walls of a hull meet at its corner, a seed, but for rounding.
 bool RowPolytope::guess_start(std::array<int, 3>& start) {
     int nearest = -1;
-    double least = infinity;
-    bool inside = true;
+    double least = infinity, to_seed = infinity;
     for (int f = 0; f < planes(); ++f) {
-        inside &= d_[at(f)] > 0;
         const double distance = d_[at(f)] / length_[at(f)];
         if (distance < least) least = distance, nearest = f;
+        if (name(f).id >= 0) to_seed = std::min(to_seed, distance);
     }
-    if (inside && nearest >= 0) {
+    if (nearest >= 0 && least > 0 && (least >= 0x1p-30 * to_seed || to_seed == infinity)) {
         const int a = nearest;
         const Vector3 n = normal(a);
         const double turn = d_[at(a)] / dot(n, n);
@@ -157,20 +157,20 @@ bool RowPolytope::guess_from(int a, std::array<int, 3>& start) {
         Vector3 from;
         for (std::size_t k = 0; k < 3; ++k) from[k] = (d_[at(a)] * u[k] + d_[at(b)] * v[k]) / square;
         double first = -infinity, last = infinity;
-        int end = -1;
+        int begin = -1, end = -1;
         for (int c = 0; c < planes() && first < last; ++c) {
             if (c == a || c == b) continue;
             const Vector3 n = normal(c);
             const double speed = dot(n, along), slack = d_[at(c)] - dot(n, from);
             if (speed > 0 && slack < last * speed)
                 last = slack / speed, end = c;
-            else if (speed < 0)
-                first = std::max(first, slack / speed);
+            else if (speed < 0 && slack < first * speed)
+                first = slack / speed, begin = c;
             else if (speed == 0 && slack < 0)
                 last = -infinity;
         }
-        if (!(first < last) || end < 0) continue;
-        start = {a, b, end};
+        if (!(first < last) || (begin < 0 && end < 0)) continue;
+        start = end < 0 || (begin >= 0 && -first > last) ? std::array{b, a, begin} : std::array{a, b, end};
         return true;
     }
     return false;
@@ -219,10 +219,10 @@ int RowPolytope::side(int v, const Name& name) {
 }
 
 bool RowPolytope::is_beyond(const RoundedPlane& plane) const {
-    double reach = 0;
-    for (const Corner& corner : corners_)
-        reach = std::max(reach, length3(corner.at[0], corner.at[1], corner.at[2]) + corner.error);
-    return plane.d - plane.length * reach > 0x1p-40 * (plane.length * reach + plane.size);
+    return std::ranges::all_of(corners_, [&](const Corner& corner) {
+        const double along = dot(plane.n, corner.at);
+        return plane.d - along - plane.length * corner.error > 0x1p-40 * (std::abs(along) + plane.size);
+    });
 }
 
 int RowPolytope::orientation(int a, int b, int c) {
@@ -267,26 +267,30 @@ int RowPolytope::corner_of(const Corner& corner, const std::vector<int>& through
     return static_cast<int>(tight_.size()) - 1;
 }
 
-// Finds a first corner.
-bool RowPolytope::find_start() {
+// Makes the first corner from three planes that may meet in one.
+bool RowPolytope::start_at(const std::array<int, 3>& guess) {
+    auto [a, b, c] = guess;
     Corner corner;
     std::vector<int> through;
-    std::array<int, 3> guess{};
-    if (guess_start(guess)) {
-        auto [a, b, c] = guess;
-        for (int tries = 0; tries < planes() && c >= 0 && orientation(a, b, c) != 0; ++tries) {
-            const int cut = place(a, b, c, corner, through);
-            if (cut < 0) return corner_of(corner, through), true;
-            if (orientation(a, b, cut) != orientation(a, b, c)) break;
-            c = cut;
-        }
+    for (int tries = 0; tries < planes() && orientation(a, b, c) != 0; ++tries) {
+        const int cut = place(a, b, c, corner, through);
+        if (cut < 0) return corner_of(corner, through), true;
+        if (orientation(a, b, cut) != orientation(a, b, c)) return false;
+        c = cut;
     }
+    return false;
+}
+
+bool RowPolytope::find_start() {
+    std::array<int, 3> guess{};
+    if (guess_start(guess) && start_at(guess)) return true;
+    for (int a = 0; a < planes(); ++a)
+        if (guess_from(a, guess) && start_at(guess)) return true;
     if (planes() > max_tried_planes) return false;
     for (int a = 0; a < planes(); ++a)
         for (int b = a + 1; b < planes(); ++b)
             for (int c = b + 1; c < planes(); ++c)
-                if (orientation(a, b, c) != 0 && place(a, b, c, corner, through) < 0)
-                    return corner_of(corner, through), true;
+                if (start_at({a, b, c})) return true;
     return false;
 }
 

@@ -90,7 +90,7 @@ public:
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
     // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
     [[nodiscard]] int side(int corner, const Name& name);
-    // Whether all corners lie inside the plane and not on it, by distance alone.
+    // Whether all corners surely lie inside the plane and not on it.
     [[nodiscard]] bool is_beyond(const RoundedPlane& plane) const;
 
     void measure(Measures& out) const;
@@ -108,6 +108,7 @@ private:
     [[nodiscard]] bool guess_start(std::array<int, 3>& planes);
     [[nodiscard]] bool guess_from(int a, std::array<int, 3>& planes);
     [[nodiscard]] int place(int a, int b, int c, Corner& corner, std::vector<int>& through);
+    [[nodiscard]] bool start_at(const std::array<int, 3>& guess);
     [[nodiscard]] bool find_start();
     [[nodiscard]] int orientation(int a, int b, int c);
     [[nodiscard]] int end_of_edge(int from, int a, int b, int sign);

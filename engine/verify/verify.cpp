@@ -11,7 +11,7 @@
 #include "core/text.hpp"
 #include "core/vector3.hpp"
 #include "input/domain_of_result.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "input/supports.hpp"
 #include "plane/sheet.hpp"
 #include "result/handle.hpp"
@@ -34,24 +34,16 @@ std::size_t at(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
-// The options of a second run for the same rows.
-struct SecondRun {
-    explicit SecondRun(const Tessellation& t, const Result& result) : options(domain_options(t)) {
-        options.weights = result.weights;
-        options.device = "cpu";
-        if (!result.is_subset) return;
-        only.assign(result.ids.begin(), result.ids.end());
-        options.only = only;
-        options.weights = result.all_seeds->weights;
-        if (std::ranges::find(result.all_seeds->status, CellStatus::outside) != result.all_seeds->status.end())
-            options.outside = Outside::drop;
-    }
-    SecondRun(const SecondRun&) = delete;
-    SecondRun& operator=(const SecondRun&) = delete;
-
-    Options options;
-    std::vector<std::int64_t> only;
-};
+// Returns a second run for the same rows.
+Settled second_run(const Tessellation& t, const Result& result, std::span<const double> points) {
+    Settled run = run_of(t, points);
+    if (!result.is_subset) return run;
+    run.subset.emplace(result.ids.begin(), result.ids.end());
+    const auto& all = *result.all_seeds;
+    run.weights.given.assign(all.weights.begin(), all.weights.end());
+    if (std::ranges::find(all.status, CellStatus::outside) != all.status.end()) run.region.outside = Outside::drop;
+    return run;
+}
 
 // Throws invalid_argument unless there is a row of coordinates for each seed.
 void require_points_of(const Tessellation& t, const Result& result, std::span<const double> points) {
@@ -183,14 +175,11 @@ std::uint64_t count_tiny_faces(const Tessellation& t, std::span<const double> po
     require_points(t, points, "count_tiny_faces");
     if (t.stats().tiny_faces) return *t.stats().tiny_faces;
     if (t.size() == 0) return 0;
-    Options options = domain_options(t);
-    options.weights = t.weights();
     const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
-    if (EndlessSides(options).any()) end_near(options, {copy, {}});
-    options.device = "cpu";
-    options.want = {};
-    options.want.neighbors = false;
-    return tessellate(std::span<const double>(copy), options).stats().tiny_faces.value();
+    Settled run = run_of(t, copy);
+    if (EndlessSides(run.region).any()) end_near(run.region, run.points);
+    run.want.neighbors = false;
+    return tessellate(std::move(run)).stats().tiny_faces.value();
 }
 
 namespace {
@@ -263,17 +252,13 @@ std::size_t seed_of(const Tessellation& t, std::size_t row) {
 }
 
 // Checks the cells of the plane by the prisms of a sheet, which are verified.
-VerifyReport verify_plane(const Tessellation& t, std::span<const double> points, SecondRun& second,
-                          const VerifyOptions& how) {
-    Options& options = second.options;
-    options.list_walls = t.lists_walls();
-    options.min_area = t.least_face();
-    options.want = {.neighbors = true, .volumes = true, .counts = true, .areas = true, .normals = true};
-    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
-    const Sheet sheet({copy, {}}, options);
-    const std::span<const double> places = sheet.points().f64;
-    const Tessellation prisms = tessellate(places, sheet.options());
-    VerifyReport report = verify(prisms, places, how);
+VerifyReport verify_plane(const Tessellation& t, Settled second, const VerifyOptions& how) {
+    second.list_walls = t.lists_walls();
+    second.min_area = t.least_face();
+    second.want = {.neighbors = true, .volumes = true, .counts = true, .areas = true, .normals = true};
+    const Sheet sheet(std::move(second));
+    const Tessellation prisms = tessellate(sheet.in_space());
+    VerifyReport report = verify(prisms, sheet.in_space().points.f64, how);
     const auto fail = [&](std::size_t i, const char* what) {
         report.passed = false;
         report.failure = "cell " + std::to_string(seed_of(t, i)) + " has other " + what + " than in a second run";
@@ -375,24 +360,22 @@ bool is_dropped(const Tessellation& t, std::size_t i, const ExpectedRow& row) {
 }
 
 // Checks the cells of a domain without end by those of a box that holds all vertices, whose own cells are verified.
-VerifyReport verify_endless(const Tessellation& t, std::span<const double> points, SecondRun& second,
-                            const VerifyOptions& how) {
-    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
-    Options& options = second.options;
-    const EndlessSides sides(options);
+VerifyReport verify_endless(const Tessellation& t, Settled second, const VerifyOptions& how) {
+    const std::span<const double> points = second.points.f64;
+    const EndlessSides sides(second.region);
     const bool counts = !t.face_counts().empty(), areas = !t.face_areas().empty(), drops = t.least_face() > 0;
-    end_far(options, {copy, {}});
-    options.list_walls = true;
-    options.want = {.neighbors = true,
-                    .volumes = true,
-                    .counts = true,
-                    .normals = !t.face_normals().empty(),
-                    .faces = counts || areas || drops};
-    const Tessellation far = tessellate(std::span<const double>(copy), options);
-    const std::vector<double> places = wrapped_points(far, copy);
-    VerifyReport report = verify(far, copy, how);
+    end_far(second.region, second.points, second.weights);
+    second.list_walls = true;
+    second.want = {.neighbors = true,
+                   .volumes = true,
+                   .counts = true,
+                   .normals = !t.face_normals().empty(),
+                   .faces = counts || areas || drops};
+    const Tessellation far = tessellate(std::move(second));
+    const std::vector<double> places = wrapped_points(far, points);
+    VerifyReport report = verify(far, points, how);
     report.proven &= !drops;
-    if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, copy);
+    if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
     const double tolerance = tolerance_of(t);
     ExpectedRow row;
     for (std::size_t i = 0; i < t.size() && report.passed; ++i) {
@@ -453,20 +436,17 @@ bool same_but_small(const Tessellation& t, const Tessellation& all, std::size_t 
 }
 
 // Checks the parts of cells in a mesh. The whole cells are verified and cut again, and the pieces have the volumes.
-VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> points, SecondRun& second,
-                            const VerifyOptions& how, const solid::MeshCells& cells) {
-    const std::vector<double> copy(points.begin(), points.end());  // read once, see input/snapshot.hpp
-    Options& options = second.options;
-    options.want = {.neighbors = true, .volumes = true, .counts = true};
-    VerifyReport report = verify(tessellate(std::span<const double>(copy), options), copy, how);
+VerifyReport verify_in_mesh(const Tessellation& t, Settled second, const VerifyOptions& how,
+                            const solid::MeshCells& cells) {
+    second.want = {.neighbors = true, .volumes = true, .counts = true};
+    VerifyReport report = verify(tessellate(second), second.points.f64, how);
     report.proven = false;
     report.tiny_faces.reset();
     const solid::MeshArrays mesh(cells.mesh, cells.scale);
-    options.mesh = mesh.view();
-    options.outside = Outside::error;
-    options.want = {.neighbors = true, .volumes = true};
-    options.want.areas = t.least_face() > 0;
-    const Tessellation again = tessellate(std::span<const double>(copy), options);
+    second.region.mesh = mesh.view();
+    second.region.outside = Outside::error;
+    second.want = {.neighbors = true, .volumes = true, .areas = t.least_face() > 0};
+    const Tessellation again = tessellate(std::move(second));
     const Pieces parts = pieces(t);
     const double tolerance = tolerance_of(t);
     const double mean = t.stats().box_volume / static_cast<double>(std::max<std::size_t>(t.size(), 1));
@@ -496,19 +476,16 @@ VerifyReport verify_in_mesh(const Tessellation& t, std::span<const double> point
 }
 
 // Checks the cells of a box or a triclinic box.
-VerifyReport verify_cells(const Tessellation& t, const Result& result, std::span<const double> points,
-                          SecondRun& second, const VerifyOptions& options) {
+VerifyReport verify_cells(const Tessellation& t, const Result& result, Settled second, const VerifyOptions& options) {
+    const std::span<const double> points = second.points.f64;
     const bool single = t.stats().precision == Precision::single;
-    CheckedRun run{second.options,
-                   points.size() / 3,
-                   t.stats().box_volume,
-                   t.least_face(),
-                   single ? single_tolerance : double_tolerance,
-                   second.only};
+    second.list_walls = t.lists_walls();
+    CheckedRun run{second, points.size() / 3, t.stats().box_volume, t.least_face(),
+                   single ? single_tolerance : double_tolerance};
+    if (second.subset) run.only = *second.subset;
     std::ranges::sort(run.only);
-    run.options.only.reset();
-    run.options.weights = {};
-    run.options.list_walls = t.lists_walls();
+    run.settled.subset.reset();
+    run.settled.weights = {};
     const bool periodic = t.periodic() != std::array<bool, 3>{};
     RowChecker::Sample sample{options.sample.value_or(sample_size(points.size() / 3, 1, periodic)), options.rng_seed};
     if (options.sample) sample.budget = infinity;
@@ -532,8 +509,8 @@ VerifyReport verify_cells(const Tessellation& t, const Result& result, std::span
     RowChecker::Sample one{0, options.rng_seed, infinity};
     VerifyReport report = check(one);
     if (!report.passed) return report;
-    second.options.list_walls = t.lists_walls();
-    const Job job = validate({whole.points(), {}}, second.options);
+    second.points = {whole.points(), {}};
+    const Job job = make_job(std::move(second));
     const Certificate::Verdict verdict = Certificate(run, job, result).prove();
     report.proven = verdict.proven;
     if (report.proven) return report;
@@ -563,16 +540,21 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     require(t, "verify");
     const Result& result = detail::result_of(t.result_);
     require_points_of(t, result, points);
-    SecondRun second(t, result);
+    Settled second = second_run(t, result, points);
+    std::vector<double> copy;  // read once, see input/snapshot.hpp; verify_cells() makes its own
+    if (t.in_mesh() || t.planar() || EndlessSides(second.region).any()) {
+        copy.assign(points.begin(), points.end());
+        second.points = {copy, {}};
+    }
     VerifyReport report;
     if (t.in_mesh())
-        report = verify_in_mesh(t, points, second, options, *result.mesh_cells);
+        report = verify_in_mesh(t, std::move(second), options, *result.mesh_cells);
     else if (t.planar())
-        report = verify_plane(t, points, second, options);
-    else if (EndlessSides(second.options).any())
-        report = verify_endless(t, points, second, options);
+        report = verify_plane(t, std::move(second), options);
+    else if (EndlessSides(second.region).any())
+        report = verify_endless(t, std::move(second), options);
     else {
-        report = verify_cells(t, result, points, second, options);
+        report = verify_cells(t, result, std::move(second), options);
         if (!t.is_subset()) report.tiny_faces = count_tiny_faces(t, points);
     }
     report.proven &= report.passed;

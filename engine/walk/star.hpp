@@ -30,7 +30,7 @@
 #include "domain/probe.hpp"
 #include "index/hierarchy.hpp"
 #include "index/sort.hpp"
-#include "input/implied_wants.hpp"
+#include "input/settled.hpp"
 #include "polytope/cell_polygons.hpp"
 #include "polytope/cell_shape.hpp"
 #include "votess/votess.hpp"

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/progress.hpp"
+#include "input/option_name.hpp"
 #include "input/supports.hpp"
 #include "votess/zones.hpp"
 
@@ -29,7 +30,7 @@ std::size_t at(std::int32_t index) {
 
 void check(const Tessellation& t, std::span<const double> values) {
     require(t, "watershed");
-    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set Options::want.neighbors");
+    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set " + option("want.neighbors"));
     if (values.size() != t.size())
         refuse(std::to_string(values.size()) + " values for " + std::to_string(t.size()) + " seeds: give one for each");
     for (std::size_t i = 0; i < values.size(); ++i)

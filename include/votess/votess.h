@@ -181,6 +181,7 @@ typedef struct votess_rays votess_rays;
 typedef struct votess_natural votess_natural;
 typedef struct votess_fit votess_fit;
 typedef struct votess_zones votess_zones;
+typedef struct votess_groups votess_groups;
 typedef struct votess_network votess_network;
 typedef struct votess_pieces votess_pieces;
 typedef struct votess_alpha votess_alpha;
@@ -371,6 +372,17 @@ VOTESS_API void votess_zones_free(votess_zones* zones);
 //   uint8_t  at_walls (Z), where the rows list walls
 VOTESS_API votess_status votess_zones_array(const votess_zones* zones, const char* name, votess_array* array);
 
+// Sums of the cells by group, see groups() in groups.hpp. labels: count numbers, one for each cell of the result. On
+// success *out is new, else NULL; the result may be freed afterwards.
+VOTESS_API votess_status votess_groups_new(const votess_result* result, const int64_t* labels, size_t count,
+                                           votess_groups** out);
+VOTESS_API void votess_groups_free(votess_groups* groups);
+// The arrays of Groups in groups.hpp, for G groups of N seeds:
+//   int64_t  labels (G), member_indptr (G + 1), indptr (G + 1), counts (indptr[G])
+//   int32_t  members (N), indices (indptr[G])
+//   double   volumes (G), surface_areas (G), mesh_areas (G), areas (indptr[G])
+VOTESS_API votess_status votess_groups_array(const votess_groups* groups, const char* name, votess_array* array);
+
 // The network of vertices and edges, see network() in network.hpp. points: 3 * count coordinates of the result's
 // points, in the plane 2 * count. On success *out is new, else NULL.
 VOTESS_API votess_status votess_network_new(const votess_result* result, const double* points, size_t count,
@@ -465,9 +477,14 @@ typedef struct votess_mesh {
     const votess_column* columns;        // column_count
     double box_lower[3];                 // of the domain; the middle is the origin of positions in .glb
     double box_upper[3];
-    int32_t planar;      // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
-    int32_t skip_open;   // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
-    uint64_t* left_out;  // receives their number; may be NULL
+    int32_t planar;         // nonzero: cells of the plane, for .vtu alone; vertices and shifts have two components
+    int32_t skip_open;      // nonzero: leave out cells that reach infinity, whose polygons hold -1; 0: refuse them
+    uint64_t* left_out;     // receives their number; may be NULL
+    double edges[9];        // a, b, c of a triclinic box; 0 for an axis-aligned one. For .foam and .tess
+    const double* seeds;    // 3 * N, for .tess
+    const double* weights;  // N, of a power diagram, for .tess; NULL for none
+    double min_edge;        // in .foam, .tess and .msh collapse edges below this length; 0 for none
+    uint64_t* short_edges;  // receives the number of these edges that stay; may be NULL
 } votess_mesh;
 
 // A piece of a file.
@@ -475,6 +492,9 @@ typedef struct votess_bytes {
     const void* data;
     size_t count;    // bytes
     uint64_t total;  // bytes of the whole file; 0 when unknown before its end
+    // The path of the file within its folder, for formats of several files; NULL for others. Pieces of one file follow
+    // each other.
+    const char* file;
 } votess_bytes;
 
 // Takes the next piece of a file, valid during the call. Return nonzero to continue, 0 to stop.
@@ -487,8 +507,37 @@ typedef int (*votess_write_callback)(const votess_bytes* bytes, void* user);
 //   - ".ply": faces, each once, with their two cells; triangles when there are colors
 //   - ".obj": faces, each once
 //   - ".glb": solids in colors
+//   - ".foam": the files points, faces, owner, neighbour and boundary in constant/polyMesh, for OpenFOAM. Cells are the
+//   rows with faces, in order. A patch for each wall, xmin to zmax for -1 to -6, wall7 and on for -7 and on; in a
+//   periodic domain a pair of cyclic patches for each shift
+//   - ".tess": the tessellation of Neper, with seeds and weights; its domain must not be periodic
+//   - ".msh": surfaces in triangles, each once, for Gmsh. A physical volume for each cell, a physical surface for each
+//   pair of cells and each wall
+// The last three need cells whose faces are all there, and fail where min_face or min_area dropped some. Their short
+// edges may be collapsed by mesh.min_edge: the ends become one vertex, faces with two corners vanish, and cells stay
+// closed. An edge stays if a cell would not remain a polyhedron, or a vertex would leave its walls.
 VOTESS_API votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write,
                                            void* user);
+
+// How well a mesh suits solvers, as OpenFOAM's checkMesh measures it.
+typedef struct votess_mesh_quality {
+    uint32_t struct_size;  // sizeof(votess_mesh_quality)
+    uint32_t reserved;     // 0
+    uint64_t cells, faces, internal_faces, vertices;
+    double
+        max_non_orthogonality;  // between a face's normal and the line through the centroids of its cells, in degrees
+    double mean_non_orthogonality;  // of internal faces
+    uint64_t severe_faces;          // above 70 degrees
+    double
+        max_skewness;  // distance of that line from the face's center, as a share of the face's size in its direction
+    uint64_t skew_faces;                    // above 4
+    double min_area, min_volume, min_edge;  // of faces, cells, edges
+    uint64_t wrong_faces;                   // whose normal does not lead from owner to neighbor, or that have no area
+    uint64_t wrong_cells;                   // without a positive volume
+    uint64_t short_edges;                   // below votess_mesh.min_edge, which stay
+} votess_mesh_quality;
+// Measures a mesh as .foam holds it. Fails as votess_write_mesh() does for that. quality: struct_size must be set.
+VOTESS_API votess_status votess_measure_mesh(const votess_mesh* mesh, votess_mesh_quality* quality);
 
 // P pieces of N cells in a mesh. Arrays are laid out as those of votess_pieces; the caller owns them.
 typedef struct votess_piece_arrays {

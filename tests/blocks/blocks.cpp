@@ -6,6 +6,7 @@
 
 #include "blocks/in_blocks.hpp"
 #include "fuzz/kinds/kinds.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/in_plane.hpp"
 #include "support/random.hpp"
@@ -174,7 +175,7 @@ TEST_CASE("blocks: what is refused, and by which words") {
     const votess::Box box = test::unit_box();
     votess::Options options;
     options.box = box;
-    const votess::BlockDomain domain(options, box, 2);
+    const votess::BlockDomain domain(votess::settle(options), box, 2);
     const std::vector<double> points{0.1, 0.2, 0.3, 0.7, 0.6, 0.5}, outside{0.1, 0.2, 0.3, 0.7, 1.5, 0.5};
     const std::vector<std::int64_t> ids{4, 9}, equal{4, 4};
     CHECK(message([&] { (void)domain.check(outside); }).starts_with("point 1: y = 1.5 is outside the box"));
@@ -188,7 +189,7 @@ TEST_CASE("blocks: what is refused, and by which words") {
         if (what == 1) wrong.min_face = 0.1;
         if (what == 2) wrong.duplicates = votess::Duplicates::error;
         if (what == 3) wrong.device = "gpu";
-        CHECK(message([&] { votess::BlockDomain(wrong, box, 2); }) != "nothing");
+        CHECK(message([&] { votess::BlockDomain(votess::settle(wrong), box, 2); }) != "nothing");
     }
     votess::Block block(domain, ids, points);
     votess::Message outline = block.outline();

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "input/settle.hpp"
+
 namespace test {
 namespace {
 
@@ -26,8 +28,9 @@ InBlocks in_blocks(std::span<const double> given, const Options& options, std::s
         bounds.lower[i % 3] = std::min(bounds.lower[i % 3], points[i]);
         bounds.upper[i % 3] = std::max(bounds.upper[i % 3], points[i]);
     }
-    BlockDomain domain(options, bounds, size);
-    const std::vector<CellStatus> status = domain.check(points, options.weights, options.radii);
+    const Settled whole = settle(options);
+    BlockDomain domain(whole, bounds, size);
+    const std::vector<CellStatus> status = domain.check(points, whole.weights);
     std::vector<std::size_t> inside;
     std::vector<double> kept;
     for (std::size_t i = 0; i < size; ++i) {

@@ -8,6 +8,7 @@
 #include <votess/stream.hpp>
 
 #include "exact/insphere.hpp"
+#include "input/settle.hpp"
 #include "oracle/half_spaces.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
@@ -44,7 +45,7 @@ Options endless_options(const votess::Box& box = no_ends) {
 
 // Returns the ids with the walls of `box` that are without end as one.
 std::vector<std::int32_t> with_one_infinity(std::span<const std::int32_t> row, const votess::Box& box) {
-    const votess::EndlessSides sides(in_box(box));
+    const votess::EndlessSides sides(votess::region_of(in_box(box)));
     std::vector<std::int32_t> out;
     for (const std::int32_t id : row) {
         out.push_back(sides.has(id) ? sides.id() : id);
@@ -57,7 +58,7 @@ std::vector<std::int32_t> with_one_infinity(std::span<const std::int32_t> row, c
 // Compares with rational arithmetic in a box that ends far away.
 std::string check_cells(const votess::Tessellation& t, const Coordinates& points, Options options) {
     const votess::Box box = *options.box;
-    const votess::EndlessSides sides(in_box(box));
+    const votess::EndlessSides sides(votess::region_of(in_box(box)));
     const votess::Box far = far_away(points);
     for (std::size_t k = 0; k < 3; ++k) {
         if (sides.has(-1 - 2 * static_cast<int>(k))) options.box->lower[k] = far.lower[k];
@@ -119,7 +120,7 @@ std::vector<Entry> entries_of(const votess::Tessellation& t, std::size_t row) {
 // Rows, shifts and volumes of a periodic domain without end, with the options of far ends, by rational arithmetic.
 std::string check_periodic(const votess::Tessellation& t, const Coordinates& points, const Options& options,
                            const Options& far) {
-    const votess::EndlessSides sides(options);
+    const votess::EndlessSides sides(votess::region_of(options));
     for (std::size_t i = 0; i < t.size(); ++i) {
         const auto exact = test::exact_cell(points, far, i);
         std::vector<Entry> row;
@@ -143,7 +144,7 @@ std::string check_images(const votess::Tessellation& t, const Coordinates& point
                          std::array<std::array<double, 3>, 2> periods) {
     constexpr int most = 2;
     const std::size_t dimensions = options.planar ? 2 : 3, n = t.size();
-    const std::int32_t infinity = votess::EndlessSides(options).id();
+    const std::int32_t infinity = votess::EndlessSides(votess::region_of(options)).id();
     const auto places = votess::wrapped_points(t, points);
     std::vector<std::array<int, 2>> shifts{{0, 0}};
     for (int a = -most; a <= most; ++a)
@@ -402,7 +403,7 @@ TEST_SUITE("cases") {
             Options options = endless_options();
             options.want.faces = true;
             const auto t = votess::tessellate(points, options);
-            Options far;
+            votess::Region far;
             far.box = no_ends;
             votess::end_far(far, {points, {}});
             const votess::Box box = *far.box;

@@ -1,4 +1,4 @@
-"""Meshes as .vtu, .ply and .obj, read back by VTK, and .glb."""
+"""Meshes as .vtu, .ply and .obj, read back by VTK, .glb, and those for solvers; .tess is read."""
 
 import json
 import struct
@@ -174,3 +174,136 @@ class GltfFiles(ReaderTest):
     def test_no_points(self):
         self.put("none.txt", "")
         self.run_cli("none.txt", "-o", "a.glb")
+
+
+# The form of Neper, by hand: two grains in a box, with sections that hold nothing for us.
+TESS = """***tess
+ **format
+   3.4
+ **general
+   3 standard
+ **cell
+  2
+  *id
+   7 3
+  *crysym
+   triclinic
+  *seed
+   1 0.250000000000 0.500000000000 0.500000000000 {}
+   2 0.750000000000 0.500000000000 0.500000000000 {}
+  *ori
+   rodrigues:active
+  -3.297869980066    0.247604034009    0.291831395332
+  -1.245462346374   -0.011088000049    0.876068657775
+ **vertex
+ 1
+   1  1.000000000000 1.000000000000 0.000000000000     0
+ **domain
+  *general
+   {}
+  *vertex
+   4
+   1  0.000000000000 0.000000000000 0.000000000000 x0y0z0
+      1 21
+   2  1.000000000000 0.000000000000 0.000000000000 x1y0z0
+      1 13
+   3  0.000000000000 2.000000000000 0.000000000000 x0y1z0
+      1 1
+   4  0.000000000000 0.000000000000 1.000000000000 x0y0z1
+      1 17
+  *edge
+   1
+   1 2 4 6
+     x0y1
+     2 27 42
+  *face
+   {}
+***end
+"""
+CUBE_FACES = """1
+   1 4 4 6 5 1
+     4 1 2 3 4
+     plane
+     4 0.000000000000 1.000000000000 0.000000000000 0.000000000000
+     x0
+     3 14 19 24"""
+# The tetrahedron of these corners; normals lead inward, of length 1.
+TETRAHEDRON_FACES = "4\n" + "".join(
+    f"   {k + 1} 3 1 2 3\n     3 1 2 3\n     plane\n     4 {plane}\n     f{k + 1}\n     0\n"
+    for k, plane in enumerate(["0 1 0 0", "0 0 1 0", "0 0 0 1", "-0.666666666667 -0.666666666667 -0.333333333333 -0.666666666667"]))
+
+
+class SolverFiles(ReaderTest):
+    def test_tess_of_neper(self):
+        self.put("a.tess", TESS.format("0.300000000000", "0.100000000000", "cube", CUBE_FACES))
+        rows = self.rows("a.tess", "--radii", "radius", "--format", "%i %q %v %r")
+        values = [[float(x) for x in row.split()] for row in rows]
+        at = 0.5 + (0.3**2 - 0.1**2) / 2 / 0.5
+        np.testing.assert_allclose(values, [[7, 0.25, 0.5, 0.5, 2 * at, 0.3], [3, 0.75, 0.5, 0.5, 2 - 2 * at, 0.1]], rtol=1e-12)
+        done = self.run_cli("a.tess", "--json")
+        self.assertEqual(json.loads(done.stdout)["domain"]["from"], "stated")
+        self.put("b.tess", TESS.format(0, 0, "poly", TETRAHEDRON_FACES))
+        volumes = [float(row) for row in self.rows("b.tess", "--outside", "keep", "--format", "%v")]
+        self.assertAlmostEqual(sum(volumes), 2 / 6, places=9)
+        self.assertAlmostEqual(volumes[1], 2 * 0.5**3 / 6, places=9)
+        per = " **periodicity\n  *general\n   1 1 0\n   1.0 2.0 1.0\n***end"
+        self.put("c.tess", TESS.format(0, 0, "cube", CUBE_FACES).replace("***end", per))
+        self.assertEqual(json.loads(self.run_cli("c.tess", "--json").stdout)["domain"]["periodic"], [True, True, False])
+
+    def test_tess_in_and_out(self):
+        self.put("a.csv", "x,y,z,r\n" + "".join(f"{x},{y},{z},{0.3 * x}\n" for x, y, z in random_points(60).tolist()))
+        for box in [["--box", "0,0,0,1,1,1"], ["--cell", "1,0,0,0.2,1,0,0.3,0.1,1", "--periodic", "none", "--outside", "drop"],
+                    ["--box", "0,0,0,1,1,1", "--wall-sphere", "0.5,0.5,0.5,0.55,12", "--outside", "drop"]]:
+            self.run_cli("a.csv", *box, "--radii", "r", "-q", "-o", "b.tess", "-o", "a.npz", "--want", "volumes,neighbors")
+            self.run_cli("b.tess", "--radii", "radius", "--outside", "keep", "-q", "-o", "c.tess", "-o", "b.npz", "--want", "volumes,neighbors,faces")
+            a, b = np.load(self.folder / "a.npz"), np.load(self.folder / "b.npz")
+            held = np.flatnonzero(a["volumes"])
+            np.testing.assert_allclose(b["volumes"], a["volumes"][held], rtol=1e-9)
+            counts = [[(row >= 0).sum() for row in np.split(m["indices"], m["indptr"][1:-1])] for m in (a, b)]
+            np.testing.assert_array_equal(counts[1], np.array(counts[0])[held])
+            polyhedra = [(self.folder / name).read_text().split("**polyhedron")[1].split("**domain")[0].split()[0] for name in ("b.tess", "c.tess")]
+            self.assertEqual(polyhedra, [str(len(held))] * 2)
+
+    def test_bad_tess(self):
+        whole = TESS.format(0, 0, "cube", CUBE_FACES)
+        for content, says in [
+                ("x", "begins with ***tess"),
+                (whole.replace("3 standard", "2 standard"), "a tessellation in 2 dimensions"),
+                (whole.replace("*seed", "*lam"), "without seeds (*seed)"),
+                (whole.replace("**cell\n  2", "**cell\n  99999999999"), "99999999999 is not a number of cells"),
+                (whole.replace("     plane", "     cylinder"), "a face that is a cylinder"),
+                (whole.replace("0.250000000000", "nan"), "is not finite"),
+                (whole[:whole.index("0.75")], "ends where a coordinate is expected"),
+                (whole.replace("1.000000000000 0.000000000000 0.000000000000 x1", "0 0 0 x1"), "the domain has no volume")]:
+            self.refuse(self.put("bad.tess", content), says=says)
+        self.put("a.tess", whole)
+        self.refuse("a.tess", "--radii", "r", says="a .tess file has the column 'radius', not 'r'")
+        self.refuse("a.tess", "--columns", "x,y,z", says="--columns goes with")
+
+    def test_files_for_solvers(self):
+        (self.folder / "run").mkdir()
+        done = self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-o", "run/case.foam", "-o", "a.msh", "-o", "a.tess")
+        self.assertIn("has non-orthogonality up to", done.stderr)
+        mesh = self.folder / "run/constant/polyMesh"
+        self.assertEqual(sorted(path.name for path in mesh.iterdir()), ["boundary", "faces", "neighbour", "owner", "points"])
+        self.assertEqual((self.folder / "run/case.foam").read_bytes(), b"")
+        self.assertIn("nCells:200 ", (mesh / "owner").read_text())
+        self.assertEqual((self.folder / "a.msh").read_text().count('"cell '), 200)
+        before = (mesh / "points").read_bytes()
+        lines = [(mesh / "points").read_text().count("\n")]
+        self.run_cli("--random", "200", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam", "--min-edge", "0.03")
+        self.assertLess((mesh / "points").read_text().count("\n"), 0.9 * lines[0])
+        self.run_cli("--random", "200", "--rng-seed", "2", "--box", "0,0,0,1,1,1", "-q", "-o", "run/case.foam")
+        self.assertNotEqual((mesh / "points").read_bytes(), before)
+
+    def test_refusals(self):
+        box = ["--random", "50", "--box", "0,0,0,1,1,1"]
+        self.refuse(*box, "--min-face", "0.1", "-o", "a.foam", says=["is not closed", "leave out --min-face and --min-area"])
+        self.refuse(*box, "--periodic", "-o", "a.tess", says="no periodic boundary")
+        self.refuse(*box, "--min-edge", "0.1", "-o", "a.vtu", says="--min-edge is for meshes of solvers")
+        self.refuse(*box, "--min-edge", "-1", "-o", "a.msh", says="--min-edge is negative")
+        self.refuse(*box, "-o", "a.foam", "-o", "b.foam", says="is named twice")
+        self.refuse("--random", "50", "--2d", "-o", "a.msh", says="dimensions")
+        self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="none")
+        self.put("a.xyz", "2\n\nH 0 0 0\nH 1 1 1\n" * 2)
+        self.refuse("a.xyz", "--frames", "all", "-o", "a-{frame}.foam", says="whose folder holds one mesh")

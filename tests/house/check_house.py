@@ -5,7 +5,8 @@
 
 The table of folders in engine/README.md lists which folders a folder of the engine may include: only folders above it, so
 that no include runs up. The modules of pyvotess import each other in no circle. cli/ and bindings/ include nothing of the
-engine except core/system.hpp and core/processors.hpp. No other file asks which system it is on. All files that state the version state the same.
+engine except core/system.hpp and core/processors.hpp. No other file asks which system it is on. In the engine only input/,
+where options are settled, run/ and c/ name `Options`. All files that state the version state the same.
 --include adds an include that does not exist, to see the check fail.
 """
 import argparse
@@ -23,6 +24,7 @@ VERSIONS = {
 }
 # Only these files ask which system they are on: one for its calls, one for the marks of symbols in public headers.
 SYSTEM = {"engine/core/system.cpp", "include/votess/export.hpp"}
+KNOW_OPTIONS = {"input", "run", "c"}
 FOR_CLI = {"core/system.hpp", "core/processors.hpp"}
 NAMES = re.compile(r"\b(_WIN32|_WIN64|__MINGW32__|__APPLE__|__linux__|__unix__|__GLIBC__)\b")
 # Tests include headers of POSIX where they are built only there.
@@ -108,6 +110,10 @@ def main():
             wrong.append(f"{file}: engine/README.md does not list {room}/")
         elif target != room and target not in table[room]:
             wrong.append(f"{file}: {room}/ may not include {header}")
+
+    for file in (f for f in files if f.parts[0] == "engine" and f.parts[1] not in KNOW_OPTIONS):
+        if re.search(r"\bOptions\b", (source / file).read_text()):
+            wrong.append(f"{file}: names Options: settle() in engine/input has their values, option() their names")
 
     for file in files:
         if str(file) in SYSTEM or file.suffix in {".py", ".sh"} or file.parts[0] == "tools":

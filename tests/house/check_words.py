@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that messages of the engine mark the options that they name.
+"""Checks that messages of the engine mark the options that they name, by Options:: or by option().
 
     check_words.py SOURCE
 
@@ -15,18 +15,20 @@ LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 STRUCT = re.compile(r"^struct (\w*Options) \{\n(.*?)^\};", re.M | re.S)
 MEMBER = re.compile(r"^    [\w:<>, ]+[\w>] (\w+)(?: = [^;]+|\{[^;]*\})?;", re.M)
 # Messages with these words are not for users of options: the C interface names its own arguments.
+CALL = re.compile(r'(?<![\w"])option\("([\w.]+)"\)')
 LEFT_OUT = ("engine/c/", "engine/gpu/frames/", "engine/picture/", "engine/input/each_option.hpp", "engine/input/want_names.cpp",
             "engine/core/clock")
 
 
 def main():
     source = pathlib.Path(sys.argv[1])
-    names = set()
+    names, declared = set(), set()
     for header in sorted((source / "include/votess").glob("*.hpp")):
         if header.name in ("vulkan.hpp", "picture.hpp"):
             continue
         for _, members in STRUCT.findall(header.read_text()):
             names.update(MEMBER.findall(members))
+            declared.update(re.findall(r"\b(\w+)(?: = [^;]+|\{[^;]*\})?;", members))
     every = "|".join(sorted(names))
     # Names with _ are no English words. The others follow a verb, without an article.
     bare = re.compile(rf"(?<![\w.:])(?:({'|'.join(n for n in sorted(names) if '_' in n)})\b"
@@ -40,10 +42,11 @@ def main():
         for number, line in enumerate(path.read_text().split("\n"), 1):
             if line.lstrip().startswith(("//", "#")):
                 continue
+            wrong += [f'{file}:{number}: there is no option "{name}"' for name in CALL.findall(line) if name.split(".")[0] not in names | declared]
             for literal in LITERAL.findall(line):
                 count += " " in literal
                 if " " in literal and (found := bare.search(literal)):
-                    wrong.append(f'{file}:{number}: "{literal}" names {found[1] or found[2] or found[3]}: write Options::, see CONTRIBUTING.md')
+                    wrong.append(f'{file}:{number}: "{literal}" names {found[1] or found[2] or found[3]}: write Options:: or option(), see CONTRIBUTING.md')
     if len(names) < 20:
         wrong.append(f"only {len(names)} names of options are found")
     print("\n".join(wrong) if wrong else f"{count} texts mark the {len(names)} options that they name")

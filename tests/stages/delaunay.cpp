@@ -12,7 +12,7 @@
 #include "cpu/cell_builder.hpp"
 #include "cpu/cpu_clipper.hpp"
 #include "exact/insphere.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "polytope/cell.hpp"
 #include "query/parts.hpp"
 #include "support/cell_faces.hpp"
@@ -342,7 +342,7 @@ TEST_SUITE("stages") {
                 std::vector<double> weights;
                 for (std::size_t i = 0; i < n && weighted; ++i) weights.push_back(random.uniform(0, 1e-7));
                 options.weights = weights;
-                const votess::Job job = votess::validate({points, {}}, options);
+                const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
                 CpuClipper clipper;
                 clipper.begin(job);
                 clipper.prepare();

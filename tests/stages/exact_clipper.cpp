@@ -10,7 +10,7 @@
 
 #include "cpu/cpu_clipper.hpp"
 #include "fuzz/kinds/kinds.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/generators.hpp"
 #include "support/random.hpp"
@@ -37,7 +37,7 @@ std::vector<Cells> random_parts(std::size_t count, std::size_t parts, std::uint6
 // Clips part after part, as another engine does that could certify no cell.
 Tessellation clip_parts(ExactClipper& clipper, const votess::Points& points, const votess::Options& options,
                         const std::vector<Cells>& parts) {
-    const votess::Job job = validate(points, options);
+    const votess::Job job = votess::make_job(votess::settle(points, options));
     ResultBuilder builder;
     clipper.begin(job);
     builder.begin(job, clipper.pool());
@@ -69,7 +69,7 @@ std::string compare(const Tessellation& full, const Tessellation& parts) {
 
 // Clips all cells from the lists of a full run, so that none of them is walked.
 Tessellation clip_lists(const votess::Points& points, const votess::Options& options, const Tessellation& full) {
-    const votess::Job job = validate(points, options);
+    const votess::Job job = votess::make_job(votess::settle(points, options));
     votess::cpu::CpuClipper clipper;
     ResultBuilder builder;
     clipper.begin(job);
@@ -166,7 +166,7 @@ TEST_SUITE("stages") {
     TEST_CASE("exact clipper: no cells need no preparation; duplicates are found all the same") {
         const auto set = test::with_duplicates(300, 20, 14);
         auto options = test::all_options(set.box);
-        const votess::Job job = validate({set.points, {}}, options);
+        const votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
@@ -179,7 +179,7 @@ TEST_SUITE("stages") {
         CHECK(std::ranges::equal(clipper.duplicate_of(), full.duplicate_of()));
 
         options.duplicates = votess::Duplicates::error;
-        clipper.begin(validate({set.points, {}}, options));
+        clipper.begin(votess::make_job(votess::settle({set.points, {}}, options)));
         CHECK_THROWS_AS(clipper.prepare(), votess::Error);
         CHECK_THROWS_AS((void)clipper.duplicate_of(), votess::Error);
     }
@@ -196,7 +196,7 @@ TEST_SUITE("stages") {
             least = std::min(least, fraction), most = std::max(most, fraction);
             return false;
         };
-        const votess::Job job = validate({set.points, {}}, options);
+        const votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         clipper.begin(job);
@@ -215,7 +215,7 @@ TEST_SUITE("stages") {
     TEST_CASE("result builder: rows of two engines, copied and handed over, unresolved cells in between") {
         const auto set = test::clustered(test::by_size(10000, 1000), 18);
         const auto full = test::run(set);
-        const votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        const votess::Job job = votess::make_job(votess::settle({set.points, {}}, test::all_options(set.box)));
         votess::cpu::CpuClipper clipper;
         ResultBuilder builder;
         for (const bool copied : {false, true}) {
@@ -281,7 +281,7 @@ TEST_SUITE("stages") {
 
     TEST_CASE("result builder: an engine's bug is an error") {
         const auto set = test::uniform(10, 20);
-        votess::Job job = validate({set.points, {}}, test::all_options(set.box));
+        votess::Job job = votess::make_job(votess::settle({set.points, {}}, test::all_options(set.box)));
         const std::vector<double> two_areas{1, 2}, three_areas{1, 2, 3};
         votess::ThreadPool pool(1);
         ResultBuilder measuring;
@@ -294,7 +294,7 @@ TEST_SUITE("stages") {
                         votess::Error);
         measuring.begin(job, pool);
         measuring.copy_rows(Cells{3, 4}, std::vector<std::uint32_t>{1, 2}, Cells{1, 2, 3}, {three_areas, {}, {}});
-        job.options.want.areas = false;
+        job.want.areas = false;
         const Cells cells{3, 4}, beyond{3, 10}, negative{-1, 4};
         const std::vector<std::uint32_t> lengths{1, 2};
         ResultBuilder builder;

@@ -8,7 +8,7 @@
 #include "cpu/cell_builder.hpp"
 #include "index/hierarchy.hpp"
 #include "index/sort.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
@@ -31,7 +31,7 @@ Tests search_all(std::size_t count, Weight weight) {
     for (std::size_t i = 0; i < count; ++i)
         weights.push_back(weight(i, std::array{points[3 * i], points[3 * i + 1], points[3 * i + 2]}));
     options.weights = weights;
-    const votess::Job job = validate({points, {}}, options);
+    const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
     votess::ThreadPool pool(1);
     votess::cpu::SeedSorter sorter;
     votess::cpu::SortedSeeds seeds;

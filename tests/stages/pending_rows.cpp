@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/page_stock.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "output/near_rows.hpp"
 #include "output/result_builder.hpp"
 #include "support/check.hpp"
@@ -99,11 +99,11 @@ TEST_CASE("pending rows: pieces and moved pages of a stock overlap nothing") {
 TEST_CASE("pending rows: arrays of rows get lent pages and hold every entry") {
     constexpr std::size_t cells = 600000, length = 15;  // indices of 34 MiB
     const auto set = test::uniform(4, 20);
-    votess::Job job = votess::validate({set.points, {}}, test::all_options(set.box));
+    votess::Job job = votess::make_job(votess::settle({set.points, {}}, test::all_options(set.box)));
     const std::vector<double> points(3 * cells);
     job.points = {points, {}};
-    job.options.want = {.volumes = false, .areas = true};
-    job.options.want.neighbors = true;
+    job.want = {.volumes = false, .areas = true};
+    job.want.neighbors = true;
     std::vector<std::int32_t> input(cells);
     for (std::size_t i = 0; i < cells; ++i)
         input[i] = static_cast<std::int32_t>(i * 7 % cells);  // 7 and cells: coprime

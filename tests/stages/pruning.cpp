@@ -14,7 +14,7 @@
 #include "index/lift.hpp"
 #include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "kernels/star_kernels.hpp"
 #include "polytope/cell.hpp"
 #include "support/check.hpp"
@@ -344,7 +344,7 @@ TEST_SUITE("stages") {
                 for (std::size_t k = 0; k < 3; ++k)
                     points.push_back(
                         std::clamp(random.uniform(box.lower[k], box.upper[k]), box.lower[k], box.upper[k]));
-            const votess::Job job = validate({points, {}}, options);
+            const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
             votess::cpu::SeedSorter sorter;
             votess::cpu::SortedSeeds seeds;
             votess::cpu::SeedImages images;

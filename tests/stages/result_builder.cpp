@@ -46,7 +46,7 @@ TEST_SUITE("stages") {
         votess::Job job;
         job.domain = std::make_shared<const votess::Domain>();
         job.points.f32 = points;
-        job.options.want = {.neighbors = true, .volumes = false};
+        job.want = {.neighbors = true, .volumes = false};
         ThreadPool pool(3);
         ResultBuilder builder;
         builder.begin(job, pool);
@@ -71,7 +71,7 @@ TEST_SUITE("stages") {
         votess::Job job;
         job.domain = std::make_shared<const votess::Domain>();
         job.points.f32 = points;
-        job.options.want = {.neighbors = true, .volumes = false};
+        job.want = {.neighbors = true, .volumes = false};
         ThreadPool pool(2);
         const std::vector<std::int32_t> waiting{0, 3, 4};
         const auto make = [&](const std::vector<std::uint32_t>& later, auto&& place) {
@@ -118,7 +118,7 @@ TEST_SUITE("stages") {
         votess::Job job;
         job.domain = std::make_shared<const votess::Domain>();
         job.points.f32 = points;
-        job.options.want = {.neighbors = true, .volumes = true, .centroids = true};
+        job.want = {.neighbors = true, .volumes = true, .centroids = true};
         ThreadPool pool(3);
         ResultBuilder builder;
         std::vector<std::int32_t> ids(length * count);
@@ -147,7 +147,7 @@ TEST_SUITE("stages") {
         votess::Job job;
         job.domain = std::make_shared<const votess::Domain>();
         job.points.f64 = points;
-        job.options.want = {.neighbors = false, .volumes = true};
+        job.want = {.neighbors = false, .volumes = true};
         test::Random random(3);
         std::vector<double> volumes(count);
         votess::exact::Quad exact = 0;

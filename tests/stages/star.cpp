@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "cpu/cell_builder.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
@@ -28,7 +28,7 @@ struct ExpectedCell {
 struct Sorted {
     // scale: none = the engine's.
     explicit Sorted(const test::PointSet& set, double scale = 0) {
-        const votess::Job job = votess::validate({set.points, {}}, test::all_options(set.box));
+        const votess::Job job = votess::make_job(votess::settle({set.points, {}}, test::all_options(set.box)));
         votess::Box box = job.box;
         const double by = scale == 0 ? job.scale : scale;
         for (int k = 0; k < 3; ++k) box.lower[k] *= by, box.upper[k] *= by;

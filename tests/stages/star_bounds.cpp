@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "cpu/cpu_clipper.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/kernel_sets.hpp"
 #include "support/rational_planes.hpp"
@@ -174,7 +174,7 @@ TEST_SUITE("stages") {
             votess::Options options;
             options.box = test::cube(-4, 4);
             options.weights = small.weights;
-            const votess::Job job = votess::validate({small.points, {}}, options);
+            const votess::Job job = votess::make_job(votess::settle({small.points, {}}, options));
             CpuClipper clipper;
             clipper.begin(job);
             clipper.prepare();

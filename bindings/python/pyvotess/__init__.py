@@ -21,13 +21,15 @@ from .diagram import Diagram, Probes
 from .fields.lloyd import Relaxation, lloyd
 from .fields.moments import transport_cost
 from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
+from .fields.shapes import Shapes
 from .frames import Frame, read_frames
+from .groups import Groups
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors, Rows
 from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
 from .pieces import Piece, Pieces
 from .rays import RayCells
-from .stats import StageSeconds, Stats, VerifyReport
+from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
@@ -46,8 +48,10 @@ __all__ = [
     "FitSeconds",
     "Frame",
     "FreeSphere",
+    "Groups",
     "IncludedSphere",
     "Lists",
+    "MeshQuality",
     "NaturalCoordinates",
     "Neighbors",
     "Network",
@@ -58,6 +62,7 @@ __all__ = [
     "RayCells",
     "Relaxation",
     "Rows",
+    "Shapes",
     "StageSeconds",
     "Stats",
     "StreamResult",

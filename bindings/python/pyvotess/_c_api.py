@@ -256,13 +256,42 @@ class Mesh(ctypes.Structure):
         ("planar", c_int32),
         ("skip_open", c_int32),
         ("left_out", c_void_p),
+        ("edges", c_double * 9),
+        ("seeds", c_void_p),
+        ("weights", c_void_p),
+        ("min_edge", c_double),
+        ("short_edges", c_void_p),
     ]  # fmt: skip
+
+
+class MeshQuality(ctypes.Structure):
+    """``votess_mesh_quality``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("reserved", c_uint32),
+        ("cells", c_uint64),
+        ("faces", c_uint64),
+        ("internal_faces", c_uint64),
+        ("vertices", c_uint64),
+        ("max_non_orthogonality", c_double),
+        ("mean_non_orthogonality", c_double),
+        ("severe_faces", c_uint64),
+        ("max_skewness", c_double),
+        ("skew_faces", c_uint64),
+        ("min_area", c_double),
+        ("min_volume", c_double),
+        ("min_edge", c_double),
+        ("wrong_faces", c_uint64),
+        ("wrong_cells", c_uint64),
+        ("short_edges", c_uint64),
+    ]
 
 
 class Bytes(ctypes.Structure):
     """``votess_bytes``."""
 
-    _fields_ = [("data", c_void_p), ("count", c_size_t), ("total", c_uint64)]
+    _fields_ = [("data", c_void_p), ("count", c_size_t), ("total", c_uint64), ("file", c_char_p)]
 
 
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
@@ -359,6 +388,9 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_zones_merge": (c_int, (_HANDLE, c_double, POINTER(_HANDLE))),
     "votess_zones_free": (None, (_HANDLE,)),
     "votess_zones_array": _ARRAY,
+    "votess_groups_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
+    "votess_groups_free": (None, (_HANDLE,)),
+    "votess_groups_array": _ARRAY,
     "votess_network_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_network_free": (None, (_HANDLE,)),
     "votess_network_array": _ARRAY,
@@ -393,6 +425,7 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_wrapped_points": (c_int, (_HANDLE, c_void_p, c_size_t, c_void_p)),
     "votess_value_colors": (c_int, (c_void_p, c_size_t, c_int32, c_void_p)),
     "votess_write_mesh": (c_int, (POINTER(Mesh), c_char_p, WriteCallback, c_void_p)),
+    "votess_measure_mesh": (c_int, (POINTER(Mesh), POINTER(MeshQuality))),
     "votess_write_pieces": (c_int, (POINTER(PieceArrays), c_char_p, WriteCallback, c_void_p)),
     "votess_sphere_walls": (c_int, (c_void_p, c_double, c_size_t, c_void_p)),
     "votess_cylinder_walls": (c_int, (c_void_p, c_void_p, c_double, c_size_t, c_void_p)),

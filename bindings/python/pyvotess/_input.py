@@ -146,6 +146,18 @@ def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     return array.astype(np.float64, copy=False)
 
 
+def as_labels(values: Any, name: str, count: int, of: str) -> npt.NDArray[np.int64]:
+    """Returns (count,) int64, one whole number for each point."""
+    array = as_array(values, name)
+    if array.dtype.kind not in "iu" and array.size:
+        raise ValueError(f"{name} has dtype {array.dtype}: give whole numbers")
+    if array.shape != (count,):
+        raise ValueError(f"{name} has shape {array.shape} for {count} {of}: it must be ({count},)")
+    if array.size and int(array.max()) >= 2**63:
+        raise ValueError(f"{name} holds {int(array.max())}: numbers below 2**63 are possible")
+    return np.ascontiguousarray(array, dtype=np.int64)
+
+
 def as_only(values: Any, count: int) -> Optional[npt.NDArray[np.int64]]:
     """Returns (M,) int64 from indices or a mask of ``count`` flags."""
     if values is None:

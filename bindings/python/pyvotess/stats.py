@@ -85,6 +85,27 @@ def stats_of(c_stats: _c_api.Stats) -> Stats:
 
 
 @dataclass(frozen=True)
+class MeshQuality:
+    """How well cells suit solvers, as OpenFOAM's checkMesh measures it. See :meth:`Tessellation.mesh_quality`."""
+
+    cells: int  #: those with faces
+    faces: int  #: each once
+    internal_faces: int  #: between two cells; those of a periodic boundary are not among them
+    vertices: int
+    max_non_orthogonality: float  #: angle between a face's normal and the line through the centroids of its cells, in degrees
+    mean_non_orthogonality: float
+    severe_faces: int  #: with an angle above 70 degrees
+    max_skewness: float  #: distance of that line from the face's center, as a share of the face's size in its direction
+    skew_faces: int  #: with a skewness above 4
+    min_area: float  #: of a face
+    min_volume: float  #: of a cell
+    min_edge: float  #: length
+    wrong_faces: int  #: with a normal that does not lead from one cell to the other, or without an area
+    wrong_cells: int  #: without a positive volume
+    short_edges: int  #: below ``min_edge``, which cannot be collapsed
+
+
+@dataclass(frozen=True)
 class VerifyReport:
     """Report of :meth:`Tessellation.verify` and similar methods. It is true when all possible checks passed."""
 

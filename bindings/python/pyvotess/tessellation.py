@@ -10,26 +10,28 @@ from typing import TYPE_CHECKING, Any, Dict, Mapping, Optional, Sequence, Tuple,
 
 import numpy as np
 
-from ._arguments import as_flag
+from ._arguments import as_flag, as_number
 from ._c_api import ErrorCode
 from ._call import Handle, Progress, VotessError, raise_on_failure, watched
-from ._input import as_one_each
+from ._input import as_labels, as_one_each
 from ._library import lib
 from ._run import new_options, tessellate_points
 from ._state import SeedCells, differing_array, read_result
 from .alpha import AlphaComplex, make_alpha
 from .derivatives import make_derivatives
+from .groups import Groups, read_groups
 from .mesh import Delaunay, make_delaunay
 from .network import Network, make_network
 from .pairs import Pairs, make_pairs
 from .pieces import Pieces, make_pieces
-from .stats import VerifyReport, as_sample, verify
+from .stats import MeshQuality, VerifyReport, as_sample, verify
 from .zones import Zones, read_zones
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .export.image import Image
+    from .fields.shapes import Shapes
 
 
 class Tessellation(SeedCells):
@@ -170,6 +172,47 @@ class Tessellation(SeedCells):
         raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
         return read_zones(handle, self.lists_walls, falls)
 
+    def groups(self, labels: npt.ArrayLike) -> Groups:
+        """Returns sums of the cells by group: molecules, residues, grains, clusters. Needs "neighbors" in want.
+
+        Each group has the groups that it touches, with the number of faces between them and their area. Faces between cells of
+        one group are inside it, also across a periodic boundary.
+
+        labels : (N,) whole numbers, one for each cell. Equal numbers make a group.
+
+        ``areas`` needs "areas" in want, ``surface_areas`` needs "areas,surfaces", and ``volumes`` "volumes". Raises
+        ValueError for another number of labels, and with ``only``.
+        """
+        self._check_wanted("neighbors")
+        array = as_labels(labels, "labels", len(self), "cells")
+        handle = Handle("groups")
+        arguments = (array.ctypes.data, len(array), ctypes.byref(handle.pointer))
+        raise_on_failure(watched(lib.votess_groups_new, self._handle().pointer, *arguments))
+        return read_groups(handle)
+
+    def shapes(self, open: Optional[str] = None) -> Shapes:
+        """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.
+
+        The axes are those of the ellipsoid with the same second moments, in the plane of the ellipse. In a mesh they are those
+        of the part of the cell inside. Cells that reach infinity are refused; ``open="skip"`` leaves their rows nan.
+        """
+        from .fields.shapes import make_shapes
+
+        return make_shapes(self if self.least_face == 0 else self._with_all_faces(), open)
+
+    def mesh_quality(self, open: Optional[str] = None, min_edge: float = 0.0) -> MeshQuality:
+        """Returns how well the cells suit solvers, as OpenFOAM's checkMesh measures it. Needs "faces" in want.
+
+        ``open``: "skip" leaves out cells that reach infinity, which else are refused. ``min_edge``: as for :meth:`save`. Raises ValueError in the plane, in a mesh,
+        with ``only``, and where ``min_face`` or ``min_area`` dropped faces.
+        """
+        self._check_whole()
+        from .export.geometry import mesh_of
+        from .export.mesh_file import mesh_quality
+
+        mesh_of(self, "mesh_quality()", False, True, open)
+        return mesh_quality(self, open is not None, as_number(min_edge, "min_edge"))
+
     def derivatives(self, of: str = "volumes", by: str = "points", open: Optional[str] = None) -> Any:
         """Returns derivatives of volumes or face areas as a ``scipy.sparse.csr_matrix``. Needs "faces" in want.
 
@@ -269,6 +312,7 @@ class Tessellation(SeedCells):
         color: Any = None,
         colormap: str = "tide",
         open: Optional[str] = None,
+        min_edge: float = 0.0,
     ) -> None:
         """Writes the result to a file in the format of its extension. The file is written whole or not at all.
 
@@ -279,21 +323,30 @@ class Tessellation(SeedCells):
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
+        - ``.foam``: a mesh of OpenFOAM. The file is empty, as ParaView wants it; the mesh is in the folder
+          ``constant/polyMesh`` beside it. Each wall is a patch, and a periodic boundary a pair of cyclic patches.
+        - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
+        - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
+          pair of cells and each wall a physical surface.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
         ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
+        ``min_edge``: in .foam, .tess and .msh the ends of edges below this length become one vertex, and faces with two
+        corners vanish. Cells stay closed, and vertices on their walls. Warns about edges that stay, because a cell would not
+        remain a polyhedron.
         ``open``: "skip" leaves cells that reach infinity out of the other formats, which else refuse them; ``open_cells``
         names them.
 
-        Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, or a .glb above 4 GiB;
+        Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, a .glb above 4 GiB, and for
+        .foam, .tess and .msh where ``min_face`` or ``min_area`` dropped faces;
         ImportError without h5py for .h5; OSError when the file cannot be written.
         """
         self._check_whole()
         from .export.save import save
 
-        save(self, path, columns, color, colormap, open)
+        save(self, path, columns, color, colormap, open, min_edge)
 
     def to_dataframe(self) -> Any:
         """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""

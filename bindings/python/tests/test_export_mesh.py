@@ -133,7 +133,7 @@ class AsClvotess(Folder):
         if not program:
             self.skipTest("VOTESS_CLI names no clvotess")
         np.save(self.path("p.npy"), uniform(200))
-        names = [self.path("a" + extension) for extension in (".vtu", ".ply", ".obj", ".glb")]
+        names = [self.path("a" + extension) for extension in (".vtu", ".ply", ".obj", ".glb", ".msh")]
         for options, periodic in (([], False), (["--periodic"], True)):
             command = [program, self.path("p.npy"), "--box", "0,0,0,1,1,1", "--colormap", "ember", "-q", *options]
             subprocess.run(command + [word for name in names for word in ("-o", name)], check=True)
@@ -296,6 +296,7 @@ class Glb(Folder):
             indptr=np.array([0, 0]), indices=np.empty(0, np.int32), shifts=None, face_offsets=np.array([0]),
             face_vertices=np.empty(0, np.int32), vertices=np.zeros((1, 3)), cell_vertex_indptr=np.array([0, count]),
             cell_vertex_indices=np.zeros(count, np.int32), box=np.zeros((2, 3)), planar=False,
+            points=np.zeros((1, 3)), weights=None, cell=None,
         )  # fmt: skip
         with self.assertRaisesRegex(ValueError, "would take 4295 MB, but .glb ends at 4 GiB: write .vtu"):
             write_mesh(self.path("a.glb"), ".glb", huge, {}, np.zeros((1, 3), np.uint8), False)

@@ -327,6 +327,44 @@ class Outputs:
             count = int(re.search(rb'NumberOfCells="(\d+)"', path.read_bytes())[1])
         return 10 < count <= 2 * COUNT if not self.kind.in_mesh else count > 10
 
+    def groups(self):
+        """Two halves share the area that their seeds do."""
+        t = self.run("neighbors,volumes,areas,surfaces")
+        half = np.arange(COUNT) % 2
+        found = t.groups(half)
+        cells = np.repeat(np.arange(COUNT), np.diff(t.indptr))
+        between = (t.indices >= 0) & (half[cells] != half[t.indices])
+        return np.allclose(found.areas[-1], t.face_areas[between].sum() / 2) and np.allclose(
+            found.volumes, [t.volumes[half == k].sum() for k in (0, 1)]
+        )
+
+    def shapes(self):
+        """Sphericity has a closed form of volume and surface."""
+        t = self.run("neighbors,volumes,surfaces" if self.kind.in_mesh else "neighbors,volumes,surfaces,faces")
+        s = t.shapes(**({"open": "skip"} if self.kind.open else {}))
+        held = np.isfinite(s.sphericity)
+        volumes, surfaces = t.volumes[held], t.surface_areas[held]
+        ball = (36 * np.pi * volumes**2) ** (1 / 3) if self.kind.dimensions == 3 else 2 * np.sqrt(np.pi * volumes)
+        return held.sum() > 10 and np.allclose(s.sphericity[held], ball / surfaces)
+
+    def solver_file(self, name, pattern):
+        with tempfile.TemporaryDirectory() as folder:
+            more = {"open": "skip"} if self.kind.open else {}
+            self.run("neighbors,volumes,faces").save(Path(folder) / name, **more)
+            path = Path(folder) / ("constant/polyMesh/owner" if name.endswith(".foam") else name)
+            count = int(re.search(pattern, path.read_text())[1])
+        t = self.run("neighbors,volumes,faces")
+        return count == np.count_nonzero((t.volumes > 0) & np.isfinite(t.volumes))
+
+    def foam(self):
+        return self.solver_file("case.foam", r"nCells:(\d+)")
+
+    def msh(self):
+        return self.solver_file("a.msh", r"\$Entities\n\d+ \d+ \d+ (\d+)")
+
+    def tess(self):
+        return self.solver_file("a.tess", r"\*\*polyhedron\n *(\d+)")
+
     def stream(self):
         rows = {}
 
@@ -345,7 +383,7 @@ class Outputs:
 
 
 OUTPUTS = [name for name in vars(Outputs) if not name.startswith("_") and name not in
-           ("run", "diagram", "owners", "is_size", "assert_cells_hold_their_centroids", "grid")]
+           ("run", "diagram", "owners", "is_size", "assert_cells_hold_their_centroids", "grid", "solver_file")]
 
 
 def refused_in_readme():

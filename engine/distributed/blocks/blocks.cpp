@@ -5,8 +5,8 @@
 
 #include "distributed/blocks/messages.hpp"
 #include "distributed/blocks/partition.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "query/locator.hpp"
 #include "result/arrays.hpp"
@@ -16,17 +16,16 @@ namespace votess {
 namespace detail {
 
 struct BlockDomainState {
-    Options options;  // of the domain
+    Settled whole;
     std::optional<Sheet> sheet;
-    Options in_space, of_blocks;
+    Settled in_space, of_blocks;
     std::optional<EndlessSides> ends;
     Job job;  // of blocks, without seeds
     std::optional<blocks::Partition> partition;
 };
 
 struct BlockState {
-    BlockState(const BlockDomain& whole, Seeds own)
-        : domain(whole), block(domain.options_of_blocks(), std::move(own)) {}
+    BlockState(const BlockDomain& whole, Seeds own) : domain(whole), block(domain.of_blocks(), std::move(own)) {}
     BlockDomain domain;
     blocks::LocalBlock block;
 };
@@ -44,26 +43,25 @@ auto with_memory(const Work& work) {
     }
 }
 
-void check_for_blocks(const Options& options) {
-    if (options.device != "cpu" && options.device != "auto")
+void check_for_blocks(const Settled& run) {
+    if (run.device != "cpu" && run.device != "auto")
         throw Error(ErrorCode::unsupported,
-                    "Options::device = " + options.device + ": blocks find their cells on the CPU, give cpu or auto");
-    const Want want = with_implied(options);
-    if (want.vertices || want.faces)
+                    option("device") + " = " + run.device + ": blocks find their cells on the CPU, give cpu or auto");
+    if (run.want.vertices || run.want.faces)
         throw Error(ErrorCode::unsupported,
-                    "vertices and faces are not available across blocks: leave them out of Options::want");
-    if (options.min_face != 0 || options.min_area != 0)
+                    "vertices and faces are not available across blocks: leave them out of " + option("want"));
+    if (run.min_face != 0 || run.min_area != 0)
         throw Error(ErrorCode::unsupported,
-                    "Options::min_face and Options::min_area need the faces of all cells: leave them out");
-    if (options.only)
+                    option("min_face") + " and " + option("min_area") + " need the faces of all cells: leave them out");
+    if (run.subset)
         throw Error(ErrorCode::unsupported,
-                    "cells of some seeds are not available across blocks: leave out Options::only");
-    if (options.mesh)
+                    "cells of some seeds are not available across blocks: leave out " + option("only"));
+    if (run.region.mesh)
+        throw Error(ErrorCode::unsupported, "cells are not cut by a mesh across blocks: leave out " + option("mesh") +
+                                                ", or tessellate in one memory");
+    if (run.duplicates == Duplicates::error)
         throw Error(ErrorCode::unsupported,
-                    "cells are not cut by a mesh across blocks: leave out Options::mesh, or tessellate in one memory");
-    if (options.duplicates == Duplicates::error)
-        throw Error(ErrorCode::unsupported,
-                    "Options::duplicates = error is not available across blocks: check the statuses");
+                    option("duplicates") + " = error is not available across blocks: check the statuses");
 }
 
 exact::Point point_of(std::span<const double> points, std::size_t i, double scale) {
@@ -72,41 +70,40 @@ exact::Point point_of(std::span<const double> points, std::size_t i, double scal
 
 }  // namespace
 
-BlockDomain::BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds)
+BlockDomain::BlockDomain(Settled whole, const Box& bounds, std::uint64_t seeds)
     : state_(std::make_shared<detail::BlockDomainState>()) {
-    check_for_blocks(options);
-    Options& whole = state_->options = options;
-    whole.weights = whole.radii = {};
+    check_for_blocks(whole);
+    whole.weights = {};
     whole.device = "cpu";
-    if (whole.planar) state_->sheet.emplace(bounds, seeds, whole);
-    const Options& in_space = state_->in_space = whole.planar ? state_->sheet->options() : whole;
-    Options& of_blocks = state_->of_blocks = in_space;
-    state_->ends.emplace(in_space);
+    if (whole.region.planar) state_->sheet.emplace(bounds, seeds, whole);
+    Settled& in_space = state_->in_space = state_->sheet ? state_->sheet->in_space() : whole;
+    Settled& of_blocks = state_->of_blocks = in_space;
+    state_->ends.emplace(in_space.region);
     if (endless()) {
-        check_endless(in_space);
         const std::vector<double> corners{bounds.lower[0], bounds.lower[1], bounds.lower[2],
                                           bounds.upper[0], bounds.upper[1], bounds.upper[2]};
-        end_near(of_blocks, {corners, {}});
+        end_near(of_blocks.region, {corners, {}});
         of_blocks.list_walls = of_blocks.want.neighbors = true;
+    } else if (!whole.region.cell) {
+        Box box = box_of(of_blocks.region, bounds, seeds);
+        in_space.region.box = of_blocks.region.box = box;
+        if (whole.region.planar) box.lower[2] = box.upper[2] = 0;
+        whole.region.box = box;
     }
-    check_options(of_blocks);
-    if (!whole.cell && !endless()) {
-        whole.box = state_->in_space.box = of_blocks.box = box_of(of_blocks, bounds, seeds);
-        if (whole.planar) whole.box->lower[2] = whole.box->upper[2] = 0;
-    }
-    state_->job = validate({}, of_blocks);
+    state_->job = make_job(of_blocks);
+    state_->whole = std::move(whole);
 }
 
-const Options& BlockDomain::options() const noexcept {
-    return state_->options;
+const Settled& BlockDomain::whole() const noexcept {
+    return state_->whole;
 }
 
-const Options& BlockDomain::options_of_blocks() const noexcept {
-    return state_->of_blocks;
-}
-
-const Options& BlockDomain::options_in_space() const noexcept {
+const Settled& BlockDomain::in_space() const noexcept {
     return state_->in_space;
+}
+
+const Settled& BlockDomain::of_blocks() const noexcept {
+    return state_->of_blocks;
 }
 
 bool BlockDomain::endless() const noexcept {
@@ -118,7 +115,7 @@ bool BlockDomain::is_end(std::int32_t id) const noexcept {
 }
 
 void BlockDomain::complete(detail::Result& cells) const {
-    if (endless()) detail::keep_wanted(cells, with_implied(state_->in_space), state_->in_space.list_walls);
+    if (endless()) detail::keep_wanted(cells, state_->in_space.want, state_->in_space.list_walls);
     if (state_->sheet) state_->sheet->flatten(cells);
 }
 
@@ -129,18 +126,20 @@ double BlockDomain::thickness() const noexcept {
 double BlockDomain::volume(std::span<const double> seed) const {
     if (endless()) return infinity;
     const std::vector<double> copy(seed.begin(), seed.end());
-    const double volume = validate({copy, {}}, state_->of_blocks).box_volume;
+    Settled run = state_->of_blocks;
+    run.points = {copy, {}};
+    const double volume = make_job(std::move(run)).box_volume;
     return state_->sheet ? volume / state_->sheet->thickness() : volume;
 }
 
-std::vector<CellStatus> BlockDomain::check(std::span<const double> points, std::span<const double> weights,
-                                           std::span<const double> radii, std::uint64_t first) const {
-    Options options = state_->of_blocks;
-    options.weights = weights;
-    options.radii = radii;
+std::vector<CellStatus> BlockDomain::check(std::span<const double> points, const Weights& weights,
+                                           std::uint64_t first) const {
     return with_memory([&] {
         const std::vector<double> copy(points.begin(), points.end());
-        Job job = validate({copy, {}, first}, options);
+        Settled run = state_->of_blocks;
+        run.points = {copy, {}, first};
+        run.weights = weights;
+        Job job = make_job(std::move(run));
         job.outside.resize(copy.size() / 3, CellStatus::certified);
         return std::move(job.outside);
     });
@@ -178,10 +177,10 @@ std::vector<std::uint32_t> BlockDomain::blocks_of(std::span<const double> places
 }
 
 CheckedRun checked_run(const BlockDomain& domain, std::uint64_t seeds, double volume) {
-    CheckedRun run{domain.options_of_blocks(), seeds, volume};
-    run.options.list_walls = domain.options().list_walls;
+    CheckedRun run{domain.of_blocks(), seeds, volume};
+    run.settled.list_walls = domain.whole().list_walls;
     run.thickness = domain.thickness();
-    run.ends = EndlessSides(domain.options_in_space());
+    run.ends = EndlessSides(domain.in_space().region);
     return run;
 }
 

@@ -2,7 +2,7 @@
 // explains why that works. The rows are those of one tessellate() with all seeds, whatever the blocks are. The caller
 // carries messages between blocks, as distributed/mpi does over ranks. The order of use:
 //
-//   1. BlockDomain, the same for all blocks, from the options and the bounds of all seeds; check() the seeds
+//   1. BlockDomain, the same for all blocks, from a settled run and the bounds of all seeds; check() the seeds
 //   2. split(), the same for all blocks, from a sample of places; blocks_of() returns the block of each seed
 //   3. Block, with its seeds; send each outline() to all blocks
 //   4. send halo_for() each outline to its block; clip() with all halos
@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/bytes.hpp"
+#include "input/settled.hpp"
 #include "verify/reported_cell.hpp"
 #include "votess/block_cells.hpp"
 
@@ -34,17 +35,16 @@ struct Result;
 
 class VOTESS_API BlockDomain {
 public:
-    // options: of the run, in space or in the plane; weights and radii are ignored. Each Block calls progress while it
-    // finds cells, from 0 on. bounds: of all seeds, used when the options have neither box nor cell. seeds: their
-    // number in all.
-    BlockDomain(const Options& options, const Box& bounds, std::uint64_t seeds);
+    // whole: in space or in the plane; its weights are ignored. Each Block calls progress while it finds cells, from 0
+    // on. bounds: of all seeds, used when the region has neither box nor cell. seeds: their number in all.
+    BlockDomain(Settled whole, const Box& bounds, std::uint64_t seeds);
 
-    // Returns the options with the box of the run.
-    [[nodiscard]] const Options& options() const noexcept;
-    // Returns the options in space. For the plane they are those of a sheet.
-    [[nodiscard]] const Options& options_in_space() const noexcept;
-    // Returns the options of each block's run. They have near ends where the domain has none, and rows list these.
-    [[nodiscard]] const Options& options_of_blocks() const noexcept;
+    // Returns the run with its box.
+    [[nodiscard]] const Settled& whole() const noexcept;
+    // Returns the run in space. For the plane it is that of a sheet.
+    [[nodiscard]] const Settled& in_space() const noexcept;
+    // Returns the run of each block. It has near ends where the domain has none, and rows list these.
+    [[nodiscard]] const Settled& of_blocks() const noexcept;
     [[nodiscard]] bool endless() const noexcept;
     // Returns whether the wall of this id is a near end.
     [[nodiscard]] bool is_end(std::int32_t id) const noexcept;
@@ -55,9 +55,9 @@ public:
     // Returns the volume of the domain. With walls, it is 0 unless a seed inside them is given.
     [[nodiscard]] double volume(std::span<const double> seed = {}) const;
     // Returns N statuses: `outside` for seeds to drop, else `certified`. Throws invalid_argument that names the first
-    // bad point by its index plus `first`. points: (N, 3). weights, radii: N, or none.
-    [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, std::span<const double> weights = {},
-                                                std::span<const double> radii = {}, std::uint64_t first = 0) const;
+    // bad point by its index plus `first`. points: (N, 3). weights: N, or none.
+    [[nodiscard]] std::vector<CellStatus> check(std::span<const double> points, const Weights& weights = {},
+                                                std::uint64_t first = 0) const;
     // Returns (N, 3): where seeds are after wrapping, in an internal unit.
     [[nodiscard]] std::vector<double> places(std::span<const double> points) const;
     // Splits space into blocks with about equal numbers of seeds. sample: (M, 3) places, the same for all in the same
@@ -82,7 +82,7 @@ struct BlockCounts {
     std::uint64_t exact_cells = 0;  // cells where exact arithmetic decided a sign; twice if also after a reply
 };
 
-// Calls for one block must not overlap. options.threads work inside a call.
+// Calls for one block must not overlap. The threads of the run work inside a call.
 class VOTESS_API Block {
 public:
     // ids: N, ascending, 0 or more, unique over all blocks. points: (N, 3). weights: N in a power diagram (squares of

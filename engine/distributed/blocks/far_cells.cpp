@@ -4,7 +4,8 @@
 #include <string>
 
 #include "cpu/cpu_engine.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "result/arrays.hpp"
 #include "unbounded/run_endless.hpp"
 
@@ -42,7 +43,8 @@ std::vector<std::uint32_t> FarCells::take(const BlockDomain& domain, const Run& 
             throw Error(ErrorCode::unsupported,
                         "seed " + std::to_string(run.seeds.ids[i]) +
                             " has no cell near the others, for its weight is small: whether it has one far out is not "
-                            "known across blocks, give Options::box, or leave the seed out");
+                            "known across blocks, give " +
+                            option("box") + ", or leave the seed out");
         const auto neighbors = std::span<const std::int32_t>(run.result.indices)
                                    .subspan(static_cast<std::size_t>(run.result.indptr[i]),
                                             static_cast<std::size_t>(run.result.indptr[i + 1] - run.result.indptr[i]));
@@ -59,17 +61,18 @@ std::vector<std::uint32_t> FarCells::take(const BlockDomain& domain, const Run& 
 void find_far(const BlockDomain& domain, const FarCells& all, std::span<const std::int64_t> ids, Run& run) {
     if (ids.empty()) return;
     run.seeds = all.seeds.sorted();
-    Options options = domain.options_in_space();
-    options.weights = run.seeds.weights;
-    options.list_walls = options.want.neighbors = true;
-    const auto on_cpu = [&](const Points& points, const Options& in_box) {
-        const Job job = validate(points, in_box);
+    Settled whole = domain.in_space();
+    whole.points = {run.seeds.points, {}};
+    whole.weights = {run.seeds.weights};
+    whole.list_walls = whole.want.neighbors = true;
+    const auto on_cpu = [&](Settled in_box) {
+        const Job job = make_job(std::move(in_box));
         StageClock clock;
         detail::Result result;
         cpu::CpuEngine(run.clipper).run(job, clock, result);
         return result;
     };
-    run.result = run_endless({run.seeds.points, {}}, options, on_cpu);
+    run.result = run_endless(whole, on_cpu);
     std::vector<std::size_t> rows;
     for (const std::int64_t id : ids) rows.push_back(place_of(id, run.seeds.ids));
     keep_rows(run.result, rows);

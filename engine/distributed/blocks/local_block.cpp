@@ -6,7 +6,7 @@
 
 #include "core/progress.hpp"
 #include "distributed/blocks/far_cells.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "query/locator.hpp"
 #include "result/arrays.hpp"
 #include "walk/star_bounds.hpp"
@@ -14,14 +14,14 @@
 namespace votess::blocks {
 namespace {
 
-Options options_for(const Seeds& seeds, Options options) {
-    options.weights = seeds.weights;
-    options.radii = {};
-    options.want.neighbors = true;
+Settled part_of(const Settled& whole, const Seeds& seeds) {
+    Settled part = whole;
+    part.points = {seeds.points, {}};
+    part.weights = {seeds.weights};
+    part.want.neighbors = true;
     // Measures include the radius, see Run::reach_of().
-    options.want.radii |= options.want.volumes || options.want.centroids || options.want.areas || options.want.surfaces;
-    options.min_face = options.min_area = 0;
-    return options;
+    part.want.radii |= part.want.volumes || part.want.centroids || part.want.areas || part.want.surfaces;
+    return part;
 }
 
 // Returns the rank of each id. The ids ascend up to `middle`, and again from there.
@@ -80,12 +80,12 @@ private:
 
 }  // namespace
 
-void Run::clip(const Options& options, std::size_t first) {
+void Run::clip(const Settled& whole, std::size_t first) {
     row_order = places_by_id(seeds.ids, first);
-    job = validate({seeds.points, {}}, options_for(seeds, options));
+    job = make_job(part_of(whole, seeds));
     job.row_order = row_order;
     clipper.begin(job);
-    Progress progress(options.progress);
+    Progress progress(whole.progress);
     {
         const Stoppable stoppable(progress);
         clipper.sort();
@@ -93,7 +93,7 @@ void Run::clip(const Options& options, std::size_t first) {
     }
     Job of_first = job;
     of_first.points.f64 = of_first.points.f64.first(3 * first);
-    of_first.options.weights = {};
+    of_first.reports_weights = false;
     ResultBuilder builder;
     ThreadPool& pool = clipper.pool();
     builder.begin(of_first, pool);
@@ -135,11 +135,11 @@ double Run::reach_of(std::size_t cell, double heaviest) const {
     return reach_within(square, heaviest - weight);
 }
 
-LocalBlock::LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled)
-    : options_(options),
+LocalBlock::LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled)
+    : whole_(whole),
       count_(own.size()),
       all_{.seeds = std::move(own), .row_order = {}, .job = {}, .clipper = {}, .powers = {}, .result = {}},
-      job_(validate({all_.seeds.points, {}}, options_for(all_.seeds, options))),
+      job_(make_job(part_of(whole, all_.seeds))),
       nearness_(*job_.domain),
       far_(std::make_unique<FarCells>()) {
     places_.reserve(count_);
@@ -178,7 +178,7 @@ void LocalBlock::clip(std::vector<Outline> outlines, std::size_t number, Seeds h
     all_.seeds.reserve(count_ + halo.size());
     all_.seeds.add(halo.sorted());
     halo = {};
-    all_.clip(options_, count_);
+    all_.clip(whole_, count_);
     positions_.assign(all_.seeds.size(), -1);
     const auto& input = all_.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s)
@@ -238,17 +238,17 @@ PendingCells LocalBlock::pending_cells() const {
 }
 
 // The neighbors of pending cells are among those that they had and those of the replies.
-void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run) {
+void finish_pending(const Settled& whole, const PendingCells& pending, const Seeds& replies, Run& run) {
     if (pending.cells.size() == 0) return;
     Seeds others = pending.kept_neighbors;
     others.add(replies);
     run.seeds = with_others(pending.cells, others);
-    run.clip(options, pending.cells.size());
+    run.clip(whole, pending.cells.size());
 }
 
 void LocalBlock::complete(const Seeds& replies, const BlockDomain& domain) {
     counts_.given += replies.size();
-    finish_pending(options_, pending_cells(), replies, pending_run_);
+    finish_pending(whole_, pending_cells(), replies, pending_run_);
     std::vector<std::uint32_t> rows = far_->take(domain, all_, count_, pending_);
     for (const std::uint32_t row : far_->take(domain, pending_run_, pending_.size(), {})) rows.push_back(pending_[row]);
     std::ranges::sort(rows);
@@ -298,7 +298,7 @@ BlockCells LocalBlock::finish(const FarCells& all, const BlockDomain& domain) {
         else
             add(all_, i, count_);
     }
-    if (!options_.want.radii) cells.security_radii.clear();
+    if (!whole_.want.radii) cells.security_radii.clear();
     std::ranges::sort(foreign_neighbors);
     const auto [end, last] = std::ranges::unique(foreign_neighbors);
     counts_.needed = static_cast<std::uint64_t>(end - foreign_neighbors.begin());

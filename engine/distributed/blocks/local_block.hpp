@@ -42,8 +42,8 @@ struct Requests {
 Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& nearness,
                  std::span<const Requests> requests);
 // Returns seeds for each of the requests: they include the neighbors of its cells in the block. near: of seeds_near(),
-// ascending by id. options: of the whole run, with its box and without weights.
-std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<const Requests> requests);
+// ascending by id. whole: the run, with its box and without weights.
+std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests);
 
 // Returns a distance beyond which no seed cuts a cell whose vertices lie within sqrt(square) of its seed. more: the
 // weight by which other seeds may be heavier.
@@ -61,8 +61,8 @@ struct Run {
     std::vector<double> powers;  // see CpuClipper::clip_first()
     detail::Result result;
 
-    // Finds the cells of the first seeds. options: of the whole run, with its box and without weights.
-    void clip(const Options& options, std::size_t first);
+    // Finds the cells of the first seeds. whole: the run, with its box and without weights.
+    void clip(const Settled& whole, std::size_t first);
     // After clip(): returns a distance beyond which no seed of at most that weight cuts the cell.
     [[nodiscard]] double reach_of(std::size_t cell, double heaviest) const;
 };
@@ -75,15 +75,15 @@ struct PendingCells {
     std::uint64_t faces = 0;  // before the replies
 };
 // Finds the complete cells: the first ones of the run, in the order of pending.cells.
-void finish_pending(const Options& options, const PendingCells& pending, const Seeds& replies, Run& run);
+void finish_pending(const Settled& whole, const PendingCells& pending, const Seeds& replies, Run& run);
 
 struct FarCells;
 
 class LocalBlock {
 public:
-    // options: of the whole run, with its box and without weights, and with a callback for the progress of clip().
-    // own: ascending by id. Rows list walls if the options do. tiled: from another LocalBlock of the same seeds.
-    LocalBlock(const Options& options, Seeds own, std::optional<TiledSeeds> tiled = {});
+    // whole: the run, with its box and without weights, and with a callback for the progress of clip().
+    // own: ascending by id. Rows list walls if the run does. tiled: from another LocalBlock of the same seeds.
+    LocalBlock(const Settled& whole, Seeds own, std::optional<TiledSeeds> tiled = {});
     ~LocalBlock();
 
     [[nodiscard]] const TiledSeeds& tiled() const { return tiled_; }
@@ -95,7 +95,7 @@ public:
     [[nodiscard]] const std::vector<Requests>& requests() const { return requests_; }
     // Returns a reply to each of the requests.
     [[nodiscard]] std::vector<Seeds> reply(std::span<const Requests> requests) const;
-    // Finds the pending cells. domain: this block has its options_of_blocks().
+    // Finds the pending cells. domain: this block is a part of its of_blocks().
     void complete(const Seeds& replies, const BlockDomain& domain);
     [[nodiscard]] const FarCells& far() const;
     // Returns the cells of the domain. all: the far cells of all blocks.
@@ -121,7 +121,7 @@ private:
     [[nodiscard]] double longest_reach(double heaviest) const;
     [[nodiscard]] bool any_near(std::size_t tile, double reach) const;
 
-    Options options_;
+    Settled whole_;
     std::size_t count_;  // own seeds
     Run all_;            // the own seeds, then the halo
     Job job_;            // of the own seeds

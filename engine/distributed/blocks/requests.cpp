@@ -27,7 +27,7 @@ public:
     explicit Requester(const LocalBlock& block)
         : block_(block),
           builder_(block.all_.clipper.seeds(), block.all_.clipper.hierarchy(),
-                   *cpu::find_kernels(block.options_.instructions)) {
+                   *cpu::find_kernels(block.whole_.instructions)) {
         builder_.begin_job(*block.all_.job.domain);
         for (std::size_t b = 0; b < block.outlines_.size(); ++b)
             if (b != block.number_) heaviest_ = std::max(heaviest_, block.outlines_[b].largest_weight);
@@ -173,7 +173,7 @@ Seeds seeds_near(const Seeds& seeds, const TiledSeeds& tiled, const Nearness& ne
     return found;
 }
 
-std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<const Requests> requests) {
+std::vector<Seeds> reply(const Settled& whole, const Seeds& near, std::span<const Requests> requests) {
     std::vector<Seeds> replies(requests.size());
     Seeds cells, others = near;
     for (const Requests& some : requests) {
@@ -184,13 +184,13 @@ std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<co
     cells = cells.sorted();
     Run run;
     run.seeds = with_others(cells, others);
-    Options lists = options;
+    Settled lists = whole;
     lists.want = {};
     run.clip(lists, cells.size());
 
     // By cell: indices of seeds.
     std::vector<std::vector<std::int32_t>> found(cells.size());
-    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(options.instructions));
+    cpu::CellBuilder builder(run.clipper.seeds(), run.clipper.hierarchy(), *cpu::find_kernels(whole.instructions));
     builder.begin_job(*run.job.domain);
     const auto& input = run.clipper.seeds().input;
     for (std::size_t s = 0; s < input.size(); ++s) {
@@ -218,7 +218,7 @@ std::vector<Seeds> reply(const Options& options, const Seeds& near, std::span<co
 }
 
 std::vector<Seeds> LocalBlock::reply(std::span<const Requests> requests) const {
-    return blocks::reply(options_, seeds_near(all_.seeds, tiled_, nearness_, requests), requests);
+    return blocks::reply(whole_, seeds_near(all_.seeds, tiled_, nearness_, requests), requests);
 }
 
 }  // namespace votess::blocks

@@ -100,7 +100,7 @@ Message pack(const std::vector<std::int64_t>& ids, const BlockCells& cells, cons
 }
 
 BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64_t>& ids,
-                  const std::vector<CellStatus>& status, const Options& options, SomeCells own) {
+                  const std::vector<CellStatus>& status, const Settled& whole, SomeCells own) {
     std::vector<std::pair<std::int64_t, std::size_t>> place_of;
     place_of.reserve(ids.size());
     for (std::size_t i = 0; i < ids.size(); ++i) place_of.emplace_back(ids[i], i);
@@ -138,7 +138,7 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
     for_arrays(Per::entry, [&](const auto& array) {
         if (!is_anywhere(array)) return;
         auto& to = array.of(out);
-        const std::size_t each = components_of(array, options.planar);
+        const std::size_t each = components_of(array, whole.region.planar);
         to.reserve(each * static_cast<std::size_t>(out.indptr.back()));
         for (const auto& [source, k] : where) {
             if (source == nobody) continue;
@@ -151,8 +151,8 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
     for_arrays(Per::cell, [&](const auto& array) {
         auto& to = array.of(out);
         const bool always = static_cast<const void*>(&to) == &out.status;
-        if (!always && !is_anywhere(array) && (array.word == nullptr || !(options.want.*array.word))) return;
-        const std::size_t each = components_of(array, options.planar);
+        if (!always && !is_anywhere(array) && (array.word == nullptr || !(whole.want.*array.word))) return;
+        const std::size_t each = components_of(array, whole.region.planar);
         to.reserve(each * ids.size());
         for (const auto& [source, k] : where) {
             if (source == nobody || array.of(all[source].cells).empty())
@@ -162,7 +162,7 @@ BlockCells unpack(const std::vector<Message>& from, const std::vector<std::int64
         }
         drop(array);
     });
-    const std::size_t dimensions = options.planar ? 2 : 3;
+    const std::size_t dimensions = whole.region.planar ? 2 : 3;
     if (!out.centroids.empty())
         for (std::size_t i = 0; i < ids.size(); ++i)
             if (where[i].first == nobody)

@@ -1,4 +1,4 @@
-// votess::mpi::tessellate(): seeds travel to the blocks of their regions, one on each rank, and cells travel back.
+// Seeds travel to the blocks of their regions, one on each rank, and cells travel back.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,10 +10,11 @@
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
 #include "distributed/mpi/pack_cells.hpp"
+#include "distributed/mpi/run_on_ranks.hpp"
 #include "input/hull_of_parts.hpp"
 #include "input/seeds.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
-#include "votess/mpi.hpp"
 
 namespace votess::mpi {
 namespace {
@@ -21,56 +22,51 @@ namespace {
 constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places: in all, in each block
 
 // Returns the arguments that must be the same on all ranks.
-std::vector<CommonArgument> common_arguments(const Options& options, Cells where) {
+std::vector<CommonArgument> common_arguments(const Settled& run, Cells where) {
+    const Region& region = run.region;
     Hash box, cell, walls;
-    if (options.box) box.mix(*options.box);
-    if (const auto& edges = options.cell) cell.mix(edges->origin, edges->a, edges->b, edges->c, edges->periodic);
-    for (const Wall& wall : options.walls) walls.mix(wall);
+    if (region.box) box.mix(*region.box);
+    if (const auto& edges = region.cell) cell.mix(edges->origin, edges->a, edges->b, edges->c, edges->periodic);
+    for (const Wall& wall : region.walls) walls.mix(wall);
     const auto of = [](const auto& value) { return Hash().mix(value).value(); };
     return {{"cells", of(where)},
             {"box", box.value()},
             {"cell", cell.value()},
-            {"periodic", of(options.periodic)},
+            {"periodic", of(region.periodic)},
             {"walls", walls.value()},
-            {"outside", of(options.outside)},
-            {"duplicates", of(options.duplicates)},
-            {"want", of(options.want)},
-            {"list_walls", of(options.list_walls)},
-            {"min_face", of(options.min_face)},
-            {"min_area", of(options.min_area)},
-            {"the number of dimensions", of(options.planar)}};
+            {"outside", of(region.outside)},
+            {"duplicates", of(run.duplicates)},
+            {"want", of(run.want)},
+            {"list_walls", of(run.list_walls)},
+            {"min_face", of(run.min_face)},
+            {"min_area", of(run.min_area)},
+            {"the number of dimensions", of(region.planar)}};
 }
 
 class Run {
 public:
-    Run(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids, const Options& options)
-        : ranks_(comm),
-          points_(points.begin(), points.end()),
-          options_(options),
-          weights_(options.weights.begin(), options.weights.end()),
-          radii_(options.radii.begin(), options.radii.end()),
-          ids_(ids.begin(), ids.end()) {
-        options_.weights = weights_;
-        options_.radii = radii_;
-    }
+    Run(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids)
+        : ranks_(comm), points_(points.begin(), points.end()), ids_(ids.begin(), ids.end()) {}
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
 
-    Result operator()(Cells where) {
-        ranks_.agree("tessellate", common_arguments(options_, where));
+    Result operator()(const std::function<Settled()>& settle, Cells where) {
+        ranks_.together([&] { whole_ = settle(); });
+        ranks_.agree("tessellate", common_arguments(whole_, where));
+        dimensions_ = whole_.region.planar ? 2 : 3;
         first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0
                      ? 0
-                     : ranks_.sum_before(std::uint64_t{points_.size() / (options_.planar ? 2 : 3)});
+                     : ranks_.sum_before(std::uint64_t{points_.size() / dimensions_});
         ranks_.together([&] {
             check_input();
-            if (options_.planar) points_ = in_sheet({points_, {}});
+            if (dimensions_ == 2) points_ = in_sheet({points_, {}});
         });
         assign_ids();
         split_domain();
         send_seeds();
         clip();
         Result result = where == Cells::made ? keep() : send_back();
-        result.options = domain_->options();
+        result.options = options_of(domain_->whole());
         result.options.progress = {};
         counts_.bytes = ranks_.sum(ranks_.bytes_sent());
         result.counts = counts_;
@@ -86,12 +82,12 @@ private:
     bool going_on(double fraction) {
         ranks_.check_others();
         done_ = std::max(done_, fraction);
-        return !options_.progress || options_.progress(done_);
+        return !whole_.progress || whole_.progress(done_);
     }
 
     void check_input() {
         const auto refuse = [](const std::string& what) { throw Error(ErrorCode::invalid_argument, what); };
-        const std::size_t dimensions = options_.planar ? 2 : 3, count = points_.size() / dimensions;
+        const std::size_t dimensions = dimensions_, count = points_.size() / dimensions;
         if (points_.size() % dimensions != 0)
             refuse("points hold " + std::to_string(points_.size()) + " coordinates, which is not a multiple of " +
                    std::to_string(dimensions) + ": the shape must be (N," + std::to_string(dimensions) + ")");
@@ -106,10 +102,6 @@ private:
             refuse(std::to_string(ids_.size()) + " ids for " + std::to_string(count) + " points");
         for (std::size_t i = 0; i < ids_.size(); ++i)
             if (ids_[i] < 0) refuse("id " + std::to_string(i) + " = " + std::to_string(ids_[i]) + " is negative");
-        if (!options_.weights.empty() && !options_.radii.empty())
-            refuse(
-                "Options::weights and Options::radii are both given: weights are the squares of radii, give one of "
-                "them");
     }
 
     // Checks that ids, weights and radii are given on all ranks that have points, or on none, and each id once. Without
@@ -126,11 +118,11 @@ private:
             });
             return given;
         };
-        require_on_all(weights_.size(), "weights");
-        require_on_all(radii_.size(), "radii");
-        for (const double radius : radii_) weights_.push_back(radius * radius);
-        const bool given = require_on_all(ids_.size(), "ids");
-        if (!given) {
+        const Weights& given = whole_.weights;
+        require_on_all(given.are_radii ? 0 : given.given.size(), "weights");
+        require_on_all(given.are_radii ? given.given.size() : 0, "radii");
+        for (std::size_t i = 0; i < given.given.size(); ++i) weights_.push_back(given[i]);
+        if (!require_on_all(ids_.size(), "ids")) {
             for (std::size_t i = 0; i < count(); ++i) ids_.push_back(static_cast<std::int64_t>(first_ + i));
             return;
         }
@@ -152,11 +144,11 @@ private:
     void split_domain() {
         const Box bounds = ranks_.bounds_of(points_);
         std::vector<double> sample;
-        Options watched = options_;
+        Settled watched = whole_;
         watched.progress = [this](double fraction) { return going_on(fraction); };
         ranks_.together([&] {
             domain_.emplace(watched, bounds, counts_.seeds);
-            status_ = domain_->check(points_, options_.weights, options_.radii, first_);
+            status_ = domain_->check(points_, whole_.weights, first_);
             std::vector<double> inside;
             for (std::size_t i = 0; i < count(); ++i) {
                 if (status_[i] == CellStatus::outside) continue;
@@ -249,7 +241,7 @@ private:
     Result keep() {
         Result result;
         result.ids = std::move(made_.ids);
-        result.points = options_.planar ? out_of_sheet(made_.points) : std::move(made_.points);
+        result.points = dimensions_ == 2 ? out_of_sheet(made_.points) : std::move(made_.points);
         result.weights = std::move(made_.weights);
         result.cells = std::move(cells_);
         return result;
@@ -263,7 +255,7 @@ private:
         SomeCells own;
         ranks_.together([&] {
             std::swap(own.places, of_owner[static_cast<std::size_t>(ranks_.rank())]);
-            for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells, options_.planar));
+            for (const auto& cells : of_owner) to.push_back(pack(made_.ids, cells_, cells, dimensions_ == 2));
             own.ids = std::move(made_.ids);
             own.cells = std::move(cells_);
             if (own.places.empty()) own.cells = {};
@@ -275,7 +267,7 @@ private:
         ranks_.together([&] {
             result.ids = ids_;
             result.weights = weights_;
-            result.cells = unpack(from, ids_, status_, options_, std::move(own));
+            result.cells = unpack(from, ids_, status_, whole_, std::move(own));
         });
         list_exchange(result);
         return result;
@@ -315,9 +307,10 @@ private:
     Ranks ranks_;
     // The caller's arrays, copied once: another thread may write into them.
     std::vector<double> points_;
-    Options options_;
-    std::vector<double> weights_, radii_;  // the weights are squares of radii from check_input() on
     std::vector<std::int64_t> ids_;
+    Settled whole_;
+    std::size_t dimensions_ = 3;
+    std::vector<double> weights_;
     std::uint64_t first_ = 0;  // number of the first point, in messages
     std::optional<BlockDomain> domain_;
     std::vector<CellStatus> status_;
@@ -331,30 +324,29 @@ private:
 
 }  // namespace
 
-std::vector<Wall> hull_walls(MPI_Comm comm, std::span<const double> points, const Options& options) {
+std::vector<Wall> hull_of_ranks(MPI_Comm comm, std::span<const double> points, const Region& given) {
     const Ranks ranks(comm);
-    ranks.agree("hull_walls",
-                std::array{CommonArgument{"the number of dimensions", Hash().mix(options.planar).value()}});
+    ranks.agree("hull_walls", std::array{CommonArgument{"the number of dimensions", Hash().mix(given.planar).value()}});
     std::optional<HullOfParts> hull;
     ranks.together([&] {
-        hull.emplace(options);
+        hull.emplace(given);
         hull->add(std::vector<double>(points.begin(), points.end()));  // read once, see input/snapshot.hpp
     });
     std::vector<double> corners;
     for (const Message& message : ranks.gather_all(to_bytes(hull->corners()))) append_bytes(message, corners);
-    const std::uint64_t count = ranks.sum(std::uint64_t{points.size() / (options.planar ? 2 : 3)});
+    const std::uint64_t count = ranks.sum(std::uint64_t{points.size() / (given.planar ? 2 : 3)});
     std::vector<Wall> walls;
     ranks.together([&] {
-        HullOfParts all(options);
+        HullOfParts all(given);
         all.add(corners);
         walls = all.walls(count);
     });
     return walls;
 }
 
-Result tessellate(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids,
-                  const Options& options, Cells cells) {
-    return Run(comm, points, ids, options)(cells);
+Result run_on_ranks(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids,
+                    const std::function<Settled()>& settle, Cells cells) {
+    return Run(comm, points, ids)(settle, cells);
 }
 
 }  // namespace votess::mpi

@@ -6,6 +6,7 @@
 
 #include "distributed/blocks/blocks.hpp"
 #include "distributed/mpi/exchange.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "verify/row_checker.hpp"
 #include "votess/mpi.hpp"
@@ -86,12 +87,13 @@ VerifyReport verify(MPI_Comm comm, const Result& result, std::span<const double>
     ranks.together([&] { block.emplace(ranks, result, points); });
     const Box bounds = ranks.bounds_of(block->points());
     ranks.together([&] {
-        const auto& axes = result.options.cell ? result.options.cell->periodic : result.options.periodic;
+        Settled whole = settle(result.options);
+        const bool periodic = whole.region.is_periodic();
         RowChecker::Sample sample{0, options.rng_seed};
-        sample.max_cells = options.sample.value_or(sample_size(
-            result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, axes != std::array<bool, 3>{}));
+        sample.max_cells = options.sample.value_or(
+            sample_size(result.counts.seeds / static_cast<std::uint64_t>(ranks.size()), 1, periodic));
         if (options.sample) sample.budget = std::numeric_limits<double>::infinity();
-        const BlockDomain domain(result.options, bounds, result.counts.seeds);
+        const BlockDomain domain(std::move(whole), bounds, result.counts.seeds);
         checker.emplace(checked_run(domain, result.counts.seeds, result.counts.box_volume), sample, *block);
         block->for_rows([&](const StreamRows& rows, const RowNames& names) { checker->take(rows, names); });
     });

@@ -6,7 +6,8 @@
 #include <thread>
 
 #include "core/arithmetic.hpp"
-#include "input/options.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "query/locator.hpp"
 
@@ -32,10 +33,10 @@ exact::Point point_of(std::span<const double> points, std::size_t i, double scal
     return {points[3 * i] * scale, points[3 * i + 1] * scale, points[3 * i + 2] * scale};
 }
 
-Job job_of(std::uint64_t first, const StreamSeeds& some, Options options) {
-    options.weights = some.weights;
-    options.radii = some.radii;
-    return validate({some.points, {}, first}, options);
+Job job_of(std::uint64_t first, const StreamSeeds& some, Settled run) {
+    run.points = {some.points, {}, first};
+    run.weights = weights_of(some.weights, some.radii);
+    return make_job(std::move(run));
 }
 
 // Writes the seeds of each block in batches.
@@ -76,17 +77,17 @@ private:
 
 }  // namespace
 
-Intake::Intake(StreamSource& source, const Options& options, bool hull, const std::string& folder, std::uint64_t memory,
+Intake::Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, std::uint64_t memory,
                Stages& stages)
     : source_(source),
-      options_(options.planar ? sheet_options(options, 1) : options),
-      planar_(options.planar),
+      region_(whole.region.planar ? in_sheet(whole.region, 1) : whole.region),
+      planar_(whole.region.planar),
       stages_(stages),
-      pool_(options.threads),
+      pool_(whole.threads),
       max_at_once_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 400), 1000, 250000)),
       max_sampled_(std::clamp<std::size_t>(static_cast<std::size_t>(memory / 800), 1000, 1000000)),
       bounds_(nothing) {
-    if (hull) hull_.emplace(options);
+    if (hull) hull_.emplace(whole.region);
     if (source_.restart()) return;
     file_.emplace(folder);
     copied_points_.emplace(*file_);
@@ -156,15 +157,15 @@ void Intake::check_kind(std::uint64_t first, const StreamSeeds& some) {
     if ((first > 0 || scanned_) && !all_like_this)
         refuse("some pieces of seeds have weights, others have radii or neither");
     if (!some.weights.empty() && !some.radii.empty())
-        refuse(
-            "Options::weights and Options::radii are both given: weights are the squares of radii, give one of them");
+        refuse(option("weights") + " and " + option("radii") +
+               " are both given: weights are the squares of radii, give one of them");
     weighted_ = weighted;
     radii_ |= !some.radii.empty();
 }
 
 void Intake::check(std::uint64_t first, const StreamSeeds& some) {
     std::vector<CellStatus> outside;
-    const Box box = check_points({some.points, {}, first}, options_, outside);
+    const Box box = check_points({some.points, {}, first}, region_, outside);
     for (const exact::Point& x : {box.lower, box.upper}) include(bounds_, x);
 }
 
@@ -198,10 +199,10 @@ void Intake::scan() {
     scanned_ = true;
 }
 
-blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) {
-    Options options = settled;
-    if (options.outside == Outside::error) options.outside = Outside::drop;  // distribute() finds it
-    const Job job = job_of(0, {sample_, {}, {}}, options);
+blocks::Partition Intake::partition(Settled of_blocks, std::size_t blocks) {
+    Outside& outside = of_blocks.region.outside;
+    if (outside == Outside::error) outside = Outside::drop;  // distribute() finds it
+    const Job job = job_of(0, {sample_, {}, {}}, std::move(of_blocks));
     std::vector<exact::Point> places;
     for (std::size_t i = 0; i < sample_.size() / 3; ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
@@ -211,9 +212,9 @@ blocks::Partition Intake::partition(const Options& settled, std::size_t blocks) 
     return {std::move(places), blocks};
 }
 
-Intake::BlockSpools Intake::distribute(const Options& settled, std::size_t blocks, TemporaryFile& ids,
+Intake::BlockSpools Intake::distribute(const Settled& of_blocks, std::size_t blocks, TemporaryFile& ids,
                                        TemporaryFile& seeds) {
-    const blocks::Partition partition = this->partition(settled, blocks);
+    const blocks::Partition partition = this->partition(of_blocks, blocks);
     BlockSpools spools{std::vector(blocks, Spool(ids)),
                        std::vector(blocks, Spool(seeds)),
                        std::vector(blocks, Spool(seeds)),
@@ -225,7 +226,7 @@ Intake::BlockSpools Intake::distribute(const Options& settled, std::size_t block
     std::vector<exact::Point> places;
     std::vector<std::uint32_t> block_of;
     read([&](std::uint64_t first, const StreamSeeds& some) {
-        const Job job = job_of(first, some, settled);
+        const Job job = job_of(first, some, of_blocks);
         const std::size_t count = some.points.size() / 3;
         places.resize(count);
         block_of.assign(count, no_block);

@@ -18,7 +18,7 @@ class Intake {
 public:
     // Seeds that come only once are copied into a temporary file in the folder.
     // hull: the domain is that of the points.
-    Intake(StreamSource& source, const Options& options, bool hull, const std::string& folder, std::uint64_t memory,
+    Intake(StreamSource& source, const Settled& whole, bool hull, const std::string& folder, std::uint64_t memory,
            Stages& stages);
 
     // The first reading. Checks the points as far as that needs no box.
@@ -38,8 +38,8 @@ public:
         std::vector<std::uint64_t> counts;
         std::vector<double> inside;  // one seed that is not dropped, or empty
     };
-    // The second reading. settled: the options of the blocks.
-    [[nodiscard]] BlockSpools distribute(const Options& settled, std::size_t blocks, TemporaryFile& ids,
+    // The second reading. of_blocks: the run of the blocks.
+    [[nodiscard]] BlockSpools distribute(const Settled& of_blocks, std::size_t blocks, TemporaryFile& ids,
                                          TemporaryFile& seeds);
 
 private:
@@ -50,10 +50,10 @@ private:
     void check_kind(std::uint64_t first, const StreamSeeds& some);
     void check(std::uint64_t first, const StreamSeeds& some);
     void take_sample(std::uint64_t first, std::span<const double> points);
-    [[nodiscard]] blocks::Partition partition(const Options& settled, std::size_t blocks);
+    [[nodiscard]] blocks::Partition partition(Settled of_blocks, std::size_t blocks);
 
     StreamSource& source_;
-    Options options_;  // in space
+    Region region_;  // in space
     bool planar_;
     Stages& stages_;
     ThreadPool pool_;

@@ -38,15 +38,16 @@ void put_values(std::size_t begin, std::size_t size, const void* values, std::si
 
 }  // namespace
 
-Layout::Layout(const Options& options, bool periodic, std::uint64_t seeds) {
+Layout::Layout(const Settled& whole, std::uint64_t seeds) {
     const bool narrow = seeds <= static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
     detail::for_row_arrays([&](const auto& array, std::size_t number) {
         using Rows = detail::Result;
-        const bool wanted = array.word == nullptr || options.want.*array.word;
-        if (wanted) bytes_[number] = components_of(array, options.planar) * sizeof(array.of(std::declval<Rows&>())[0]);
+        const bool wanted = array.word == nullptr || whole.want.*array.word;
+        if (wanted)
+            bytes_[number] = components_of(array, whole.region.planar) * sizeof(array.of(std::declval<Rows&>())[0]);
     });
     if (rows() && !narrow) bytes_[indices] = sizeof(std::int64_t);
-    if (!periodic) bytes_[detail::number_of("shifts")] = 0;
+    if (!whole.region.is_periodic()) bytes_[detail::number_of("shifts")] = 0;
     bytes_[detail::number_of("duplicate_of")] = 0;
 }
 

@@ -16,8 +16,8 @@ namespace votess::stream {
 // The bytes that each of detail::row_arrays takes for one cell or entry; 0 when it is not wanted. duplicate_of has
 // none: a store keeps pairs instead.
 struct Layout {
-    // options: of the domain.
-    Layout(const Options& options, bool periodic, std::uint64_t seeds);
+    // whole: the run.
+    Layout(const Settled& whole, std::uint64_t seeds);
     [[nodiscard]] std::size_t bytes(std::size_t array) const { return bytes_[array]; }
     [[nodiscard]] bool rows() const { return bytes(indices) > 0; }
     [[nodiscard]] bool narrow() const { return bytes(indices) == sizeof(std::int32_t); }

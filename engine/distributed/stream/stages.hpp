@@ -7,12 +7,13 @@
 
 #include "core/progress.hpp"
 #include "core/stage_clock.hpp"
+#include "input/settled.hpp"
 
 namespace votess::stream {
 
 class Stages {
 public:
-    explicit Stages(const Options& options) : log_(options.log), progress_(options.progress) {}
+    explicit Stages(const Execution& how) : log_(how.log), progress_(how.progress) {}
 
     void log(const std::string& text) const {
         if (log_ && !text.empty()) log_(text);

@@ -1,7 +1,5 @@
-// tessellate_stream(): seeds are distributed to blocks, which are in memory one after the other: to make halos, to clip
+// Seeds are distributed to blocks, which are in memory one after the other: to make halos, to clip
 // cells, and in part to reply to other blocks. Then rows are joined in input order.
-#include "votess/stream.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -12,15 +10,15 @@
 #include "distributed/stream/assembler.hpp"
 #include "distributed/stream/intake.hpp"
 #include "distributed/stream/plan.hpp"
-#include "input/implied_wants.hpp"
-#include "input/options.hpp"
+#include "distributed/stream/run_stream.hpp"
+#include "input/option_name.hpp"
+#include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "verify/row_checker.hpp"
 
-namespace votess {
+namespace votess::stream {
 namespace {
 
-using namespace stream;
 using blocks::Requests;
 
 std::string in_units(std::uint64_t bytes) {
@@ -53,12 +51,12 @@ void for_messages(Spool& spool, const Task& task) {
 
 class Run final : public RunBlocks {
 public:
-    Run(StreamSource& source, StreamSink& sink, const Options& options, const StreamOptions& stream)
+    Run(StreamSource& source, StreamSink& sink, const Settled& given, const StreamOptions& stream)
         : sink_(sink),
-          options_(options),
+          given_(given),
           stream_(stream),
-          stages_(options),
-          intake_(source, options_, stream.hull, stream.temporary, stream.memory, stages_) {}
+          stages_(given),
+          intake_(source, given, stream.hull, stream.temporary, stream.memory, stages_) {}
 
     StreamResult operator()() {
         stages_.begin(&StageSeconds::upload, 0.04, "reading the seeds");
@@ -72,8 +70,8 @@ public:
         write_rows();
         verify();
         stages_.end();
-        result_.options = *settled_;
-        result_.options.progress = options_.progress;
+        result_.options = options_of(domain_->whole());
+        result_.options.progress = given_.progress;
         result_.stats.seconds = stages_.seconds();
         return std::move(result_);
     }
@@ -95,15 +93,11 @@ private:
 
     // Chooses the domain and the number of blocks, and checks the room on the disk.
     void plan() {
-        Options plain = options_;
+        Settled plain = given_;
         plain.progress = {};
-        if (stream_.hull) plain.walls = intake_.hull_walls();
-        domain_.emplace(plain, intake_.bounds(), intake_.seeds());
-        settled_ = domain_->options();
-        settled_->want = with_implied(*settled_);
-        of_blocks_ = domain_->options_of_blocks();
-        of_blocks_->want = with_implied(*of_blocks_);
-        const Kind kind{of_blocks_->want, domain_is_periodic(), intake_.weighted()};
+        if (stream_.hull) plain.region.walls = intake_.hull_walls();
+        domain_.emplace(std::move(plain), intake_.bounds(), intake_.seeds());
+        const Kind kind{of_blocks().want, is_periodic(), intake_.weighted()};
         count_ = blocks_for(stream_.memory, intake_.seeds(), kind);
         result_.blocks = count_;
         const std::uint64_t needed = bytes_on_disk(intake_.seeds(), count_, kind);
@@ -113,20 +107,18 @@ private:
             throw Error(ErrorCode::storage, "temporary files take about " + in_units(needed) + ", but '" + folder +
                                                 "' has room for " + in_units(room) +
                                                 ": free some, or choose another folder");
-        layout_.emplace(*settled_, kind.periodic, intake_.seeds());
+        layout_.emplace(domain_->whole(), intake_.seeds());
     }
 
-    [[nodiscard]] bool domain_is_periodic() const {
-        const auto& axes = settled_->cell ? settled_->cell->periodic : settled_->periodic;
-        return std::ranges::count(axes, true) > 0;
-    }
+    [[nodiscard]] const Settled& of_blocks() const { return domain_->of_blocks(); }
+    [[nodiscard]] bool is_periodic() const { return domain_->whole().region.is_periodic(); }
 
     void distribute() {
         stages_.begin(
             &StageSeconds::upload, 0.1,
             "distributing " + std::to_string(intake_.seeds()) + " seeds to " + std::to_string(count_) + " blocks");
         for (auto* file : {&ids_, &seeds_, &rows_}) file->emplace(stream_.temporary);
-        spools_.emplace(intake_.distribute(*of_blocks_, count_, *ids_, *seeds_));
+        spools_.emplace(intake_.distribute(of_blocks(), count_, *ids_, *seeds_));
         result_.stats.box_volume = domain_->volume(spools_->inside);
         for (std::size_t b = 0; b < count_; ++b) {
             blocks_.emplace_back(*seeds_, *layout_, *rows_, *ids_, spools_->ids[b]);
@@ -177,7 +169,7 @@ private:
             stages_.at(b, count_);
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
-            const blocks::LocalBlock block(*of_blocks_, seeds_of(b));
+            const blocks::LocalBlock block(of_blocks(), seeds_of(b));
             put_tiles(b, block.tiled());
             for (std::size_t to = 0; to < count_; ++to)
                 if (to != b) put(blocks_[to].halos, b, to_message(block.halo_for(outlines_[to]), block.outline()));
@@ -190,9 +182,9 @@ private:
             system::give_back_memory();
             if (spools_->counts[b] == 0) continue;
             stages_.log("clipping block " + std::to_string(b + 1) + " of " + std::to_string(count_));
-            Options options = *of_blocks_;
-            options.progress = stages_.within(b, count_);
-            blocks::LocalBlock block(options, seeds_of(b), tiles_of(b));
+            Settled part = of_blocks();
+            part.progress = stages_.within(b, count_);
+            blocks::LocalBlock block(part, seeds_of(b), tiles_of(b));
             std::vector<blocks::Outline> others = outlines_;
             Seeds halo;
             for_messages(blocks_[b].halos, [&](std::size_t from, const Message& message) {
@@ -254,9 +246,9 @@ private:
                 from.push_back(block);
                 from_message(message, all.emplace_back());
             });
-            const Job job = validate({}, *of_blocks_);
+            const Job job = make_job(of_blocks());
             const Seeds near = blocks::seeds_near(seeds_of(b), tiles_of(b), blocks::Nearness(*job.domain), all);
-            const std::vector<Seeds> replies = blocks::reply(*of_blocks_, near, all);
+            const std::vector<Seeds> replies = blocks::reply(of_blocks(), near, all);
             for (std::size_t r = 0; r < all.size(); ++r) put(blocks_[from[r]].replies, b, to_message(replies[r]));
         }
     }
@@ -275,7 +267,7 @@ private:
                     replies.add(seeds);
                 });
                 blocks::Run run;
-                blocks::finish_pending(*of_blocks_, pending, replies, run);
+                blocks::finish_pending(of_blocks(), pending, replies, run);
                 run.result.stats.exact_cells = 0;  // counted by clip()
                 const std::vector<std::uint32_t> skipped = skip_far(run, pending.cells.size(), {});
                 domain_->complete(run.result);
@@ -312,8 +304,8 @@ private:
         stages_.begin(&StageSeconds::download, stream_.verify ? 0.95 : 1, "writing rows");
         StreamHead head;
         head.seeds = intake_.seeds();
-        head.periodic = domain_is_periodic();
-        head.options = *settled_;
+        head.periodic = is_periodic();
+        head.options = options_of(domain_->whole());
         std::vector<std::vector<RowStore*>> stores{{}, {}, {&*far_rows_}};
         for (Block& block : blocks_) {
             stores[0].push_back(&block.rows);
@@ -331,7 +323,7 @@ private:
                      static_cast<double>(head.entries) / static_cast<double>(head.seeds);
         const auto max_cells =
             static_cast<std::size_t>(std::max(1000.0, 0.4 * static_cast<double>(stream_.memory) / bytes));
-        ThreadPool pool(options_.threads);
+        ThreadPool pool(given_.threads);
         Assembler assembler(*layout_, head, stores, pool);
         sink_.begin(head);
         if (stream_.verify)
@@ -348,7 +340,7 @@ private:
         stats.points = head.seeds;
         stats.device = "cpu";
         const std::uint64_t cells = stats.points - stats.empty_cells;
-        if (settled_->planar) stats.faces -= Sheet::more_faces * cells;
+        if (domain_->whole().region.planar) stats.faces -= Sheet::more_faces * cells;
         stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
         stats.peak_memory_bytes = system::peak_memory();
     }
@@ -359,7 +351,7 @@ private:
         constexpr double bytes_of_reply = 2000, share = 0.1;
         const double room =
             share * static_cast<double>(stream_.memory) / (bytes_of_reply * static_cast<double>(count_ + 1));
-        const std::size_t cells = sample_size(intake_.seeds(), count_, domain_is_periodic());
+        const std::size_t cells = sample_size(intake_.seeds(), count_, is_periodic());
         RowChecker::Sample sample;
         sample.max_cells = sample.first_round = std::max(min_sample, std::min(cells, static_cast<std::size_t>(room)));
         return sample;
@@ -388,12 +380,11 @@ private:
     }
 
     StreamSink& sink_;
-    const Options& options_;
+    const Settled& given_;
     const StreamOptions& stream_;
     Stages stages_;
     Intake intake_;
     std::optional<BlockDomain> domain_;
-    std::optional<Options> settled_, of_blocks_;  // of the domain, and of the run of each block
     std::size_t count_ = 1;
     std::optional<Layout> layout_;
     std::optional<TemporaryFile> ids_, seeds_, rows_;
@@ -409,26 +400,21 @@ private:
 
 }  // namespace
 
-StreamSource::~StreamSource() = default;
-StreamSink::~StreamSink() = default;
-void StreamSink::begin(const StreamHead&) {}
-
-StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,
-                               const StreamOptions& stream) {
+StreamResult run_stream(StreamSource& source, StreamSink& sink, const Settled& whole, const StreamOptions& stream) {
     if (stream.memory < StreamOptions::least_memory)
         throw Error(ErrorCode::invalid_argument, "StreamOptions::memory = " + std::to_string(stream.memory) +
                                                      " bytes is too little: give at least " +
                                                      std::to_string(StreamOptions::least_memory));
-    if (!options.weights.empty() || !options.radii.empty())
-        throw Error(ErrorCode::invalid_argument,
-                    "Options::weights and Options::radii of a stream come from its source with the points: leave them "
-                    "out of the options");
+    if (!whole.weights.empty())
+        throw Error(ErrorCode::invalid_argument, option("weights") + " and " + option("radii") +
+                                                     " of a stream come from its source with the points: leave them "
+                                                     "out of the options");
     (void)free_bytes(temporary_folder(stream.temporary));  // throws if it cannot be used
     try {
-        return Run(source, sink, options, stream)();
+        return Run(source, sink, whole, stream)();
     } catch (const std::bad_alloc&) {
         throw Error(ErrorCode::out_of_memory, "out of memory: lower StreamOptions::memory, for smaller blocks");
     }
 }
 
-}  // namespace votess
+}  // namespace votess::stream

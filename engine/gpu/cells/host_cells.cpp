@@ -26,7 +26,7 @@ double Numbers::operator[](std::size_t i) const {
 
 void HostCells::measure(std::size_t member, const Numbers& geometry) const {
     const Job& job = *s_.job;
-    const Want& want = job.options.want;
+    const Want& want = job.want;
     const auto i = static_cast<std::size_t>(input_of(member));
     const int exponent = exponent_of(member);
     if (want.volumes) s_.result->volumes()[i] = times_power_of_two(geometry[0], 3 * exponent);
@@ -38,7 +38,7 @@ void HostCells::measure(std::size_t member, const Numbers& geometry) const {
 
 void HostCells::finish(std::size_t first, std::size_t count, const Numbers& geometry) const {
     ResultBuilder& result = *s_.result;
-    const Want& want = s_.job->options.want;
+    const Want& want = s_.job->want;
     s_.pool->run(ceil_div(count, block_cells), [&](std::size_t block, unsigned) {
         const std::size_t begin = first + block * block_cells, end = std::min(first + count, begin + block_cells);
         CellCounters counters;
@@ -84,7 +84,7 @@ void HostCells::for_blocks_of(const DeviceRows& rows, const auto& task) const {
         const auto lengths =
             rows.lengths.subspan(block * block_cells, std::min(block_cells, count - block * block_cells));
         std::vector<double> areas;
-        if (s_.job->options.want.areas) {
+        if (s_.job->want.areas) {
             areas.reserve(entries);
             for (std::size_t c = 0; c < lengths.size(); ++c)
                 for (std::uint32_t k = 0; k < lengths[c]; ++k)

@@ -15,8 +15,8 @@ struct CellImages {
 };
 
 // Returns the data for images up to `margin` around the bounds of the box, or a smaller margin where these are too
-// many. Allocates nothing. Throws invalid_argument as Options::cell does, unsupported for a box that leans too much or
-// is too thin.
+// many. Allocates nothing. Throws invalid_argument as a cell of a run does, unsupported for a box that leans too much
+// or is too thin.
 CellImages cell_images(const TriclinicBox& cell, double margin);
 
 }  // namespace votess::gpu

@@ -5,7 +5,7 @@
 #include "gpu/domain/device_domain.hpp"
 #include "gpu/domain/walls.hpp"
 #include "gpu/frames/frame.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 
 namespace votess::vulkan::detail {
 namespace {
@@ -97,10 +97,11 @@ std::uint32_t usual_images(const PlanOptions& options) {
 
 void make_walls(PlanState& plan) {
     if (plan.options.walls.empty()) return;
-    Options options;
-    options.box = plan.options.box;
-    options.walls = plan.options.walls;
-    const Job job = validate({}, options);
+    Settled run;
+    run.region.box = plan.options.box;
+    run.region.walls = plan.options.walls;
+    check_region(run.region);
+    const Job job = make_job(std::move(run));
     const Domain& domain = *job.domain;
     for (std::size_t w = 0; w < domain.walls.size(); ++w) {
         bool leaves_some = false;

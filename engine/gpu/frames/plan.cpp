@@ -4,7 +4,7 @@
 
 #include "gpu/frames/frame.hpp"
 #include "gpu/passes/kernel_choice.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 
 namespace votess::vulkan {
 namespace {
@@ -33,9 +33,7 @@ void check(const PlanOptions& options) {
     if (options.format != SeedFormat::float32 && options.format != SeedFormat::float64)
         refuse("format = " + std::to_string(static_cast<std::uint32_t>(options.format)) +
                " is neither float32 nor float64");
-    Options of_run;
-    of_run.k_init = options.k_init;
-    check_options(of_run);
+    check_k_init(options.k_init);
     if (options.areas && !options.neighbors) refuse("areas follow the rows: request neighbors too");
     detail::check_domain(options);
 }

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdio>
 
+#include "input/option_name.hpp"
+
 namespace votess::gpu::vulkan {
 
 std::string result_name(VkResult result) {
@@ -57,13 +59,14 @@ void check(VkResult result, const char* call) {
                 ErrorCode::device_lost,
                 "the device was lost" + where +
                     ": it crashed, was reset or unplugged, or its driver stopped work that took too long; try a "
-                    "smaller Options::chunk_size or another device");
+                    "smaller " +
+                    option("chunk_size") + " or another device");
         case VK_ERROR_OUT_OF_HOST_MEMORY:
             throw Error(ErrorCode::out_of_memory, "the driver is out of host memory" + where);
         case VK_ERROR_OUT_OF_DEVICE_MEMORY:
         case VK_ERROR_OUT_OF_POOL_MEMORY:
-            throw Error(ErrorCode::out_of_memory, "the device is out of memory" + where +
-                                                      "; try a smaller Options::chunk_size or another device");
+            throw Error(ErrorCode::out_of_memory, "the device is out of memory" + where + "; try a smaller " +
+                                                      option("chunk_size") + " or another device");
         case VK_ERROR_INITIALIZATION_FAILED:
         case VK_ERROR_INCOMPATIBLE_DRIVER:
         case VK_ERROR_LAYER_NOT_PRESENT:

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "input/option_name.hpp"
 
 namespace votess::gpu::vulkan {
 
@@ -207,7 +208,7 @@ Memory::Place Memory::allocate(const VkMemoryRequirements& needs, MemoryKind kin
     }
     throw Error(ErrorCode::out_of_memory, "no memory for a buffer of " + bytes_text(bytes) + " on " +
                                               device_.adapter().name + ", where votess has " + bytes_text(reserved_) +
-                                              " now; try a smaller Options::chunk_size or another device");
+                                              " now; try a smaller " + option("chunk_size") + " or another device");
 }
 
 void Memory::release(const Place& place) noexcept {
@@ -223,7 +224,8 @@ Buffer Memory::buffer(VkDeviceSize bytes, MemoryKind kind, const char* name) {
     if (bytes > max_buffer_bytes()) {
         throw Error(ErrorCode::out_of_memory, "a buffer of " + std::to_string(bytes) + " bytes is above the limit of " +
                                                   device_.adapter().name + ", " + std::to_string(max_buffer_bytes()) +
-                                                  " bytes; try a smaller Options::chunk_size or another device");
+                                                  " bytes; try a smaller " + option("chunk_size") +
+                                                  " or another device");
     }
     Buffer buffer;
     buffer.memory_ = this;

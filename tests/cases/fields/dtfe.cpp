@@ -8,8 +8,8 @@
 #include <set>
 
 #include "cases/fields/field_cases.hpp"
+#include "input/settle.hpp"
 #include "mesh/dual.hpp"
-#include "run/engines.hpp"
 #include "support/check.hpp"
 
 namespace {
@@ -27,9 +27,8 @@ struct Dual {
     std::vector<double> places;
 
     Dual(const test::Coordinates& points, const votess::Options& options) {
-        votess::Engines engines;
         const auto result =
-            std::make_shared<votess::detail::Result>(votess::run_on(engines, {points, {}}, options, {}));
+            std::make_shared<votess::detail::Result>(votess::arrays_of(votess::settle({points, {}}, options)));
         t = votess::Tessellation(result);
         simplices = votess::delaunay(t);
         facets = votess::polytope_facets(*result, simplices);

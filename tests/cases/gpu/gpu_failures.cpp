@@ -8,6 +8,7 @@
 #include <set>
 #include <type_traits>
 
+#include "input/settle.hpp"
 #include "run/engines.hpp"
 #include "support/child.hpp"
 #include "support/gpu/gpu.hpp"
@@ -101,8 +102,8 @@ struct OpenEngines {
         engines->put(device, std::make_unique<votess::gpu::GpuEngine>(gpu.device, clipper));
     }
     [[nodiscard]] votess::Tessellation run(const PointSet& set, const Options& options) const {
-        return votess::Tessellation(
-            std::make_shared<const votess::detail::Result>(votess::run_on(*engines, {set.points, {}}, options)));
+        return votess::Tessellation(std::make_shared<const votess::detail::Result>(
+            votess::run_on(*engines, votess::settle({set.points, {}}, options))));
     }
 };
 

@@ -493,6 +493,36 @@ static void check_zones(void) {
     CHECK_REFUSES(votess_zones_array(NULL, "labels", &last), "zones is NULL");
 }
 
+static void check_groups(void) {
+    votess_options options = options_with_box(2);
+    options.want |= VOTESS_WANT_AREAS | VOTESS_WANT_SURFACES;
+    const int64_t labels[8] = {7, 7, 7, 7, -3, -3, -3, -3};  // halves of the cube
+    votess_result* result = NULL;
+    CHECK(votess_tessellate(NULL, cube, 8, &options, &result) == VOTESS_OK);
+    votess_groups* groups = NULL;
+    CHECK_REFUSES(votess_groups_new(result, labels, 7, &groups), "7 labels for 8 seeds");
+    CHECK_REFUSES(votess_groups_new(result, NULL, 8, &groups), "labels");
+    CHECK(votess_groups_new(result, labels, 8, &groups) == VOTESS_OK);
+    votess_result_free(result);
+    size_t length = 0;
+    const int64_t* names = ARRAY(groups, groups, "labels", &length);
+    CHECK(names[0] == -3 && names[1] == 7 && length == 2);
+    const int64_t* counts = ARRAY(groups, groups, "counts", &length);
+    CHECK(counts[0] == 4 && counts[1] == 4 && length == 2);
+    const double* areas = ARRAY(groups, groups, "areas", NULL);
+    const double* volumes = ARRAY(groups, groups, "volumes", NULL);
+    CHECK(areas[0] == areas[1] && volumes[0] == volumes[1]);
+    CHECK(ARRAY(groups, groups, "mesh_areas", &length) == NULL && length == 0);
+    votess_groups_free(groups);
+    votess_groups_free(NULL);
+    CHECK_REFUSES(votess_groups_array(NULL, "labels", &last), "groups is NULL");
+}
+
+static int count_files(const votess_bytes* piece, void* user) {
+    *(int*)user += piece->file != NULL && piece->count > 0;
+    return 1;
+}
+
 static int take_bytes(const votess_bytes* piece, void* user) {
     return piece != NULL && user == NULL;
 }
@@ -511,6 +541,18 @@ static void check_mesh_indices(void) {
     mesh.face_vertices = mesh.cell_vertex_indices = corners;
     mesh.vertices = cube;
     CHECK(votess_write_mesh(&mesh, ".ply", take_bytes, NULL) == VOTESS_OK);
+    CHECK_REFUSES(votess_write_mesh(&mesh, ".foam", take_bytes, NULL), "cell 0 is not closed");
+    const int64_t no_rows[1] = {0};
+    votess_mesh empty = {0};
+    empty.struct_size = sizeof empty;
+    empty.indptr = empty.face_offsets = empty.cell_vertex_indptr = no_rows;
+    int files = 0;
+    CHECK(votess_write_mesh(&empty, ".foam", count_files, &files) == VOTESS_OK && files == 5);
+    votess_mesh_quality quality = {0};
+    CHECK_REFUSES(votess_measure_mesh(&empty, &quality), "quality.struct_size");
+    quality.struct_size = sizeof quality;
+    CHECK(votess_measure_mesh(&empty, &quality) == VOTESS_OK && quality.cells == 0);
+    CHECK_REFUSES(votess_measure_mesh(&mesh, &quality), "cell 0 is not closed");
     neighbor = 1;
     CHECK_REFUSES(votess_write_mesh(&mesh, ".ply", take_bytes, NULL), "mesh.indices[0] is 1, but there are 1 cells");
 }
@@ -655,6 +697,7 @@ int main(void) {
     check_diagram();
     check_fit();
     check_zones();
+    check_groups();
     check_mesh_indices();
     check_network();
     check_alpha();

@@ -64,6 +64,13 @@ def atoms():
     put("poscar", "cartesian", "x\n-8.0\n2 0 0\n0 2 0\n0 0 2\n6\nCartesian\n" + rows("{row}"))
     put("poscar", "wraps", "x\n1\n1 0 0\n0 1 0\n0 0 1\n" + "1099511627776 " * 200 + "\nDirect\n0 0 0\n")
     put("poscar", "cif", "data_quartz\n_cell_length_a 4.9\nloop_\n_atom_site_label\nSi\n")
+    tess = "***tess\n **format\n   3.4\n **general\n   3 standard\n **cell\n  6\n  *id\n   1 2 3\n   4 5 9\n  *seed\n" + rows(
+        "   {i} {row} {r}") + " **vertex\n 1\n   1 0 0 0 0\n **domain\n  *general\n   {}\n  *vertex\n   2\n   1 0 0 0 x0y0z0\n" \
+        "      1 1\n   2 1 2 1 x1y1z1\n      1 1\n  *face\n   1\n   1 3 1 2 1\n     3 1 1 1\n     {}\n     4 0 1 0 0\n     x0\n" \
+        "     2 1 1\n **periodicity\n  *general\n   1 0 1\n   1 2 1\n***end\n"
+    put("tess", "cube", tess.replace("{}", "cube", 1).replace("{}", "plane"))
+    put("tess", "poly", tess.replace("{}", "poly", 1).replace("{}", "plane"))
+    put("tess", "counts", "***tess **general 3 standard **cell 99999999 *seed 1 0 0 0 0\n")
     box = "ITEM: BOX BOUNDS {}\n0 1{}\n0 1{}\n0 1{}\n"
     frame = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n6\n{}ITEM: ATOMS {}\n{}"
     put("lammps_dump", "flags", "ITEM: UNITS\nmetal\n" + frame.format(0, box.format("pp pp ff", "", "", ""), "id type x y z radius",

@@ -277,11 +277,11 @@ using Target = void (*)(std::string_view bytes);
 const std::map<std::string, Target>& targets() {
     static const std::map<std::string, Target> all {
         {"number", read_number}, {"text", parse_rows<TextKind::plain>}, {"csv", parse_rows<TextKind::csv>},
-            {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>}, {"lammps_dump", parse_dump},
-            {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>}, {"npy", parse_npy},
-            {"npz", parse<parse_npz>}, {"off", parse_surface<parse_off>}, {"obj", parse_surface<parse_obj>},
-            {"stl", parse_surface<parse_stl>}, {"ply_mesh", parse_surface<parse_ply_surface>},
-            {"glb", parse_surface<parse_glb>},
+            {"gz", parse_gz}, {"xyz", parse_xyz}, {"poscar", parse<parse_poscar>}, {"tess", parse<parse_tess>},
+            {"lammps_dump", parse_dump}, {"lammps_data", parse<parse_lammps_data>}, {"ply", parse<parse_ply>},
+            {"npy", parse_npy}, {"npz", parse<parse_npz>}, {"off", parse_surface<parse_off>},
+            {"obj", parse_surface<parse_obj>}, {"stl", parse_surface<parse_stl>},
+            {"ply_mesh", parse_surface<parse_ply_surface>}, {"glb", parse_surface<parse_glb>},
 #if VOTESS_FUZZ_HDF5
             {"hdf5", parse_hdf5},
 #endif

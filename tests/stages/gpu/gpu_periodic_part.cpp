@@ -7,7 +7,7 @@
 #include <map>
 
 #include "gpu/domain/periodic_part.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/random.hpp"
 
@@ -40,7 +40,7 @@ std::optional<PeriodicPart> part_of(const votess::Job& job) {
 
 // Tries shifts up to `reach`. Returns the number of images; 0 when the device does not clip the job.
 std::size_t check_part(const Coordinates& points, const votess::Options& options, int reach) {
-    const votess::Job job = votess::validate({points, {}}, options);
+    const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
     const std::size_t count = points.size() / 3;
     const auto part = part_of(job);
     if (!part) return 0;
@@ -176,7 +176,7 @@ TEST_SUITE("stages") {
             }
             CAPTURE(set);
             images += check_part(points, options, 16);
-            const votess::Job job = votess::validate({points, {}}, options);
+            const votess::Job job = votess::make_job(votess::settle({points, {}}, options));
             const auto part = part_of(job);
             lossy += part && part->lossy;
             moved += part && !part->moves.empty();

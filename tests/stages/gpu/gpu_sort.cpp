@@ -74,7 +74,7 @@ void check_upload(GpuStages& gpu, const PointSet& set) {
 void check_upload_of_floats(GpuStages& gpu, const std::vector<float>& points, const votess::Box& box) {
     votess::Options options;
     options.box = box;
-    const votess::Job job = votess::validate({{}, points}, options);
+    const votess::Job job = votess::make_job(votess::settle({{}, points}, options));
     gpu.seeds.upload(job, {}, job.box, *gpu.passes, gpu.pool);
     check_upload(gpu, job);
 }
@@ -246,7 +246,7 @@ TEST_SUITE("stages") {
         const PointSet set = test::uniform(1000, 14);
         votess::Options options;
         options.box = set.box;
-        const votess::Job job = votess::validate({set.points, {}}, options);
+        const votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
         test::Random random(15);
         std::vector<std::int32_t> members;
         for (const std::size_t i : test::permutation(1000, random)) members.push_back(static_cast<std::int32_t>(i));

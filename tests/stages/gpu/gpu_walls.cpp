@@ -9,7 +9,7 @@
 
 #include "gpu/domain/device_domain.hpp"
 #include "gpu/domain/walls.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "shared/interface.h"
 #include "support/check.hpp"
 #include "support/gpu/vulkan.hpp"
@@ -84,7 +84,7 @@ struct Found {
 // Places in units: most of them near a wall.
 Found check(test::Gpu& gpu, const votess::Options& options, test::Random& random) {
     const test::Coordinates none;
-    const votess::Job job = votess::validate({none, {}}, options);
+    const votess::Job job = votess::make_job(votess::settle({none, {}}, options));
     const votess::Box box = votess::gpu::device_box(job);
     const auto units = votess::gpu::Units::for_box(box);
     const auto walls = votess::gpu::device_walls(job, box);
@@ -218,7 +218,7 @@ TEST_SUITE("stages") {
         votess::Options options = test::all_options(test::unit_box());
         options.walls = {{{1, 0, 0}, 1}, {{1, 1, 1}, 3}, {{1, 1, 1}, std::nextafter(3, 0)}, {{-1, -2, 0}, 0}};
         const test::Coordinates none;
-        const votess::Job job = votess::validate({none, {}}, options);
+        const votess::Job job = votess::make_job(votess::settle({none, {}}, options));
         const auto walls = votess::gpu::device_walls(job, votess::gpu::device_box(job));
         REQUIRE(walls.size() == 10);
         for (std::size_t w = 0; w < 10; ++w) CHECK((walls[w].rough[3] >= UNBOUNDED) == (w >= 6 && w != 8));

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "input/options.hpp"
+#include "input/settle.hpp"
 
 namespace test::frame {
 
@@ -149,7 +149,7 @@ PlanOptions options_for(const PointSet& set) {
     options.areas = true;  // most tests share the pipelines that measure them
     votess::Options whole;
     whole.box = set.box;
-    options.box = votess::validate({set.points, {}}, whole).box;
+    options.box = votess::make_job(votess::settle({set.points, {}}, whole)).box;
     return options;
 }
 

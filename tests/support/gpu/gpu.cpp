@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "support/at_end.hpp"
 #include "support/text.hpp"
 
@@ -151,7 +151,7 @@ votess::Tessellation GpuRunner::run(const PointSet& set, votess::Options options
     options.box = set.box;
     votess::StageClock clock;
     votess::detail::Result result;
-    const votess::Job job = votess::validate({set.points, {}}, options);
+    const votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
     const auto domain = votess::gpu::device_domain(job);
     engine.run(job, domain ? &*domain : nullptr, clock, result);
     result.stats.seconds = clock.seconds();

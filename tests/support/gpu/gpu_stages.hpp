@@ -6,7 +6,7 @@
 
 #include "gpu/passes/passes.hpp"
 #include "gpu/seeds/seed_store.hpp"
-#include "input/options.hpp"
+#include "input/settle.hpp"
 #include "shared/interface.h"
 #include "support/generators.hpp"
 #include "support/gpu/vulkan.hpp"
@@ -49,7 +49,7 @@ struct GpuStages {
     votess::Job upload(const PointSet& set) {
         votess::Options options;
         options.box = set.box;
-        votess::Job job = votess::validate({set.points, {}}, options);
+        votess::Job job = votess::make_job(votess::settle({set.points, {}}, options));
         seeds.upload(job, {}, job.box, *passes, pool);
         return job;
     }

@@ -1,16 +1,19 @@
-"""Meshes as .vtu, .ply, .obj and .glb, written by the library."""
+"""Meshes as .vtu, .ply, .obj, .glb, .foam, .tess and .msh, written by the library."""
 
 from __future__ import annotations
 
 import contextlib
 import ctypes
-from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional
+import os
+from typing import TYPE_CHECKING, Any, Dict, Iterator, Optional, Tuple
 
 import numpy as np
 
 from .. import _c_api
 from .._call import Callbacks, raise_on_failure
 from .._library import lib
+from ..stats import MeshQuality
+from .whole_file import whole_file
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -21,28 +24,30 @@ if TYPE_CHECKING:
 
 
 @contextlib.contextmanager
-def writing(path: str) -> Iterator[Any]:
-    """Yields the callback that writes the file."""
-    with open(path, "wb") as file:
+def writing(path: str, folder: str = "") -> Iterator[Any]:
+    """Yields the callback that writes the file, and those of a format of several, which lie in ``folder``.
+
+    The latter appear when all are written, or not at all.
+    """
+    with contextlib.ExitStack() as stack:
+        files = {None: stack.enter_context(open(path, "wb"))}
 
         def write(piece: Any) -> int:
-            data = (ctypes.c_char * piece[0].count).from_address(piece[0].data)
-            file.write(data)
+            name = piece[0].file
+            if name not in files:
+                target = os.path.join(folder, name.decode())
+                os.makedirs(os.path.dirname(target), exist_ok=True)
+                files[name] = stack.enter_context(open(stack.enter_context(whole_file(target)), "wb"))
+            files[name].write((ctypes.c_char * piece[0].count).from_address(piece[0].data))
             return 1
 
         with Callbacks() as callbacks:
             yield callbacks.guarded(_c_api.WriteCallback, write, 0)
 
 
-def write_mesh(
-    path: str, extension: str, t: SeedCells, columns: Arrays, colors: Optional[npt.NDArray[np.uint8]], skip_open: bool
-) -> None:
-    """Writes the cells of ``t``, a result with faces; those of the plane as .vtu alone.
-
-    ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
-    .glb, possible for .ply. ValueError when a .glb would be larger than 4 GiB.
-    """
-    arrays: Dict[str, Any] = {
+def _arrays_of(t: SeedCells) -> Dict[str, Any]:
+    seeds = np.ascontiguousarray(t.points, np.float64)
+    return {
         "indptr": t.indptr,
         "indices": t.indices,
         "shifts": t.shifts,
@@ -51,9 +56,43 @@ def write_mesh(
         "vertices": t.vertices,
         "cell_vertex_indptr": t.cell_vertex_indptr,
         "cell_vertex_indices": t.cell_vertex_indices,
-        "colors": None if colors is None else np.ascontiguousarray(colors),
+        "seeds": seeds,
+        "weights": t.weights,
     }
-    _write(path, extension, arrays, columns, t.box, planar=t.planar, skip_open=int(skip_open))
+
+
+def write_mesh(
+    path: str,
+    extension: str,
+    t: SeedCells,
+    columns: Arrays,
+    colors: Optional[npt.NDArray[np.uint8]],
+    skip_open: bool,
+    folder: str = "",
+    min_edge: float = 0.0,
+) -> int:
+    """Writes the cells of ``t``, a result with faces; those of the plane as .vtu alone.
+
+    ``columns``: (N,) or (N, k) numbers of the machine's byte order, for .vtu. ``colors``: (N, 3) of sRGB, needed by
+    .glb, possible for .ply. ``folder``: of .foam. Returns the number of edges below ``min_edge`` that stay. ValueError
+    when a .glb would be larger than 4 GiB.
+    """
+    arrays = {**_arrays_of(t), "colors": None if colors is None else np.ascontiguousarray(colors)}
+    edges = np.zeros(9) if t.cell is None else t.cell
+    kept = ctypes.c_uint64()
+    flags = dict(planar=t.planar, skip_open=int(skip_open), min_edge=min_edge, short_edges=ctypes.addressof(kept))
+    _write(path, extension, arrays, columns, t.box, edges, folder, **flags)
+    return kept.value
+
+
+def mesh_quality(t: SeedCells, skip_open: bool, min_edge: float) -> MeshQuality:
+    """Measures the cells of ``t``, a result with faces."""
+    edges = np.zeros(9) if t.cell is None else t.cell
+    mesh, kept = _mesh_of(_arrays_of(t), {}, t.box, edges, skip_open=int(skip_open), min_edge=min_edge)
+    measured = _c_api.MeshQuality(struct_size=ctypes.sizeof(_c_api.MeshQuality))
+    raise_on_failure(lib.votess_measure_mesh(ctypes.byref(mesh), ctypes.byref(measured)))
+    del kept
+    return MeshQuality(**{name: getattr(measured, name) for name in MeshQuality.__dataclass_fields__})
 
 
 def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
@@ -75,7 +114,10 @@ def write_pieces_of_cells(path: str, t: SeedCells, columns: Arrays) -> None:
     _write(path, ".vtu", arrays, of_pieces, np.zeros((2, 3)))
 
 
-def _write(path: str, extension: str, arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], **flags: int) -> None:
+def _mesh_of(
+    arrays: Arrays, columns: Arrays, box: npt.NDArray[np.float64], edges: npt.NDArray[np.float64], **flags: float
+) -> Tuple[Any, Any]:
+    """Returns the struct of the library, and the arrays that must live as long."""
     kept = {name: np.ascontiguousarray(array) for name, array in columns.items()}
     c_columns = (_c_api.Column * len(kept))()
     for column, (name, array) in zip(c_columns, kept.items()):
@@ -90,9 +132,24 @@ def _write(path: str, extension: str, arrays: Arrays, columns: Arrays, box: npt.
         columns=c_columns,
         box_lower=tuple(box[0]),
         box_upper=tuple(box[1]),
+        edges=tuple(np.ravel(edges)),
         **flags,
         **{name: None if array is None else array.ctypes.data for name, array in arrays.items()},
     )
-    with writing(path) as write:
-        status = lib.votess_write_mesh(ctypes.byref(mesh), extension.encode(), write, None)
-    raise_on_failure(status)
+    return mesh, (kept, arrays)
+
+
+def _write(
+    path: str,
+    extension: str,
+    arrays: Arrays,
+    columns: Arrays,
+    box: npt.NDArray[np.float64],
+    edges: npt.NDArray[np.float64] = np.zeros(9),
+    folder: str = "",
+    **flags: float,
+) -> None:
+    mesh, kept = _mesh_of(arrays, columns, box, edges, **flags)
+    with writing(path, folder) as write:
+        raise_on_failure(lib.votess_write_mesh(ctypes.byref(mesh), extension.encode(), write, None))
+    del kept

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Dict, NamedTuple, Optional, Union
 
 from . import arrays
-from .._arguments import as_path, as_word, require_one_of
+from .._arguments import as_number, as_path, as_word, require_one_of
 from .colors import COLORMAPS, cell_colors
 from .columns import VTU_NAMES, added_columns, named_columns, vtu_columns
 from .geometry import mesh_of
@@ -24,6 +25,7 @@ class _Kind(NamedTuple):
     planar: bool = False  # holds those of the plane too
     columns: bool = False  # holds columns of the caller
     color: bool = False
+    edges: bool = False  # may have short edges collapsed
     package: str = ""  # needed to write it
 
 
@@ -35,6 +37,9 @@ _KINDS: Dict[str, _Kind] = {
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
+    ".foam": _Kind(mesh=True, edges=True),
+    ".tess": _Kind(mesh=True, edges=True),
+    ".msh": _Kind(mesh=True, edges=True),
 }
 
 
@@ -43,7 +48,7 @@ def _that(**flags: bool) -> str:
 
 
 def _checked_kind(
-    t: SeedCells, name: str, extension: str, columns: Columns, color: Any, open: Optional[str]
+    t: SeedCells, name: str, extension: str, columns: Columns, color: Any, open: Optional[str], min_edge: float
 ) -> _Kind:
     """Returns the format. Raises before any work if it cannot hold the data."""
     kind = _KINDS.get(extension)
@@ -51,6 +56,10 @@ def _checked_kind(
         raise ValueError(f"path is {name!r}: known are {' '.join(_KINDS)}")
     if named_columns(columns) and not kind.columns:
         raise ValueError(f"{extension} holds no columns: {_that(columns=True)} do")
+    if not (0 <= min_edge < float("inf")):
+        raise ValueError(f"min_edge is {min_edge}: give a length from 0 on")
+    if min_edge and not kind.edges:
+        raise ValueError(f"{extension} keeps all edges, and min_edge is given: {_that(edges=True)} collapse short ones")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
     if kind.mesh and t.in_mesh and extension != ".vtu":
@@ -69,13 +78,20 @@ def _checked_kind(
 
 
 def save(
-    t: SeedCells, path: Union[str, os.PathLike[str]], columns: Columns, color: Any, colormap: str, open: Optional[str]
+    t: SeedCells,
+    path: Union[str, os.PathLike[str]],
+    columns: Columns,
+    color: Any,
+    colormap: str,
+    open: Optional[str],
+    min_edge: float,
 ) -> None:
     """See :meth:`Tessellation.save`."""
     name = as_path(path, "path")
     as_word(colormap, "colormap", COLORMAPS)
     extension = os.path.splitext(name)[1].lower()
-    kind = _checked_kind(t, name, extension, columns, color, open)
+    length = as_number(min_edge, "min_edge")
+    kind = _checked_kind(t, name, extension, columns, color, open, length)
     taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES
     added = added_columns(t, columns, taken)
     if extension == ".glb" and color is None:
@@ -91,4 +107,7 @@ def save(
             if t.in_mesh:
                 write_pieces_of_cells(temporary, t, data)
             else:
-                write_mesh(temporary, extension, t, data, colors, open is not None)
+                folder = os.path.dirname(os.path.realpath(name))
+                kept = write_mesh(temporary, extension, t, data, colors, open is not None, folder, length)
+                if kept:
+                    warnings.warn(f"{kept} edges below min_edge={length} stay: cells would not remain polyhedra", stacklevel=3)

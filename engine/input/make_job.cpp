@@ -1,5 +1,3 @@
-#include "input/options.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,7 +6,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
-#include <type_traits>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
@@ -16,62 +14,17 @@
 #include "core/thread_pool.hpp"
 #include "core/vector3.hpp"
 #include "input/default_box.hpp"
-#include "input/each_option.hpp"
-#include "input/implied_wants.hpp"
+#include "input/settle.hpp"
 #include "polytope/cell.hpp"
-#include "polytope/cell_kernels.hpp"
 
 namespace votess {
 namespace {
 
-constexpr std::size_t max_index_digits = 6;
 constexpr std::size_t points_per_stop_check = 4096;
 constexpr double max_scaled_weight = 0x1p500;  // its square does not overflow
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, message);
-}
-
-bool names_device(const std::string& device) {
-    if (device == "auto" || device == "cpu" || device == "gpu" || device == "lavapipe") return true;
-    return !device.empty() && device.size() <= max_index_digits &&
-           std::all_of(device.begin(), device.end(), [](char c) { return c >= '0' && c <= '9'; });
-}
-
-template <class Value>
-void check_option(const char* /*name*/, const Value& /*value*/, decltype(anything)) {}
-
-template <class Number>
-void check_option(const char* name, Number value, UpTo<Number> allowed) {
-    if (value >= 0 && value <= allowed.max && std::isfinite(static_cast<double>(value))) return;
-    const auto text = [](Number n) {
-        if constexpr (std::is_integral_v<Number>)
-            return std::to_string(n);
-        else
-            return number(n);
-    };
-    refuse("Options::" + std::string(name) + " = " + text(value) + ": give " +
-           (std::isinf(static_cast<double>(allowed.max)) ? "a finite number from 0 up" : "0 to " + text(allowed.max)));
-}
-
-template <class Enum, std::size_t count>
-void check_option(const char* name, Enum value, const std::array<const char*, count>& allowed) {
-    const auto index = static_cast<std::int64_t>(value);
-    if (index >= 0 && index < static_cast<std::int64_t>(count)) return;
-    std::string known;
-    for (std::size_t i = 0; i < count; ++i)
-        known += (i == 0 ? "" : " or ") + std::to_string(i) + " (" + allowed[i] + ")";
-    refuse("Options::" + std::string(name) + " = " + std::to_string(index) + ": give " + known);
-}
-
-void check_instructions(const std::string& name) {
-    if (name.empty() || cpu::find_kernels(name) != nullptr) return;
-    if (name != "avx512" && name != "avx2")
-        refuse("Options::instructions is " + in_quotes(name) + ", which are unknown: give baseline, avx2 or avx512");
-    std::string available;
-    for (const cpu::Kernels* kernels : cpu::supported_kernels())
-        available += (available.empty() ? "" : ", ") + std::string(kernels->name);
-    throw Error(ErrorCode::unsupported, "Options::instructions = " + name + ": this processor has only " + available);
 }
 
 Box scaled(const Box& box, double scale) {
@@ -94,14 +47,6 @@ double volume_of(const Box& box) {
     double volume = 1;
     for (int k = 0; k < 3; ++k) volume *= box.upper[k] - box.lower[k];
     return volume;
-}
-
-struct NamedVector {
-    const char* name;
-    const std::array<double, 3>& numbers;
-};
-std::array<NamedVector, 4> vectors_of(const TriclinicBox& cell) {
-    return {{{"origin", cell.origin}, {"a", cell.a}, {"b", cell.b}, {"c", cell.c}}};
 }
 
 double largest_number(const TriclinicBox& cell) {
@@ -128,8 +73,8 @@ void check_scaled(double value, double scale, const auto&... name) {
 void check_scaled(const Job& job) {
     if (job.scale >= 1) return;  // only scaling down can lose bits
     for (std::size_t k = 0; k < 3; ++k) {
-        if (job.options.cell) {
-            for (const auto& [name, numbers] : vectors_of(*job.options.cell))
+        if (job.region.cell) {
+            for (const auto& [name, numbers] : vectors_of(*job.region.cell))
                 check_scaled(numbers[k], job.scale, "cell: ", name, " ", axis_name[k]);
         } else {
             check_scaled(job.box.lower[k], job.scale, "box: lower ", axis_name[k]);
@@ -140,40 +85,6 @@ void check_scaled(const Job& job) {
         if (i % points_per_stop_check == 0) check_stop();
         check_scaled(job.points[i], job.scale, "point ", job.points.first + i / 3, ": ", axis_name[i % 3]);
     }
-}
-
-void check_domain(const Options& options) {
-    const bool periodic = options.periodic[0] || options.periodic[1] || options.periodic[2];
-    if (periodic && !options.box && !options.cell)
-        refuse("Options::periodic needs a box: give Options::box or Options::cell, whose lengths are the periods");
-    if (options.box) check_box(*options.box);
-    if (options.cell) {
-        if (options.box) refuse("Options::box and Options::cell are both given: give one of them");
-        if (periodic && options.periodic != options.cell->periodic)
-            refuse(
-                "Options::cell.periodic and Options::periodic contradict each other: set one of them, or both to the "
-                "same");
-        for (const auto& [name, numbers] : vectors_of(*options.cell))
-            for (const double x : numbers)
-                if (!std::isfinite(x))
-                    refuse(std::string("Options::cell: ") + name + " holds " + number(x) + ", which is not finite");
-        const auto vectors = vectors_of(*options.cell);
-        for (std::size_t j = 0; j < 3; ++j)
-            if (vectors[j + 1].numbers == std::array<double, 3>{} && options.cell->periodic[j])
-                refuse(
-                    std::string("Options::cell: ") + vectors[j + 1].name +
-                    " is 0, but the cell repeats along it: give its length, or leave it out of Options::cell.periodic "
-                    "for a domain without end");
-    }
-    if (!options.walls.empty() && options.cell)
-        refuse("Options::walls and Options::cell are both given: walls need a box, leave one out");
-    if (!options.walls.empty() && periodic)
-        refuse("Options::walls and Options::periodic are both given: walls need a box that is not periodic");
-    for (std::size_t w = 0; w < options.walls.size(); ++w)
-        (void)domain_wall(options.walls[w], 1, "wall " + std::to_string(w));
-    if (!options.weights.empty() && !options.radii.empty())
-        refuse(
-            "Options::weights and Options::radii are both given: give one of them, weights are the squares of radii");
 }
 
 void drop_seed(std::size_t i, std::size_t count, std::vector<CellStatus>& outside) {
@@ -246,7 +157,7 @@ void include(Box& box, const Box& other) {
 }
 
 // Returns the bounds of the seeds from `begin` on, after a check of each. outside: as in the job.
-Box check_each(const Points& points, std::size_t begin, std::size_t end, const Options& options,
+Box check_each(const Points& points, std::size_t begin, std::size_t end, const Region& region,
                std::vector<CellStatus>& outside) {
     Box bounds = no_bounds;
     for (std::size_t i = begin; i < end; ++i) {
@@ -255,16 +166,16 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
             if (!std::isfinite(value))
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is not finite");
-            const bool beyond = options.box && !options.periodic[k] &&
-                                !(value >= options.box->lower[k] && value <= options.box->upper[k]);
-            if (beyond && options.outside == Outside::drop) {
+            const bool beyond =
+                region.box && !region.periodic[k] && !(value >= region.box->lower[k] && value <= region.box->upper[k]);
+            if (beyond && region.outside == Outside::drop) {
                 drop_seed(i, points.count(), outside);
-            } else if (beyond && options.outside == Outside::error) {
-                const double lower = options.box->lower[k], upper = options.box->upper[k];
+            } else if (beyond && region.outside == Outside::error) {
+                const double lower = region.box->lower[k], upper = region.box->upper[k];
                 const double distance = std::max(lower - value, value - upper);
                 refuse("point " + std::to_string(points.first + i) + ": " + axis_name[k] + " = " + number(value) +
                        " is outside the box, which spans " + number(lower) + " to " + number(upper) +
-                       distance_text(distance, 0) + outside_remedy(distance, largest_side(*options.box)));
+                       distance_text(distance, 0) + outside_remedy(distance, largest_side(*region.box)));
             }
             bounds.lower[k] = std::min(bounds.lower[k], value);
             bounds.upper[k] = std::max(bounds.upper[k], value);
@@ -274,8 +185,10 @@ Box check_each(const Points& points, std::size_t begin, std::size_t end, const O
 }
 
 // Seeds outside do not count in the range.
-void set_weights(const Job& job, Domain& domain) {
-    domain.weights = scaled_weights(job.options, job.points.count(), "points", job.scale, job.points.first);
+void set_weights(Job& job, Domain& domain) {
+    job.reports_weights = !job.weights.empty();
+    domain.weights =
+        scaled_weights(std::exchange(job.weights, {}), job.points.count(), "points", job.scale, job.points.first);
     bool any = false;
     for (std::size_t i = 0; i < domain.weights.size(); ++i) {
         if (!job.outside.empty() && job.outside[i] == CellStatus::outside) continue;
@@ -321,7 +234,7 @@ std::size_t first_outside(const Domain& domain, std::span<const exact::Plane> wa
 }
 
 void set_walls(Job& job, Domain& domain) {
-    const auto& walls = job.options.walls;
+    const auto& walls = job.region.walls;
     for (std::size_t w = 0; w < walls.size(); ++w)
         domain.walls.push_back(domain_wall(walls[w], job.scale, "wall " + std::to_string(w)));
     if (walls.empty()) return;
@@ -330,7 +243,7 @@ void set_walls(Job& job, Domain& domain) {
     std::vector<exact::Plane> as_given;
     for (const Wall& wall : walls) as_given.push_back(domain_wall(wall, 1, {}));
     std::optional<exact::Point> any_inside;
-    const bool keep = job.options.outside == Outside::keep;
+    const bool keep = job.region.outside == Outside::keep;
     const double largest = largest_coordinate(domain.box);
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (i % points_per_stop_check == 0) check_stop();
@@ -342,7 +255,7 @@ void set_walls(Job& job, Domain& domain) {
             if (!any_inside) any_inside = at;
             continue;
         }
-        if (job.options.outside == Outside::error)
+        if (job.region.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
                    beyond_wall(walls, wall, as_given[wall], x, largest_side(job.box)));
         if (keep)
@@ -394,10 +307,10 @@ void check_inside_cell(Job& job, const Domain& domain) {
         const exact::Point x{job.points[3 * i], job.points[3 * i + 1], job.points[3 * i + 2]};
         const exact::Point at = scaled(x, job.scale);  // not finite for seeds far outside
         if (std::ranges::all_of(at, [](double c) { return std::isfinite(c); }) && inside_walls(domain, at)) continue;
-        if (job.options.outside == Outside::error)
+        if (job.region.outside == Outside::error)
             refuse("point " + std::to_string(job.points.first + i) + ": " + in_parentheses(x) +
-                   beyond_cell(*job.options.cell, x));
-        if (job.options.outside == Outside::keep)
+                   beyond_cell(*job.region.cell, x));
+        if (job.region.outside == Outside::keep)
             keep_seed(job, i, at, largest_coordinate(domain.box));
         else
             drop_seed(i, job.points.count(), job.outside);
@@ -406,7 +319,7 @@ void check_inside_cell(Job& job, const Domain& domain) {
 
 // Marks the seeds beyond the walls of a box.
 void keep_outside_box(Job& job, const Domain& domain) {
-    if (job.options.outside != Outside::keep || !job.options.box) return;
+    if (job.region.outside != Outside::keep || !job.region.box) return;
     const double largest = largest_coordinate(domain.box);
     for (std::size_t i = 0; i < job.points.count(); ++i) {
         if (i % points_per_stop_check == 0) check_stop();
@@ -444,8 +357,8 @@ void widen_covering_radius(const Job& job, Domain& domain) {
 
 // Checks and copies the seeds of the rows.
 void take_subset(Job& job) {
-    if (!job.options.only) return;
-    const auto given = *job.options.only;
+    if (!job.subset) return;
+    const std::vector<std::int64_t>& given = *job.subset;
     const std::size_t count = job.points.count();
     std::vector<bool> taken(count);
     std::vector<std::int32_t> ids;
@@ -462,13 +375,13 @@ void take_subset(Job& job) {
         ids.push_back(static_cast<std::int32_t>(id));
     }
     job.only = std::make_shared<const Subset>(std::move(ids));
-    job.options.only.reset();
+    job.subset.reset();
 }
 
 void make_domain(Job& job) {
     auto domain = std::make_shared<Domain>();
-    if (job.options.cell) {
-        const TriclinicBox& cell = *job.options.cell;
+    if (job.region.cell) {
+        const TriclinicBox& cell = *job.region.cell;
         *domain = triclinic_domain({scaled(cell.origin, job.scale), scaled(cell.a, job.scale),
                                     scaled(cell.b, job.scale), scaled(cell.c, job.scale), cell.periodic});
         check_inside_cell(job, *domain);
@@ -481,7 +394,7 @@ void make_domain(Job& job) {
         }
         job.box_volume = domain->volume / job.scale / job.scale / job.scale;
     } else {
-        *domain = box_domain(scaled(job.box, job.scale), job.options.periodic);
+        *domain = box_domain(scaled(job.box, job.scale), job.region.periodic);
         job.box_volume = volume_of(job.box);
         keep_outside_box(job, *domain);
     }
@@ -494,7 +407,7 @@ void make_domain(Job& job) {
 
 }  // namespace
 
-Box check_points(const Points& points, const Options& options, std::vector<CellStatus>& outside, ThreadPool* pool) {
+Box check_points(const Points& points, const Region& region, std::vector<CellStatus>& outside, ThreadPool* pool) {
     constexpr std::size_t block = 4096;
     const std::size_t blocks = ceil_div(points.count(), block);
     std::vector<std::optional<Box>> found(blocks);  // none where points have to be checked one by one
@@ -504,8 +417,8 @@ Box check_points(const Points& points, const Options& options, std::vector<CellS
         bool good = points.f32.empty() ? find_bounds(points.f64.subspan(3 * begin, 3 * count), of_block)
                                        : find_bounds(points.f32.subspan(3 * begin, 3 * count), of_block);
         for (int k = 0; k < 3; ++k)
-            if (options.box && !options.periodic[k])
-                good &= of_block.lower[k] >= options.box->lower[k] && of_block.upper[k] <= options.box->upper[k];
+            if (region.box && !region.periodic[k])
+                good &= of_block.lower[k] >= region.box->lower[k] && of_block.upper[k] <= region.box->upper[k];
         if (good) found[index] = of_block;
     };
     if (pool != nullptr && blocks > 1) pool->run(blocks, std::cref(task));
@@ -514,20 +427,19 @@ Box check_points(const Points& points, const Options& options, std::vector<CellS
         check_stop();
         if (pool == nullptr || blocks == 1) task(index, 0);
         const std::size_t begin = index * block, end = std::min(points.count(), begin + block);
-        include(bounds, found[index] ? *found[index] : check_each(points, begin, end, options, outside));
+        include(bounds, found[index] ? *found[index] : check_each(points, begin, end, region, outside));
     }
     return bounds;
 }
 
-std::vector<double> scaled_weights(const Options& options, std::size_t count, const char* of, double scale,
+std::vector<double> scaled_weights(Weights given, std::size_t count, const char* of, double scale,
                                    std::uint64_t first) {
-    const bool radii = !options.radii.empty();
-    const auto given = radii ? options.radii : options.weights;
-    if (given.empty()) return {};
-    if (given.size() != count)
-        refuse("Options::" + std::string(radii ? "radii" : "weights") + " hold " + std::to_string(given.size()) +
+    const bool radii = given.are_radii;
+    std::vector<double> weights = std::move(given.given);
+    if (weights.empty()) return weights;
+    if (weights.size() != count)
+        refuse("Options::" + std::string(radii ? "radii" : "weights") + " hold " + std::to_string(weights.size()) +
                " numbers for " + std::to_string(count) + " " + of + ": give one for each");
-    std::vector<double> weights(given.begin(), given.end());  // read once, see input/snapshot.hpp
     for (std::size_t i = 0; i < count; ++i) {
         if (i % points_per_stop_check == 0) check_stop();
         const double value = weights[i];
@@ -545,66 +457,23 @@ std::vector<double> scaled_weights(const Options& options, std::size_t count, co
     return weights;
 }
 
-void check_box(const Box& box) {
-    for (int k = 0; k < 3; ++k) {
-        const double lower = box.lower[k], upper = box.upper[k];
-        if (!std::isfinite(lower) || !std::isfinite(upper))
-            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   " is not finite");
-        if (!(lower < upper))
-            refuse(std::string("Options::box: ") + axis_name[k] + " from " + number(lower) + " to " + number(upper) +
-                   (lower == upper ? " is empty" : " is inverted") + ": give the lower bound first, then the upper");
-    }
-}
-
-void check_options(const Options& options) {
-    each_option([&](auto name, auto member, auto, auto allowed) { check_option(name, options.*member, allowed); });
-    check_instructions(options.instructions);
-    if (options.only && (options.min_face > 0 || options.min_area > 0))
-        refuse("Options::min_face and Options::min_area need the faces of all cells: leave them out, or Options::only");
-    if (!names_device(options.device))
-        refuse("Options::device is " + in_quotes(options.device) +
-               ", which is unknown: give auto, cpu, gpu, lavapipe or the index of a device, 0 to 999999");
-    if (options.mesh)
-        refuse("Options::mesh: only tessellate(), fit_volumes() and Diagram clip by a mesh, leave it out");
-    if (options.planar)
-        refuse("Options::planar: only tessellate(), fit_volumes() and Diagram work in two dimensions, leave it out");
-    if (options.only && options.device != "auto" && options.device != "cpu")
-        throw Error(ErrorCode::unsupported,
-                    "Options::device = " + options.device +
-                        ": the CPU makes the cells of some seeds, give cpu or auto with Options::only");
-    check_domain(options);
-}
-
-Box box_of(const Options& options, const Box& bounds, std::uint64_t count) {
-    if (options.box) return *options.box;
+Box box_of(const Region& region, const Box& bounds, std::uint64_t count) {
+    if (region.box) return *region.box;
     Box box = default_box(bounds, count);
-    if (!options.walls.empty()) check_box(box = bounds_of(options.walls, box));
+    if (!region.walls.empty()) check_box(box = bounds_of(region.walls, box));
     return box;
 }
 
-void check_shape(const Points& points) {
-    if (points.coordinates() % 3 != 0)
-        refuse("points hold " + std::to_string(points.coordinates()) +
-               " coordinates, not a multiple of 3: the shape must be (N,3)");
-    if (points.count() > static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-        throw Error(ErrorCode::unsupported,
-                    std::to_string(points.count()) + " seeds are too many: give at most 2147483647, or stream them");
-}
-
-Job validate(const Points& points, const Options& options, ThreadPool* pool) {
-    check_options(options);
-    check_shape(points);
+Job make_job(Settled run, ThreadPool* pool) {
+    if (run.region.box) check_box(*run.region.box);
     Job job;
-    const Box bounds = check_points(points, options, job.outside, pool);
-    job.points = points;
-    job.options = options;
-    job.options.want = with_implied(options);
-    job.options.list_walls |= options.want.faces;
-    if (options.cell) {
-        job.scale = scale_for(largest_number(*options.cell));
+    static_cast<Settled&>(job) = std::move(run);
+    const Box bounds = check_points(job.points, job.region, job.outside, pool);
+    imply(job);
+    if (job.region.cell) {
+        job.scale = scale_for(largest_number(*job.region.cell));
     } else {
-        job.box = box_of(options, bounds, points.count());
+        job.box = box_of(job.region, bounds, job.points.count());
         job.scale = scale_for(largest_coordinate(job.box));
     }
     check_scaled(job);

@@ -1,0 +1,482 @@
+"""Meshes for solvers and meshers: .foam, .tess and .msh, read back by plain code, VTK and Gmsh, and their quality."""
+
+import re
+import unittest
+import warnings
+
+import numpy as np
+from helpers import CELL, CUBE, UNIT_BOX, Folder, cells, have, lattice, uniform
+
+import pyvotess as vt
+
+WANT = "faces,volumes,centroids,areas"
+
+
+def domains():
+    """Yields results in one domain of each kind, with duplicates and cells without a place."""
+    points = np.concatenate((uniform(30), uniform(2)))
+    radii = 0.3 * np.random.default_rng(5).random(32)
+    for options in (
+        {},
+        {"periodic": True},
+        {"periodic": "x", "radii": radii},
+        {"box": None, "cell": CELL, "periodic": True},
+        {"box": None, "cell": CELL, "periodic": "y", "outside": "drop"},
+        {"walls": vt.walls.sphere((0.5, 0.5, 0.5), 0.45, 20), "outside": "keep", "radii": radii},
+    ):
+        yield vt.tessellate(points, **{"box": UNIT_BOX, "want": WANT, **options})
+    yield vt.tessellate(lattice(3), box=(0, 0, 0, 3, 3, 3), want=WANT)  # each vertex is a tie
+    yield vt.tessellate(lattice(3), box=(0, 0, 0, 3, 3, 3), periodic=True, want=WANT)
+    yield vt.tessellate(uniform(2), box=UNIT_BOX, periodic=True, want=WANT)  # cells that touch their own images
+
+
+def area_and_center(corners):
+    """Returns the area vector and the centroid of a flat polygon."""
+    a, b = corners[1:-1] - corners[0], corners[2:] - corners[0]
+    areas = np.cross(a, b) / 2
+    area = areas.sum(axis=0)
+    shares = areas @ area / (area @ area)
+    return area, corners[0] + shares @ (a + b) / 3
+
+
+class Foam(Folder):
+    def read(self):
+        """Returns points, faces, owner, neighbour, and the patches as a dict of dicts."""
+        content = {}
+        for name in ("points", "faces", "owner", "neighbour", "boundary"):
+            text = (self.folder / "constant/polyMesh" / name).read_text()
+            head, body = re.fullmatch(r"//.*?\nFoamFile\n\{(.*?)\}\n(.*)", text, re.S).groups()
+            self.assertIn(f"object {name};", head)
+            count, rows = re.fullmatch(r"(\d+)\n\(\n(.*)\)\n", body, re.S).groups()
+            content[name] = rows
+            content[name + "_count"] = int(count)
+        points = np.array([row[1:-1].split() for row in content["points"].splitlines()], float).reshape(-1, 3)
+        faces = [re.fullmatch(r"(\d+)\((.*)\)", row).groups() for row in content["faces"].splitlines()]
+        self.assertTrue(all(int(n) == len(c.split()) for n, c in faces))
+        faces = [np.array(c.split(), int) for _, c in faces]
+        owner, neighbour = (np.array(content[name].split(), int) for name in ("owner", "neighbour"))
+        patches = {
+            name: dict(line.strip().rstrip(";").split(" ", 1) for line in body.splitlines())
+            for name, body in re.findall(r"    (\S+)\n    \{\n(.*?)    \}\n", content["boundary"], re.S)
+        }
+        self.assertEqual((len(points), len(faces), len(owner), len(neighbour), len(patches)), tuple(
+            content[name + "_count"] for name in ("points", "faces", "owner", "neighbour", "boundary")))  # fmt: skip
+        return points, faces, owner, neighbour, patches
+
+    def check(self, t):
+        """Checks the rules of checkMesh, and the volumes. Returns what read() does."""
+        t.save(self.path("case.foam"))
+        self.assertEqual((self.folder / "case.foam").read_bytes(), b"")
+        points, faces, owner, neighbour, patches = mesh = self.read()
+        held = np.flatnonzero(t.volumes > 0)
+        inner = len(neighbour)
+        self.assertEqual(sorted(set(owner) | set(neighbour)), list(range(len(held))))
+        self.assertEqual(len(np.unique(np.concatenate(faces))), len(points), "all points are used")
+        pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
+        self.assertEqual(pairs, sorted(set(pairs)), "upper-triangular order")
+        self.assertTrue((owner[:inner] < neighbour).all())
+        rows = {(i, j, tuple(s)) for i, row in enumerate(held) for j, s in zip(
+            t.neighbors[row], (t.shifts if t.shifts is not None else np.zeros((t.indptr[-1], 3), int))[t.indptr[row]:].tolist())}  # fmt: skip
+        place = {row: i for i, row in enumerate(held)}
+        expected = sorted((i, place[j]) for i, j, s in rows if j >= 0 and not any(s) and i < place[j])
+        self.assertEqual(pairs, expected)
+
+        measures = [area_and_center(points[face]) for face in faces]
+        areas, centers = (np.array([m[k] for m in measures]) for k in (0, 1))
+        self.assertTrue((np.linalg.norm(areas, axis=1) > 0).all())
+        closure, volumes = np.zeros((len(held), 3)), np.zeros(len(held))
+        edges = [[] for _ in held]
+        for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, inner)):
+            np.add.at(closure, cell, sign * areas[:count])
+            offsets = centers[:count] - t.centroids[held][cell]
+            np.add.at(volumes, cell, sign * np.einsum("ij,ij->i", areas[:count], offsets) / 3)
+            for i, face in zip(cell, faces):
+                edges[i] += list(zip(face, np.roll(face, -1)))[::sign] if sign > 0 else list(zip(np.roll(face, -1), face))
+        np.testing.assert_allclose(closure, 0, atol=1e-14 * t.box[1].max() ** 2)
+        np.testing.assert_allclose(volumes, t.volumes[held], rtol=1e-12)
+        for own in edges:
+            self.assertEqual(len(own), len(set(own)))
+            self.assertEqual(set(own), {(b, a) for a, b in own}, "closed")
+
+        end = inner
+        for name, patch in patches.items():
+            self.assertEqual(int(patch["startFace"]), end)
+            begin, end = end, end + int(patch["nFaces"])
+            if patch["type"] == "patch":
+                corners = points[np.unique(np.concatenate(faces[begin:end]))]
+                if name.startswith("wall"):
+                    *normal, offset = t.walls[int(name[4:]) - 7]
+                    np.testing.assert_allclose(corners @ normal, offset, atol=1e-14)
+                else:
+                    side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
+                    if t.cell is None:
+                        np.testing.assert_allclose(corners[:, side // 2], t.box[side % 2, side // 2], atol=1e-14)
+                continue
+            twin = patches[patch["neighbourPatch"]]
+            self.assertEqual((patch["type"], patch["transform"], twin["nFaces"]), ("cyclic", "translational", patch["nFaces"]))
+            apart = np.array(patch["separationVector"][1:-1].split(), float)
+            for k in range(begin, end):
+                other = faces[int(twin["startFace"]) + k - begin]
+                there = np.concatenate((other[:1], other[:0:-1]))  # the same corners, the first first
+                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+        self.assertEqual(end, len(faces))
+        self.check_quality(t, mesh, held, areas, centers)
+        return mesh
+
+    def check_quality(self, t, mesh, held, areas, centers):
+        points, faces, owner, neighbour, patches = mesh
+        angles, skewness = [], []
+
+        def add(k, own, other):
+            d, n = other - own, areas[k]
+            angles.append(np.degrees(np.arccos(min(1.0, n @ d / np.linalg.norm(n) / np.linalg.norm(d)))))
+            off = centers[k] - own - (n @ (centers[k] - own)) / (n @ d) * d
+            size = 0.2 * np.linalg.norm(d)
+            if off.any():
+                size = max(size, np.abs((points[faces[k]] - centers[k]) @ (off / np.linalg.norm(off))).max())
+            skewness.append(np.linalg.norm(off) / size)
+
+        places = t.centroids[held]
+        for k in range(len(neighbour)):
+            add(k, places[owner[k]], places[neighbour[k]])
+        for patch in patches.values():
+            for k in range(int(patch["startFace"]), int(patch["startFace"]) + int(patch["nFaces"])):
+                if patch["type"] == "cyclic":
+                    if patch["separationVector"].split()[0].startswith("(-"):
+                        continue  # most of the twins
+                    apart = np.array(patch["separationVector"][1:-1].split(), float)
+                    twin = int(patches[patch["neighbourPatch"]]["startFace"]) + k - int(patch["startFace"])
+                    add(k, places[owner[k]], places[owner[twin]] + apart)
+                else:
+                    n = areas[k] / np.linalg.norm(areas[k])
+                    off = (centers[k] - places[owner[k]]) - n @ (centers[k] - places[owner[k]]) * n
+                    size = 0.4 * (n @ (centers[k] - places[owner[k]]))
+                    if np.linalg.norm(off) > 1e-12:
+                        size = max(size, np.abs((points[faces[k]] - centers[k]) @ (off / np.linalg.norm(off))).max())
+                    skewness.append(np.linalg.norm(off) / size)
+        q = t.mesh_quality()
+        self.assertEqual((q.cells, q.faces, q.internal_faces, q.vertices),
+                         (len(held), len(faces), len(neighbour), len(points)))  # fmt: skip
+        self.assertEqual((q.wrong_faces, q.wrong_cells), (0, 0))
+        np.testing.assert_allclose(q.max_non_orthogonality, max(angles), atol=2e-6)
+        np.testing.assert_allclose(q.max_skewness, max(skewness), rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(q.min_area, np.linalg.norm(areas, axis=1).min(), rtol=1e-5)
+        np.testing.assert_allclose(q.min_volume, t.volumes[held].min(), rtol=1e-9)
+        lengths = [np.linalg.norm(points[f] - points[np.roll(f, -1)], axis=1).min() for f in faces]
+        np.testing.assert_allclose(q.min_edge, min(lengths), rtol=1e-12)
+
+    def test_rules_of_checkmesh(self):
+        for t in domains():
+            with self.subTest(t):
+                self.check(t)
+
+    def test_short_edges_are_collapsed(self):
+        """Cells stay closed polyhedra, boundaries stay flat or periodic, and volumes sum to the box."""
+        for t in domains():
+            if not len(t.walls):
+                with self.subTest(t), warnings.catch_warnings(record=True) as caught:
+                    warnings.simplefilter("always")
+                    before = t.mesh_quality()
+                    length = 0.05 * t.box[1].max()
+                    t.save(self.path("case.foam"), min_edge=length)
+                    points, faces, owner, neighbour, patches = self.read()
+                    inner, q = len(neighbour), t.mesh_quality(min_edge=length)
+                    self.assertEqual((q.wrong_cells, q.faces, q.vertices), (0, len(faces), len(points)))
+                    ends = np.array([(a, b) for f in faces for a, b in zip(f, np.roll(f, -1))])
+                    lengths = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+                    short = {tuple(sorted(e)) for e in ends[lengths < length].tolist()}
+                    self.assertEqual(q.short_edges, len(short))
+                    self.assertEqual([str(w.message) for w in caught], [
+                        f"{len(short)} edges below min_edge={length} stay: cells would not remain polyhedra"] * bool(short))  # fmt: skip
+                    if before.min_edge < length:
+                        self.assertLess(q.vertices, before.vertices)
+                        self.assertLess(len(short), 0.1 * (before.vertices - q.vertices) + 3)
+                    self.assertTrue(set(map(tuple, points)) <= set(map(tuple, t.vertices)), "vertices of cells, as they were")
+                    pairs = list(zip(owner[:inner].tolist(), neighbour.tolist()))
+                    self.assertEqual(pairs, sorted(set(pairs)))
+                    volumes, cells_edges = np.zeros(q.cells), [[] for _ in range(q.cells)]
+                    for cell, sign, count in ((owner, 1, len(faces)), (neighbour, -1, inner)):
+                        for i, face in zip(cell[:count], faces):
+                            corners = points[face] - points[faces[0][0]]
+                            fan = np.cross(corners[1:-1], corners[2:])
+                            volumes[i] += sign * (fan @ corners[0]).sum() / 6
+                            cells_edges[i] += [e[::sign] for e in zip(face.tolist(), np.roll(face, -1).tolist())]
+                    self.assertTrue((volumes > 0).all())
+                    size = t.volumes.sum()
+                    np.testing.assert_allclose(volumes.sum(), size, rtol=1e-12)
+                    for own in cells_edges:
+                        self.assertEqual(len(own), len(set(own)))
+                        self.assertEqual(set(own), {(b, a) for a, b in own}, "closed")
+                    for name, patch in patches.items():
+                        part = range(int(patch["startFace"]), int(patch["startFace"]) + int(patch["nFaces"]))
+                        if patch["type"] == "cyclic":
+                            apart = np.array(patch["separationVector"][1:-1].split(), float)
+                            twin = int(patches[patch["neighbourPatch"]]["startFace"]) - part.start
+                            for k in part:
+                                there = np.concatenate((faces[k + twin][:1], faces[k + twin][:0:-1]))
+                                np.testing.assert_allclose(points[faces[k]] - apart, points[there], atol=1e-13)
+                        elif t.cell is None:
+                            side = ("xmin", "xmax", "ymin", "ymax", "zmin", "zmax").index(name)
+                            corners = points[np.unique(np.concatenate([faces[k] for k in part]))]
+                            np.testing.assert_allclose(corners[:, side // 2], t.box[side % 2, side // 2], atol=1e-14)
+        t = cells(30)
+        t.save(self.path("a.tess"), min_edge=0.05)
+        self.assertIn("1", np.array(read_tess(self.path("a.tess"))["**vertex"][1:]).reshape(-1, 5)[:, 4])
+        for name, given, message in (("a.vtu", 0.1, ".vtu keeps all edges"), ("a.msh", -1, "min_edge is -1.0: give a length"),
+                                     ("a.msh", np.nan, "min_edge is nan")):  # fmt: skip
+            with self.assertRaisesRegex(ValueError, message):
+                t.save(self.path(name), min_edge=given)
+
+    def test_cells_that_reach_infinity(self):
+        t = vt.tessellate(uniform(60), box="none", want="faces,volumes")
+        with self.assertRaisesRegex(ValueError, "reach infinity"):
+            t.save(self.path("case.foam"))
+        t.save(self.path("case.foam"), open="skip")
+        points, faces, owner, neighbour, patches = self.read()
+        self.assertEqual(list(patches), ["open"])
+        self.assertEqual(owner.max() + 1, (~t.open_cells).sum())
+
+    @have("vtk")
+    def test_vtk(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOGeometry import vtkOpenFOAMReader
+
+        for t in (cells(30), cells(30, periodic=True)):
+            t.save(self.path("case.foam"))
+            reader = vtkOpenFOAMReader()
+            reader.SetFileName(self.path("case.foam"))
+            reader.Update()
+            grid = reader.GetOutput().GetBlock(0)
+            points = self.read()[0]  # VTK rounds them to float32
+            np.testing.assert_array_equal(vtk_to_numpy(grid.GetPoints().GetData()), points.astype(np.float32))
+            volumes = np.zeros(grid.GetNumberOfCells())
+            for i in range(len(volumes)):
+                cell = grid.GetCell(i)
+                for f in range(cell.GetNumberOfFaces()):
+                    face = cell.GetFace(f)
+                    corners = points[[face.GetPointId(k) for k in range(face.GetNumberOfPoints())]] - t.centroids[i]
+                    area, center = area_and_center(corners)
+                    volumes[i] += abs(area @ center) / 3  # the centroid is inside
+            np.testing.assert_allclose(volumes, t.volumes[t.volumes > 0], rtol=1e-12)
+
+    def test_refusals(self):
+        for t, message in (
+            (cells(min_face=0.1), "cell .* is not closed, because it lacks a face: leave out min_face= and min_area="),
+            (vt.tessellate(uniform(20), mesh=CUBE), "holds polygons of whole cells"),
+            (vt.tessellate(uniform(20)[:, :2], want="faces"), "three dimensions"),
+            (cells(want="volumes"), "put 'faces' into want"),
+            (cells(only=[3, 4]), "only="),
+        ):
+            for save in (t.save, lambda _, t=t: t.mesh_quality()):
+                with self.assertRaisesRegex(ValueError, message if save == t.save else "faces|whole|only|space|three|closed"):
+                    save(self.path("case.foam"))
+        self.assertEqual([p.name for p in self.folder.rglob("*") if p.is_file()], [])
+
+
+def read_tess(path):
+    """Returns the sections of a .tess as lists of words, by name."""
+    sections, name = {}, ""
+    with open(path) as file:
+        for line in file:
+            if line.lstrip().startswith("*"):
+                word = line.strip()
+                name = word if word.startswith("**") else name.split("/")[0] + "/" + word
+                sections[name] = []
+            else:
+                sections[name] += line.split()
+    return sections
+
+
+class Tess(Folder):
+    def check(self, t):
+        t.save(self.path("a.tess"))
+        s = read_tess(self.path("a.tess"))
+        held = np.flatnonzero(t.volumes > 0)
+        self.assertEqual((s["**format"], s["**general"], s["**cell"]), (["3.5"], ["3", "standard"], [str(len(held))]))
+        if len(held) < len(t):
+            self.assertEqual([int(x) for x in s["**cell/*id"]], (held + 1).tolist())
+        seeds = np.array(s["**cell/*seed"], float).reshape(-1, 5)
+        np.testing.assert_array_equal(seeds[:, 1:4], t.points[held])
+        weights = np.zeros(len(t)) if t.weights is None else t.weights
+        np.testing.assert_allclose(seeds[:, 4] ** 2, weights[held] - min(weights.min(), 0), rtol=1e-15, atol=1e-300)
+        vertices = np.array(s["**vertex"][1:], float).reshape(-1, 5)[:, 1:4]
+        edges = np.array(s["**edge"][1:], int).reshape(-1, 4)[:, 1:3]
+        self.assertEqual(len(np.unique(edges, axis=0)), len(edges))
+        words, faces, planes = iter(s["**face"][1:]), [], []
+        for number in range(int(s["**face"][0])):
+            self.assertEqual(int(next(words)), number + 1)
+            corners = [int(next(words)) for _ in range(int(next(words)))]
+            signed = [int(next(words)) for _ in range(int(next(words)))]
+            ends = [edges[abs(e) - 1][:: 1 if e > 0 else -1].tolist() for e in signed]
+            self.assertEqual(ends, [[a, b] for a, b in zip(corners, corners[1:] + corners[:1])])
+            d, *normal = (float(next(words)) for _ in range(4))
+            self.assertEqual([next(words) for _ in range(5)], ["0"] * 5)
+            area, _ = area_and_center(vertices[np.array(corners) - 1])
+            np.testing.assert_allclose(normal, area / np.linalg.norm(area), atol=1e-6)
+            np.testing.assert_allclose(vertices[np.array(corners) - 1] @ normal, d, atol=1e-9)
+            faces.append(np.array(corners) - 1)
+        words = iter(s["**polyhedron"][1:])
+        for i in held:
+            next(words)
+            volume = 0.0
+            for face in [int(next(words)) for _ in range(int(next(words)))]:
+                area, center = area_and_center(vertices[faces[abs(face) - 1]])
+                volume += np.sign(face) * area @ (center - t.centroids[i]) / 3
+            np.testing.assert_allclose(volume, t.volumes[i], rtol=1e-12)
+        self.check_domain(s, vertices, edges, faces)
+        return s
+
+    def check_domain(self, s, vertices, edges, faces):
+        words = iter(s["**domain/*vertex"][1:])
+        corners = []
+        for _ in range(int(s["**domain/*vertex"][0])):
+            next(words)
+            place = [float(next(words)) for _ in range(3)]
+            next(words)
+            self.assertEqual(next(words), "1")
+            np.testing.assert_allclose(place, vertices[int(next(words)) - 1], atol=1e-15)
+            corners.append(place)
+        corners = np.array(corners)
+        words = iter(s["**domain/*edge"][1:])
+        ends = []
+        for _ in range(int(s["**domain/*edge"][0])):
+            next(words)
+            ends.append([int(next(words)) for _ in range(int(next(words)))])
+            next(words)
+            a, b = corners[np.array(ends[-1]) - 1]
+            parts = [edges[int(next(words)) - 1] - 1 for _ in range(int(next(words)))]
+            lengths = sum(np.linalg.norm(vertices[p[0]] - vertices[p[1]]) for p in parts)
+            np.testing.assert_allclose(lengths, np.linalg.norm(a - b), rtol=1e-12)
+        words = iter(s["**domain/*face"][1:])
+        held = []
+        for _ in range(int(s["**domain/*face"][0])):
+            next(words)
+            loop = [int(next(words)) for _ in range(int(next(words)))]
+            around = [int(next(words)) for _ in range(int(next(words)))]
+            for k, e in enumerate(around):
+                self.assertEqual(sorted(ends[e - 1]), sorted((loop[k], loop[(k + 1) % len(loop)])))
+            self.assertEqual([next(words), next(words)], ["plane", "4"])
+            d, *normal = (float(next(words)) for _ in range(4))
+            next(words)
+            parts = [int(next(words)) - 1 for _ in range(int(next(words)))]
+            held += parts
+            for f in parts:
+                np.testing.assert_allclose(vertices[faces[f]] @ normal, d, atol=1e-13)
+            inside = corners.mean(axis=0)
+            self.assertGreater(inside @ normal, d, "normals lead inward")
+            whole = np.linalg.norm(area_and_center(corners[np.array(loop) - 1])[0])
+            np.testing.assert_allclose(sum(np.linalg.norm(area_and_center(vertices[faces[f]])[0]) for f in parts), whole)
+        self.assertEqual(len(held), len(set(held)))
+        self.assertEqual(len(corners) - len(ends) + int(s["**domain/*face"][0]), 2)
+
+    def test_tessellations(self):
+        kinds = []
+        for t in domains():
+            if any(t.periodic):
+                with self.assertRaisesRegex(ValueError, "no periodic boundary here: .*leave|without periodic="):
+                    t.save(self.path("a.tess"))
+            else:
+                kinds.append(self.check(t)["**domain/*general"])
+        self.assertEqual(kinds, [["cube"], ["poly"], ["cube"]])
+        self.check(vt.tessellate(uniform(30), cell=CELL, periodic=False, outside="drop", want=WANT))
+        self.check(vt.tessellate(uniform(30), box=UNIT_BOX, weights=uniform(30)[:, 0] - 0.5, want=WANT))
+        self.check(vt.tessellate(uniform(1), box=UNIT_BOX, want=WANT))
+
+
+class Msh(Folder):
+    def read(self):
+        """Returns names, the physical group of each surface, the surfaces of each volume, nodes and triangles."""
+        with open(self.path("a.msh")) as file:
+            sections = {m[1]: m[2].split("\n") for m in re.finditer(r"\$(\w+)\n(.*?)\n\$End\1\n", file.read(), re.S)}
+        self.assertEqual(sections["MeshFormat"], ["4.1 0 8"])
+        names = {tuple(map(int, line.split(" ", 2)[:2])): line.split('"')[1] for line in sections["PhysicalNames"][1:]}
+        points, curves, surfaces, volumes = map(int, sections["Entities"][0].split())
+        rows = [line.split() for line in sections["Entities"][1:]]
+        self.assertEqual(len(rows), points + curves + surfaces + volumes)
+        groups = {int(row[0]): int(row[8]) for row in rows[points + curves : points + curves + surfaces]}
+        hulls = {int(row[0]): (int(row[8]), [int(x) for x in row[10:]]) for row in rows[points + curves + surfaces :]}
+        lines = sections["Nodes"][1:]
+        nodes = np.array([lines[k].split() for k in range(2, len(lines), 3)], float)
+        triangles, k = {}, 1
+        while k < len(sections["Elements"]):
+            dimension, entity, kind, count = map(int, sections["Elements"][k].split())
+            part = [[int(x) - 1 for x in line.split()[1:]] for line in sections["Elements"][k + 1 : k + 1 + count]]
+            self.assertEqual(kind, (15, 1, 2)[dimension])
+            if dimension == 2:
+                triangles[entity] = np.array(part)
+            k += 1 + count
+        return names, groups, hulls, nodes, triangles
+
+    def test_surfaces(self):
+        for t in domains():
+            t.save(self.path("a.msh"))
+            names, groups, hulls, nodes, triangles = self.read()
+            held = np.flatnonzero(t.volumes > 0)
+            self.assertEqual([group for group, _ in hulls.values()], (held + 1).tolist())
+            every = np.concatenate(list(triangles.values()))
+            self.assertEqual(len(np.unique(np.sort(every, axis=1), axis=0)), len(every), "each triangle once")
+            for i, (group, hull) in zip(held, hulls.values()):
+                self.assertEqual(names[3, group], f"cell {i}")
+                corners = np.concatenate([triangles[abs(s)][:, :: 1 if s > 0 else -1] for s in hull])
+                edges = [tuple(e) for k in range(3) for e in np.stack((corners[:, k], corners[:, (k + 1) % 3]), 1).tolist()]
+                self.assertEqual(set(edges), {(b, a) for a, b in edges}, "closed")
+                self.assertEqual(len(edges), len(set(edges)))
+                a, b, c = (nodes[corners[:, k]] - t.centroids[i] for k in range(3))
+                np.testing.assert_allclose(np.einsum("ij,ij->", a, np.cross(b, c)) / 6, t.volumes[i], rtol=1e-12)
+                for s in hull:
+                    if re.fullmatch(r"\d+ \d+", names[2, groups[abs(s)]]):
+                        self.assertIn(str(i), names[2, groups[abs(s)]].split())
+
+    def test_both_sides_of_a_period_have_the_same_triangles(self):
+        t = cells(30, periodic="z")
+        t.save(self.path("a.msh"))
+        names, groups, _, nodes, triangles = self.read()
+        sides = {}
+        for surface, corners in triangles.items():
+            name = names[2, groups[surface]]
+            if name.startswith("periodic"):
+                shift = int(name.split("_")[3])
+                places = nodes[corners] - [0, 0, max(shift, 0)]
+                sides.setdefault(shift, []).append(np.sort(np.round(places, 9), axis=1).reshape(-1, 9))
+        up, down = (np.unique(np.concatenate(sides[s]) + 0.0, axis=0) for s in (1, -1))
+        np.testing.assert_allclose(up, down, atol=1e-8)
+
+    @have("gmsh")
+    def test_gmsh(self):
+        import gmsh
+
+        t = cells(12)
+        t.save(self.path("a.msh"))
+        gmsh.initialize(interruptible=False)
+        try:
+            gmsh.option.setNumber("General.Verbosity", 1)
+            gmsh.option.setNumber("Mesh.MeshSizeMax", 0.5)
+            gmsh.open(self.path("a.msh"))
+            gmsh.model.mesh.createGeometry()
+            gmsh.model.mesh.generate(3)
+            tags, places, _ = gmsh.model.mesh.getNodes()
+            nodes = np.zeros((int(tags.max()) + 1, 3))
+            nodes[tags.astype(int)] = places.reshape(-1, 3)
+            volumes, inside = np.zeros(len(t)), []
+            for _, group in gmsh.model.getPhysicalGroups(3):
+                for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group):
+                    for corners in gmsh.model.mesh.getElements(3, entity)[2]:
+                        corners = corners.reshape(-1, 4).astype(int)
+                        inside.append(corners)
+                        a, b, c, d = (nodes[corners[:, k]] for k in range(4))
+                        volumes[group - 1] += np.abs(np.einsum("ij,ij->i", b - a, np.cross(c - a, d - a))).sum() / 6
+            np.testing.assert_allclose(volumes, t.volumes, rtol=1e-10)
+            # Conforming: a triangle has two tetrahedra, or one on a wall.
+            corners = np.sort(np.concatenate(inside), axis=1)
+            faces = np.concatenate([np.delete(corners, k, axis=1) for k in range(4)])
+            unique, counts = np.unique(faces, axis=0, return_counts=True)
+            self.assertLessEqual(counts.max(), 2)
+            alone = nodes[unique[counts == 1]]
+            on_wall = [np.isclose(alone[:, :, k], side, rtol=0, atol=1e-9).all(axis=1) for k in range(3) for side in (0, 1)]
+            self.assertTrue(np.any(on_wall, axis=0).all())
+        finally:
+            gmsh.finalize()
+
+
+if __name__ == "__main__":
+    unittest.main()

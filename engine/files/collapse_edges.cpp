@@ -1,0 +1,299 @@
+// Makes one vertex of the ends of short edges, so that solvers need no tiny faces. Each step is tried on the cells
+// around it and undone where one of them would not stay a polyhedron. An edge at a periodic boundary goes together with
+// its images.
+#include <algorithm>
+#include <cstdlib>
+#include <numeric>
+
+#include "files/shared_mesh.hpp"
+
+namespace votess::files {
+namespace {
+
+using Polygon = std::vector<std::int32_t>;
+
+struct Edge {
+    std::int32_t kept, dropped;
+    friend auto operator<=>(const Edge&, const Edge&) = default;
+};
+
+std::size_t at(std::int32_t index) {
+    return static_cast<std::size_t>(index);
+}
+
+class Collapser {
+public:
+    explicit Collapser(SharedMesh& mesh)
+        : mesh_(mesh),
+          polygons_(mesh.faces.size()),
+          twins_(mesh.faces.size(), none),
+          faces_of_(mesh.vertices.size() / 3),
+          walls_(faces_of_.size()),
+          cells_(mesh) {
+        for (std::size_t f = 0; f < polygons_.size(); ++f) {
+            const auto polygon = mesh.polygon(f);
+            polygons_[f].assign(polygon.begin(), polygon.end());
+            for (const std::int32_t v : polygon) faces_of_[at(v)].push_back(f);
+        }
+        for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+            const Patch& patch = mesh.patches[p];
+            for (std::size_t f = patch.first; f < patch.first + patch.count; ++f) {
+                if (patch.wall == 0) twins_[f] = mesh.patches[patch.twin].first + f - patch.first;
+                for (const std::int32_t v : polygons_[f])
+                    if (patch.wall != 0 && (walls_[at(v)].empty() || walls_[at(v)].back() != p))
+                        walls_[at(v)].push_back(p);
+            }
+        }
+    }
+
+    // Returns the number of edges below the length that remain.
+    std::uint64_t collapse(double length) {
+        std::vector<Edge> edges = short_edges(length);
+        for (bool any = true; any;) {
+            any = false;
+            for (const Edge& edge : edges)
+                // One earlier step may have taken it.
+                if (is_edge(edge)) any |= attempt(edge) || attempt({edge.dropped, edge.kept});
+            edges = short_edges(length);
+        }
+        store();
+        return edges.size();
+    }
+
+private:
+    static constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+    [[nodiscard]] double length_of(const Edge& edge) const {
+        const Vector3 d = minus(mesh_.vertex(edge.kept), mesh_.vertex(edge.dropped));
+        return length3(d[0], d[1], d[2]);
+    }
+
+    // From short to long. The vertex on more walls is kept.
+    [[nodiscard]] std::vector<Edge> short_edges(double length) const {
+        std::vector<std::pair<double, Edge>> found;
+        for (const Polygon& polygon : polygons_)
+            for (std::size_t c = 0; c < polygon.size(); ++c) {
+                const std::int32_t a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+                Edge edge{std::min(a, b), std::max(a, b)};
+                if (const double l = length_of(edge); l < length) {
+                    if (walls_[at(edge.dropped)].size() > walls_[at(edge.kept)].size())
+                        std::swap(edge.kept, edge.dropped);
+                    found.emplace_back(l, edge);
+                }
+            }
+        std::ranges::sort(found);
+        found.erase(std::ranges::unique(found).begin(), found.end());
+        std::vector<Edge> edges;
+        for (const auto& [_, edge] : found) edges.push_back(edge);
+        return edges;
+    }
+
+    [[nodiscard]] static bool are_beside(const Polygon& polygon, const Edge& edge) {
+        for (std::size_t c = 0; c < polygon.size(); ++c) {
+            const std::int32_t a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+            if ((a == edge.kept && b == edge.dropped) || (b == edge.kept && a == edge.dropped)) return true;
+        }
+        return false;
+    }
+    [[nodiscard]] bool is_edge(const Edge& edge) const {
+        return std::ranges::any_of(faces_of_[at(edge.dropped)],
+                                   [&](std::size_t f) { return are_beside(polygons_[f], edge); });
+    }
+
+    // Adds the edge and its images.
+    void add_images(const Edge& edge, std::vector<Edge>& images) const {
+        if (std::ranges::find(images, edge) != images.end()) return;
+        images.push_back(edge);
+        for (const std::size_t f : faces_of_[at(edge.dropped)]) {
+            if (twins_[f] == none || !are_beside(polygons_[f], edge)) continue;
+            add_images({image(f, edge.kept), image(f, edge.dropped)}, images);
+        }
+    }
+    // Returns the vertex of the twin at the place of one of a face at a periodic boundary. Both begin with the same
+    // corner, and have opposite directions.
+    [[nodiscard]] std::int32_t image(std::size_t face, std::int32_t vertex) const {
+        const Polygon &from = polygons_[face], &to = polygons_[twins_[face]];
+        const auto corner = static_cast<std::size_t>(std::ranges::find(from, vertex) - from.begin());
+        return to[(to.size() - corner) % to.size()];
+    }
+
+    // Whether all images of the dropped vertex are among those of the edge, so that faces at the boundary stay equal.
+    [[nodiscard]] bool takes_all_images(const std::vector<Edge>& images) const {
+        for (const Edge& edge : images)
+            for (const std::size_t f : faces_of_[at(edge.dropped)]) {
+                if (twins_[f] == none) continue;
+                const std::int32_t other = image(f, edge.dropped);
+                if (std::ranges::find(images, other, &Edge::dropped) == images.end()) return false;
+            }
+        return true;
+    }
+
+    bool attempt(const Edge& edge) {
+        std::vector<Edge> images;
+        add_images(edge, images);
+        if (!takes_all_images(images)) return false;
+        std::vector<std::size_t> faces;
+        for (const Edge& one : images) {
+            const auto& walls = walls_[at(one.dropped)];
+            if (!std::ranges::includes(walls_[at(one.kept)], walls)) return false;
+            // Both vertices at the boundary, but the edge inside: the boundary would be pinched.
+            if (is_at_boundary(one.kept) && is_at_boundary(one.dropped) && !is_edge_of_boundary(one)) return false;
+            for (const Edge& other : images)
+                if (one.kept == other.dropped || (one.dropped == other.dropped && one.kept != other.kept)) return false;
+            const auto& own = faces_of_[at(one.dropped)];
+            faces.insert(faces.end(), own.begin(), own.end());
+        }
+        std::ranges::sort(faces);
+        faces.erase(std::ranges::unique(faces).begin(), faces.end());
+        std::vector<Polygon> before;
+        for (const std::size_t f : faces) before.push_back(polygons_[f]);
+        bool good = true;
+        for (std::size_t k = 0; good && k < faces.size(); ++k) good = rename(faces[k], images);
+        good = good && are_twins(faces);
+        for (std::size_t k = 0; good && k < faces.size(); ++k) good = keeps_direction(before[k], polygons_[faces[k]]);
+        if (good) {
+            std::vector<std::int32_t> cells;
+            for (const std::size_t f : faces)
+                for (const std::int32_t cell : {mesh_.faces[f].owner, mesh_.faces[f].neighbor})
+                    if (cell >= 0) cells.push_back(cell);
+            std::ranges::sort(cells);
+            cells.erase(std::ranges::unique(cells).begin(), cells.end());
+            good = std::ranges::all_of(cells, [&](std::int32_t cell) { return is_polyhedron(at(cell)); });
+        }
+        if (!good) {
+            for (std::size_t k = 0; k < faces.size(); ++k) polygons_[faces[k]] = before[k];
+            return false;
+        }
+        for (const Edge& one : images) {
+            auto& kept = faces_of_[at(one.kept)];
+            for (const std::size_t f : faces_of_[at(one.dropped)])
+                if (!polygons_[f].empty() && std::ranges::find(kept, f) == kept.end()) kept.push_back(f);
+            faces_of_[at(one.dropped)].clear();
+            std::erase_if(kept, [&](std::size_t f) { return polygons_[f].empty(); });
+            mesh_.moved[at(one.kept)] = 1;
+        }
+        return true;
+    }
+
+    [[nodiscard]] bool is_boundary(std::size_t face) const { return mesh_.faces[face].neighbor < 0; }
+    [[nodiscard]] bool is_at_boundary(std::int32_t vertex) const {
+        return std::ranges::any_of(faces_of_[at(vertex)], [&](std::size_t f) { return is_boundary(f); });
+    }
+    [[nodiscard]] bool is_edge_of_boundary(const Edge& edge) const {
+        return std::ranges::any_of(faces_of_[at(edge.dropped)],
+                                   [&](std::size_t f) { return is_boundary(f) && are_beside(polygons_[f], edge); });
+    }
+
+    // Renames dropped corners. A face with two corners vanishes. Returns whether the face visits no vertex twice. The
+    // first corner stays the first, so that twins correspond.
+    bool rename(std::size_t face, const std::vector<Edge>& images) {
+        Polygon& polygon = polygons_[face];
+        Polygon renamed;
+        for (std::int32_t v : polygon) {
+            const auto found = std::ranges::find(images, v, &Edge::dropped);
+            if (found != images.end()) v = found->kept;
+            if (renamed.empty() || renamed.back() != v) renamed.push_back(v);
+        }
+        while (renamed.size() > 1 && renamed.front() == renamed.back()) renamed.pop_back();
+        if (renamed.size() < 3) {
+            polygon.clear();
+            return true;
+        }
+        Polygon sorted = renamed;
+        std::ranges::sort(sorted);
+        if (std::ranges::adjacent_find(sorted) != sorted.end()) return false;
+        polygon = std::move(renamed);
+        return true;
+    }
+    // Whether faces at a periodic boundary still have as many corners as their twins.
+    [[nodiscard]] bool are_twins(const std::vector<std::size_t>& faces) const {
+        return std::ranges::all_of(faces, [&](std::size_t f) {
+            return twins_[f] == none || polygons_[f].size() == polygons_[twins_[f]].size();
+        });
+    }
+
+    // Returns twice the area, along the normal.
+    [[nodiscard]] Vector3 area(const Polygon& polygon) const {
+        Vector3 sum{};
+        for (std::size_t c = 1; c + 1 < polygon.size(); ++c) {
+            const Vector3 origin = mesh_.vertex(polygon[0]);
+            const Vector3 part =
+                cross(minus(mesh_.vertex(polygon[c]), origin), minus(mesh_.vertex(polygon[c + 1]), origin));
+            for (std::size_t k = 0; k < 3; ++k) sum[k] += part[k];
+        }
+        return sum;
+    }
+    [[nodiscard]] bool keeps_direction(const Polygon& before, const Polygon& now) const {
+        return now.empty() || dot(area(before), area(now)) > 0;
+    }
+
+    // Whether the faces of a cell are closed, are one surface without holes, and enclose a positive volume.
+    [[nodiscard]] bool is_polyhedron(std::size_t cell) const {
+        std::vector<std::array<std::int32_t, 2>> edges;
+        std::vector<std::int32_t> vertices;
+        std::size_t faces = 0;
+        for (const std::int32_t number : cells_.of(cell)) {
+            const Polygon& polygon = polygons_[at(std::abs(number)) - 1];
+            if (polygon.empty()) continue;
+            ++faces;
+            for (std::size_t c = 0; c < polygon.size(); ++c) {
+                const std::int32_t a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+                edges.push_back(number > 0 ? std::array{a, b} : std::array{b, a});
+                vertices.push_back(a);
+            }
+        }
+        std::ranges::sort(edges);
+        if (faces < 4 || std::ranges::adjacent_find(edges) != edges.end()) return false;
+        for (const auto& [a, b] : edges)
+            if (!std::ranges::binary_search(edges, std::array{b, a})) return false;
+        std::ranges::sort(vertices);
+        vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
+        if (vertices.size() + faces != edges.size() / 2 + 2) return false;
+        const Vector3 origin = mesh_.vertex(vertices.front());
+        double volume = 0;
+        for (const std::int32_t number : cells_.of(cell)) {
+            const Polygon& polygon = polygons_[at(std::abs(number)) - 1];
+            if (!polygon.empty())
+                volume += (number > 0 ? 1 : -1) * dot(area(polygon), minus(mesh_.vertex(polygon[0]), origin));
+        }
+        return volume > 0;
+    }
+
+    // Writes the polygons back, without those that vanished.
+    void store() {
+        std::vector<SharedFace> faces;
+        mesh_.offsets.assign(1, 0);
+        mesh_.corners.clear();
+        std::vector<std::size_t> begins(polygons_.size() + 1);
+        for (std::size_t f = 0; f < polygons_.size(); ++f) {
+            begins[f] = faces.size();
+            if (polygons_[f].empty()) continue;
+            faces.push_back(mesh_.faces[f]);
+            mesh_.corners.insert(mesh_.corners.end(), polygons_[f].begin(), polygons_[f].end());
+            mesh_.offsets.push_back(static_cast<std::int64_t>(mesh_.corners.size()));
+        }
+        begins.back() = faces.size();
+        for (Patch& patch : mesh_.patches) {
+            const std::size_t end = begins[patch.first + patch.count];
+            patch.first = begins[patch.first];
+            patch.count = end - patch.first;
+        }
+        mesh_.faces = std::move(faces);
+        mesh_.drop_unused_vertices();
+    }
+
+    SharedMesh& mesh_;
+    std::vector<Polygon> polygons_;
+    std::vector<std::size_t> twins_;                  // of faces at a periodic boundary, else none
+    std::vector<std::vector<std::size_t>> faces_of_;  // each vertex
+    std::vector<std::vector<std::size_t>> walls_;     // patches of each vertex, ascending
+    CellFaces cells_;
+};
+
+}  // namespace
+
+std::uint64_t collapse_edges(SharedMesh& mesh, double length) {
+    return Collapser(mesh).collapse(length);
+}
+
+}  // namespace votess::files

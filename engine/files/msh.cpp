@@ -1,0 +1,230 @@
+// Gmsh's .msh 4.1: the surfaces of all cells in triangles, with the topology that a mesher of volumes needs. Each
+// vertex, edge, face and cell is an entity; cells have no elements yet.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "files/shared_mesh.hpp"
+
+namespace votess::files {
+namespace {
+
+template <class Number>
+void put_next(ByteSink& out, Number number) {
+    out.put(" ");
+    out.put_number(number);
+}
+
+struct Bounds {
+    Vector3 lower, upper;
+
+    Bounds() {
+        lower.fill(std::numeric_limits<double>::infinity());
+        upper.fill(-std::numeric_limits<double>::infinity());
+    }
+    void add(const Vector3& x) {
+        for (std::size_t k = 0; k < 3; ++k) lower[k] = std::min(lower[k], x[k]), upper[k] = std::max(upper[k], x[k]);
+    }
+    void put(ByteSink& out) const {
+        for (const double x : lower) put_next(out, x);
+        for (const double x : upper) put_next(out, x);
+    }
+};
+
+// Returns the corner from which a fan of triangles has the least thin triangle: the greatest least ratio of the area to
+// the square of the longest side.
+std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
+    const auto polygon = mesh.polygon(face);
+    const std::size_t n = polygon.size();
+    std::size_t best = 0;
+    double best_ratio = -1;
+    for (std::size_t apex = 0; apex < n; ++apex) {
+        double least = std::numeric_limits<double>::infinity();
+        const Vector3 origin = mesh.vertex(polygon[apex]);
+        for (std::size_t k = 1; k + 1 < n; ++k) {
+            const Vector3 a = minus(mesh.vertex(polygon[(apex + k) % n]), origin),
+                          b = minus(mesh.vertex(polygon[(apex + k + 1) % n]), origin), c = minus(b, a),
+                          area = cross(a, b);
+            const double longest = std::max({dot(a, a), dot(b, b), dot(c, c)});
+            least = std::min(least, longest > 0 ? std::sqrt(dot(area, area)) / longest : 0);
+        }
+        if (least > best_ratio) best_ratio = least, best = apex;
+    }
+    return best;
+}
+
+// Returns the apex of each face. Both sides of a periodic boundary have the same triangles.
+std::vector<std::size_t> apexes(const SharedMesh& mesh) {
+    std::vector<std::size_t> result(mesh.faces.size());
+    for (std::size_t f = 0; f < result.size(); ++f) result[f] = best_apex(mesh, f);
+    for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
+        const Patch &patch = mesh.patches[p], &twin = mesh.patches[patch.twin];
+        if (patch.twin >= p) continue;
+        for (std::size_t k = 0; k < patch.count; ++k) {
+            const std::size_t corners = mesh.polygon(patch.first + k).size();
+            result[patch.first + k] = (corners - result[twin.first + k]) % corners;
+        }
+    }
+    return result;
+}
+
+class MshWriter {
+public:
+    MshWriter(const Mesh& given, ByteSink& out)
+        : given_(given), mesh_(given), edges_(mesh_), cells_(mesh_), out_(out) {}
+
+    void write() {
+        out_.put("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n");
+        put_names();
+        put_entities();
+        put_nodes();
+        put_elements();
+    }
+
+private:
+    [[nodiscard]] std::size_t vertices() const { return mesh_.vertices.size() / 3; }
+    // Returns the physical surface of a face: inner ones first, then the patches.
+    [[nodiscard]] std::size_t group_of(std::size_t face) const {
+        if (face < mesh_.inner()) return face + 1;
+        const auto patch = std::ranges::upper_bound(mesh_.patches, face, {}, &Patch::first);
+        return mesh_.inner() + static_cast<std::size_t>(patch - mesh_.patches.begin());
+    }
+    [[nodiscard]] std::string row_of(std::int32_t cell) const {
+        return std::to_string(mesh_.rows[static_cast<std::size_t>(cell)]);
+    }
+
+    void put_names() {
+        out_.put("$PhysicalNames\n");
+        out_.put_number(mesh_.inner() + mesh_.patches.size() + mesh_.cells());
+        std::size_t tag = 0;
+        const auto put = [&](int dimension, std::size_t number, const std::string& name) {
+            out_.put("\n");
+            out_.put_number(dimension);
+            put_next(out_, number);
+            out_.put(" \"" + name + "\"");
+        };
+        for (std::size_t f = 0; f < mesh_.inner(); ++f)
+            put(2, ++tag, row_of(mesh_.faces[f].owner) + " " + row_of(mesh_.faces[f].neighbor));
+        for (const Patch& patch : mesh_.patches) put(2, ++tag, patch.name(given_));
+        for (const std::size_t row : mesh_.rows) put(3, row + 1, "cell " + std::to_string(row));
+        out_.put("\n$EndPhysicalNames\n");
+    }
+
+    void put_entities() {
+        out_.put("$Entities\n");
+        out_.put_number(vertices());
+        for (const std::size_t count : {edges_.ends.size(), mesh_.faces.size(), mesh_.cells()}) put_next(out_, count);
+        for (std::size_t v = 0; v < vertices(); ++v) {
+            begin(v);
+            for (const double x : mesh_.vertex(static_cast<std::int32_t>(v))) put_next(out_, x);
+            out_.put(" 0");
+        }
+        for (std::size_t e = 0; e < edges_.ends.size(); ++e) {
+            begin(e);
+            put_bounds(edges_.ends[e]);
+            out_.put(" 0 2");
+            for (const std::int32_t v : edges_.ends[e]) put_next(out_, v + 1);
+        }
+        for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+            begin(f);
+            const auto polygon = mesh_.polygon(f);
+            put_bounds(polygon);
+            out_.put(" 1");
+            put_next(out_, group_of(f));
+            put_next(out_, polygon.size());
+            for (std::size_t c = 0; c < polygon.size(); ++c)
+                put_next(out_, edges_.of_corners[static_cast<std::size_t>(mesh_.offsets[f]) + c]);
+        }
+        for (std::size_t i = 0; i < mesh_.cells(); ++i) {
+            begin(i);
+            Bounds bounds;
+            for (const std::int32_t face : cells_.of(i))
+                for (const std::int32_t v : mesh_.polygon(static_cast<std::size_t>(std::abs(face)) - 1))
+                    bounds.add(mesh_.vertex(v));
+            bounds.put(out_);
+            out_.put(" 1");
+            put_next(out_, mesh_.rows[i] + 1);
+            put_next(out_, cells_.of(i).size());
+            for (const std::int32_t face : cells_.of(i)) put_next(out_, face);
+        }
+        out_.put("\n$EndEntities\n");
+    }
+    void begin(std::size_t number) {
+        out_.put("\n");
+        out_.put_number(number + 1);
+    }
+    void put_bounds(const auto& corners) {
+        Bounds bounds;
+        for (const std::int32_t v : corners) bounds.add(mesh_.vertex(v));
+        bounds.put(out_);
+    }
+
+    void put_nodes() {
+        out_.put("$Nodes\n");
+        out_.put_number(vertices());
+        for (const std::size_t number : {vertices(), std::size_t{1}, vertices()}) put_next(out_, number);
+        for (std::size_t v = 0; v < vertices(); ++v) {
+            out_.put("\n0");
+            put_next(out_, v + 1);
+            out_.put(" 0 1\n");
+            out_.put_number(v + 1);
+            out_.put("\n");
+            for (const double x : mesh_.vertex(static_cast<std::int32_t>(v))) put_next(out_, x);
+        }
+        out_.put("\n$EndNodes\n");
+    }
+
+    void put_elements() {
+        constexpr int point = 15, line = 1, triangle = 2;
+        const std::vector<std::size_t> apex = apexes(mesh_);
+        std::size_t triangles = 0;
+        for (std::size_t f = 0; f < mesh_.faces.size(); ++f) triangles += mesh_.polygon(f).size() - 2;
+        const std::size_t blocks = vertices() + edges_.ends.size() + mesh_.faces.size();
+        const std::size_t elements = vertices() + edges_.ends.size() + triangles;
+        out_.put("$Elements\n");
+        out_.put_number(blocks);
+        for (const std::size_t number : {elements, std::size_t{1}, elements}) put_next(out_, number);
+        std::size_t element = 0;
+        const auto begin_block = [&](int dimension, std::size_t entity, int type, std::size_t count) {
+            out_.put("\n");
+            out_.put_number(dimension);
+            put_next(out_, entity + 1);
+            put_next(out_, type);
+            put_next(out_, count);
+        };
+        const auto put = [&](const auto& corners) {
+            begin(element++);
+            for (const std::int32_t v : corners) put_next(out_, v + 1);
+        };
+        for (std::size_t v = 0; v < vertices(); ++v) {
+            begin_block(0, v, point, 1);
+            put(std::array{static_cast<std::int32_t>(v)});
+        }
+        for (std::size_t e = 0; e < edges_.ends.size(); ++e) {
+            begin_block(1, e, line, 1);
+            put(edges_.ends[e]);
+        }
+        for (std::size_t f = 0; f < mesh_.faces.size(); ++f) {
+            const auto polygon = mesh_.polygon(f);
+            const std::size_t n = polygon.size();
+            begin_block(2, f, triangle, n - 2);
+            for (std::size_t k = 1; k + 1 < n; ++k)
+                put(std::array{polygon[apex[f]], polygon[(apex[f] + k) % n], polygon[(apex[f] + k + 1) % n]});
+        }
+        out_.put("\n$EndElements\n");
+    }
+
+    const Mesh& given_;
+    SharedMesh mesh_;
+    SharedEdges edges_;
+    CellFaces cells_;
+    ByteSink& out_;
+};
+
+}  // namespace
+
+void write_msh(const Mesh& mesh, ByteSink& out) {
+    MshWriter(mesh, out).write();
+}
+
+}  // namespace votess::files

@@ -1,0 +1,258 @@
+#include "files/shared_mesh.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <tuple>
+
+#include "votess/votess.hpp"
+
+namespace votess::files {
+namespace {
+
+using Shift = std::array<std::int8_t, 3>;
+
+// One side of a face between two cells. shift: of the cell `to`, seen from `from`; its first number that is not 0 is
+// positive. From the other side both change places.
+struct Side {
+    Shift shift;
+    std::int32_t from, to;
+    std::size_t entry;
+
+    [[nodiscard]] auto key() const { return std::tie(shift, from, to); }
+};
+
+// A face on a wall, or between two cells and seen from both sides.
+struct Sides {
+    std::vector<Side> walls;  // `to` is the wall
+    std::vector<Side> fronts, backs;
+};
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
+
+std::string text_of(std::size_t number) {
+    return std::to_string(number);
+}
+
+Sides sides_of(const Mesh& mesh) {
+    Sides sides;
+    for (std::size_t i = 0; i < mesh.cells(); ++i) {
+        const auto cell = static_cast<std::int32_t>(i);
+        const auto [begin, end] = mesh.entries(i);
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::int32_t other = mesh.indices[k];
+            if (other < 0) {
+                sides.walls.push_back({{}, cell, other, k});
+                continue;
+            }
+            Shift shift{}, back{};
+            if (!mesh.shifts.empty()) std::ranges::copy(mesh.shifts.subspan(3 * k, 3), shift.begin());
+            std::ranges::transform(shift, back.begin(), [](int s) { return static_cast<std::int8_t>(-s); });
+            const bool front = shift == back ? cell < other : shift > Shift{};
+            if (front)
+                sides.fronts.push_back({shift, cell, other, k});
+            else
+                sides.backs.push_back({back, other, cell, k});
+        }
+    }
+    for (auto* const half : {&sides.fronts, &sides.backs}) std::ranges::sort(*half, {}, &Side::key);
+    std::ranges::sort(sides.walls, {}, [](const Side& s) { return std::tuple(-s.to, s.from, s.entry); });
+    return sides;
+}
+
+void check_pairs(const Sides& sides) {
+    const auto& [walls, fronts, backs] = sides;
+    const std::size_t both = std::min(fronts.size(), backs.size());
+    std::size_t k = 0;
+    while (k < both && fronts[k].key() == backs[k].key()) ++k;
+    if (k == both && fronts.size() == backs.size()) return;
+    const Side& lonely =
+        k == backs.size() || (k < fronts.size() && fronts[k].key() < backs[k].key()) ? fronts[k] : backs[k];
+    refuse("only one of the cells " + std::to_string(lonely.from) + " and " + std::to_string(lonely.to) +
+           " has the face between them: give all cells of the diagram");
+}
+
+// Throws unless each edge has two faces, which run along it in opposite directions.
+void check_closed(const Mesh& mesh) {
+    struct Edge {
+        std::int32_t low, high;
+        bool ascends;
+    };
+    std::vector<Edge> edges;
+    for (std::size_t i = 0; i < mesh.cells(); ++i) {
+        edges.clear();
+        const auto [begin, end] = mesh.entries(i);
+        for (std::size_t k = begin; k < end; ++k) {
+            const auto polygon = mesh.polygon(k);
+            for (std::size_t c = 0; c < polygon.size(); ++c) {
+                const std::int32_t a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+                edges.push_back({std::min(a, b), std::max(a, b), a < b});
+            }
+        }
+        std::ranges::sort(edges, {}, [](const Edge& e) { return std::tie(e.low, e.high, e.ascends); });
+        bool closed = edges.size() % 2 == 0;
+        for (std::size_t e = 0; closed && e < edges.size(); e += 2)
+            closed = edges[e].low == edges[e + 1].low && edges[e].high == edges[e + 1].high &&
+                     edges[e].ascends != edges[e + 1].ascends && edges[e].low != edges[e].high &&
+                     (e == 0 || edges[e - 1].low != edges[e].low || edges[e - 1].high != edges[e].high);
+        if (!closed)
+            refuse("cell " + text_of(i) + " is not closed, because it lacks a face: leave out Options::min_face and " +
+                   "Options::min_area");
+    }
+}
+
+}  // namespace
+
+std::string Patch::name(const Mesh& mesh) const {
+    static constexpr std::array names{"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
+    if (wall == 0) {
+        std::string result = "periodic";
+        for (const int s : shift) result.append("_").append(std::to_string(s));
+        return result;
+    }
+    if (mesh.left_out && wall == -1) return "open";
+    const auto k = static_cast<std::size_t>(-static_cast<std::int64_t>(wall)) - 1;
+    return k < names.size() ? names[k] : "wall" + std::to_string(k + 1);
+}
+
+Vector3 SharedMesh::separation(const Patch& patch) const {
+    Vector3 sum{};
+    for (std::size_t e = 0; e < 3; ++e)
+        for (std::size_t k = 0; k < 3; ++k) sum[k] += patch.shift[e] * edges[3 * e + k];
+    return sum;
+}
+
+SharedMesh::SharedMesh(const Mesh& mesh) : edges(mesh.edges) {
+    check_closed(mesh);
+    const Sides sides = sides_of(mesh);
+    check_pairs(sides);
+
+    std::vector<std::int32_t> number(mesh.cells(), -1);
+    for (std::size_t i = 0; i < mesh.cells(); ++i) {
+        const auto [begin, end] = mesh.entries(i);
+        if (begin == end) continue;
+        number[i] = static_cast<std::int32_t>(rows.size());
+        rows.push_back(i);
+    }
+    const auto cell = [&](std::int32_t row) { return number[static_cast<std::size_t>(row)]; };
+
+    std::size_t k = 0;
+    for (; k < sides.fronts.size() && sides.fronts[k].shift == Shift{}; ++k) {
+        const Side &front = sides.fronts[k], &back = sides.backs[k];
+        const auto ours = mesh.polygon(front.entry), theirs = mesh.polygon(back.entry);
+        const auto start = std::ranges::find(theirs, ours[0]);
+        bool same = ours.size() == theirs.size() && start != theirs.end();
+        for (std::size_t c = 0; same && c < ours.size(); ++c)
+            same =
+                theirs[(static_cast<std::size_t>(start - theirs.begin()) + ours.size() - c) % ours.size()] == ours[c];
+        if (!same)
+            refuse("cells " + std::to_string(front.from) + " and " + std::to_string(front.to) +
+                   " have different polygons of the face between them");
+        add_face(mesh, front.entry, cell(front.from), cell(front.to));
+    }
+    for (const Side& side : sides.walls) {
+        if (patches.empty() || patches.back().wall != side.to)
+            patches.push_back({side.to, {}, faces.size(), 0, patches.size()});
+        ++patches.back().count;
+        add_face(mesh, side.entry, cell(side.from), -1);
+    }
+    while (k < sides.fronts.size()) {
+        const std::size_t begin = k, first = faces.size();
+        const Shift& shift = sides.fronts[begin].shift;
+        for (; k < sides.fronts.size() && sides.fronts[k].shift == shift; ++k)
+            add_face(mesh, sides.fronts[k].entry, cell(sides.fronts[k].from), -1);
+        const std::size_t count = k - begin, number_of_patch = patches.size();
+        Shift back{};
+        std::ranges::transform(shift, back.begin(), [](int s) { return static_cast<std::int8_t>(-s); });
+        patches.push_back({0, shift, first, count, number_of_patch + 1});
+        patches.push_back({0, back, first + count, count, number_of_patch});
+        const Vector3 apart = separation(patches[number_of_patch]);
+        for (std::size_t b = begin; b < k; ++b) {
+            add_face(mesh, sides.backs[b].entry, cell(sides.backs[b].to), -1);
+            if (mesh.polygon(sides.backs[b].entry).size() != mesh.polygon(sides.fronts[b].entry).size())
+                refuse("cells " + std::to_string(sides.backs[b].from) + " and " + std::to_string(sides.backs[b].to) +
+                       " have different polygons of the face between them");
+            const auto* const from = mesh.vertex(mesh.polygon(sides.fronts[b].entry)[0]);
+            turn_last_face(mesh, {from[0] - apart[0], from[1] - apart[1], from[2] - apart[2]});
+        }
+    }
+    vertices.assign(mesh.vertices.begin(), mesh.vertices.end());
+    moved.resize(vertices.size() / 3);
+    drop_unused_vertices();
+    if (mesh.min_edge > 0) short_edges = collapse_edges(*this, mesh.min_edge);
+    if (mesh.short_edges != nullptr) *mesh.short_edges = short_edges;
+}
+
+void SharedMesh::add_face(const Mesh& mesh, std::size_t entry, std::int32_t owner, std::int32_t neighbor) {
+    faces.push_back({owner, neighbor});
+    const auto polygon = mesh.polygon(entry);
+    corners.insert(corners.end(), polygon.begin(), polygon.end());
+    offsets.push_back(static_cast<std::int64_t>(corners.size()));
+}
+
+// The polygon then begins with the corner nearest to this place.
+void SharedMesh::turn_last_face(const Mesh& mesh, const Vector3& place) {
+    const auto begin = corners.begin() + static_cast<std::ptrdiff_t>(offsets[offsets.size() - 2]);
+    const auto nearest = std::ranges::min_element(begin, corners.end(), {}, [&](std::int32_t v) {
+        const double* const x = mesh.vertex(v);
+        return length3(x[0] - place[0], x[1] - place[1], x[2] - place[2]);
+    });
+    std::rotate(begin, nearest, corners.end());
+}
+
+SharedEdges::SharedEdges(const SharedMesh& mesh) : of_corners(mesh.corners.size()) {
+    struct Run {
+        std::int32_t low, high;
+        std::size_t corner;
+    };
+    std::vector<Run> runs;
+    runs.reserve(mesh.corners.size());
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+        const auto polygon = mesh.polygon(f);
+        for (std::size_t c = 0; c < polygon.size(); ++c) {
+            const std::int32_t a = polygon[c], b = polygon[(c + 1) % polygon.size()];
+            const std::size_t corner = static_cast<std::size_t>(mesh.offsets[f]) + c;
+            of_corners[corner] = a < b ? 1 : -1;
+            runs.push_back({std::min(a, b), std::max(a, b), corner});
+        }
+    }
+    std::ranges::sort(runs, {}, [](const Run& run) { return std::tie(run.low, run.high, run.corner); });
+    for (const Run& run : runs) {
+        if (ends.empty() || ends.back() != std::array{run.low, run.high}) ends.push_back({run.low, run.high});
+        of_corners[run.corner] *= static_cast<std::int32_t>(ends.size());
+    }
+}
+
+CellFaces::CellFaces(const SharedMesh& mesh) : begins_(mesh.cells() + 1) {
+    const auto each = [&](const auto& use) {
+        for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+            const auto number = static_cast<std::int32_t>(f + 1);
+            use(static_cast<std::size_t>(mesh.faces[f].owner), number);
+            if (mesh.faces[f].neighbor >= 0) use(static_cast<std::size_t>(mesh.faces[f].neighbor), -number);
+        }
+    };
+    each([&](std::size_t cell, std::int32_t) { ++begins_[cell + 1]; });
+    for (std::size_t i = 0; i < mesh.cells(); ++i) begins_[i + 1] += begins_[i];
+    faces_.resize(begins_.back());
+    std::vector<std::size_t> next(begins_);
+    each([&](std::size_t cell, std::int32_t number) { faces_[next[cell]++] = number; });
+}
+
+void SharedMesh::drop_unused_vertices() {
+    std::vector<std::int32_t> number(vertices.size() / 3, -1);
+    for (const std::int32_t v : corners) number[static_cast<std::size_t>(v)] = 0;
+    std::int32_t count = 0;
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] < 0) continue;
+        const auto to = static_cast<std::size_t>(count);
+        std::copy_n(&vertices[3 * v], 3, &vertices[3 * to]);
+        moved[to] = moved[v];
+        number[v] = count++;
+    }
+    vertices.resize(3 * static_cast<std::size_t>(count));
+    moved.resize(static_cast<std::size_t>(count));
+    for (std::int32_t& v : corners) v = number[static_cast<std::size_t>(v)];
+}
+
+}  // namespace votess::files
