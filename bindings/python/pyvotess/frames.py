@@ -54,7 +54,12 @@ class Frame:
         return f"<pyvotess.Frame {self.number}: {len(self)} points, {'no domain' if self.domain is None else self.domain._text()}>"
 
     def with_columns(self, **columns: npt.ArrayLike) -> Frame:
-        """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells."""
+        """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells.
+
+        >>> frame = vt.Frame(0, points, vt.Domain.box(box))
+        >>> list(frame.with_columns(volume=t.volumes).columns)
+        ['volume']
+        """
         return replace(self, columns={**self.columns, **{name: np.asarray(values) for name, values in columns.items()}})
 
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
@@ -62,6 +67,9 @@ class Frame:
 
         Options are those of :func:`tessellate`. ``domain``, ``box`` and ``cell`` replace the domain, other short forms change
         it.
+
+        >>> vt.Frame(0, points, vt.Domain.box(box)).tessellate(want="volumes")
+        <pyvotess.Tessellation of 100 seeds in a box (0, 0, 0) to (1, 1, 1): volumes>
         """
         if self.domain is not None and not {"domain", "box", "cell"} & options.keys():
             short = {name: options.pop(name) for name in SHORT_FORMS if name in options}
