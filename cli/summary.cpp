@@ -86,6 +86,7 @@ void add(const votess::Stats& one, votess::Stats& sum) {
     sum.fallback_reasons.skipped += one.fallback_reasons.skipped;
     sum.fallback_reasons.domain += one.fallback_reasons.domain;
     sum.exact_cells += one.exact_cells;
+    sum.kept_cells += one.kept_cells;
     if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
     for (double votess::StageSeconds::*stage :
          {&votess::StageSeconds::open, &votess::StageSeconds::upload, &votess::StageSeconds::sort,
@@ -244,6 +245,7 @@ std::string json_summary(const Summary& summary) {
     for (const Reason& reason : fallback_reasons(stats)) member(reason.name, std::to_string(reason.cells));
     text += "}";
     member("exact_cells", std::to_string(stats.exact_cells));
+    member("kept_cells", std::to_string(stats.kept_cells));
     const auto tiny = tiny_faces(summary);
     member("tiny_faces", tiny ? std::to_string(*tiny) : "null");
     member("threads", std::to_string(stats.threads));

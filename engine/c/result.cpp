@@ -152,6 +152,7 @@ void votess::c::write_stats(const votess::Stats& stats, votess_stats& out) {
     c_stats.fallback_skipped = stats.fallback_reasons.skipped;
     c_stats.fallback_domain = stats.fallback_reasons.domain;
     c_stats.exact_cells = stats.exact_cells;
+    c_stats.kept_cells = stats.kept_cells;
     c_stats.tiny_faces = stats.tiny_faces ? static_cast<std::int64_t>(*stats.tiny_faces) : -1;
     c_stats.peak_memory_bytes = stats.peak_memory_bytes;
     c_stats.mean_faces = stats.mean_faces;

@@ -47,6 +47,7 @@ ThreadPool& CpuClipper::pool_of(unsigned threads) {
 
 void CpuClipper::end() {
     positions_known_ = false;
+    kept_ = nullptr;
     delaunay_.reset();
     sorted_ = searchable_ = false;
     buried_.clear();
@@ -60,10 +61,14 @@ void CpuClipper::lend_seeds(ResultBuilder& out) {
     hierarchy_.for_memory([&](std::span<std::byte> memory) { out.lend(memory); });
 }
 
-void CpuClipper::sort() {
+void CpuClipper::sort(std::span<const std::int32_t> order) {
     seeds_.images = nullptr;
+    searchable_ = positions_known_ = false;
+    delaunay_.reset();
     if (job_.domain->is_periodic())
-        images_.sort(job_, sorter_, *pool_, seeds_);
+        images_.sort(job_, order, sorter_, *pool_, seeds_);
+    else if (!order.empty())
+        put_in_order(job_.points, job_.scale, order, *pool_, seeds_);
     else
         sort_inside(job_.points, job_.scale, job_.grid_resolution, job_.outside, sorter_, *pool_, seeds_);
     gather_weights();
@@ -184,8 +189,7 @@ void CpuClipper::clip_first(std::size_t count, std::span<double> powers, ResultB
     std::ranges::transform(order_, cells.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     cut_into_blocks(order_.size());
     powers_ = powers;
-    clip_blocks(
-        cells, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, false, out, share);
+    clip_order(cells, false, out, share);
     powers_ = {};
 }
 
@@ -219,8 +223,7 @@ void CpuClipper::clip_only(ResultBuilder& out, const Share& share) {
     const std::span<std::int32_t> rows = out.allocate_cells(order_.size());
     std::ranges::transform(order_, rows.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
     cut_into_small_blocks(rows.size());
-    clip_blocks(
-        rows, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, false, out, share);
+    clip_order(rows, false, out, share);
 }
 
 void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, const Share& share) {
@@ -230,8 +233,7 @@ void CpuClipper::clip(std::span<const std::int32_t> cells, ResultBuilder& out, c
     const std::span<std::int32_t> kept = out.allocate_cells(order_.size());
     std::ranges::transform(order_, kept.begin(), [&](std::int32_t seed) { return seeds_.input[seed]; });
     cut_into_small_blocks(kept.size());
-    clip_blocks(
-        kept, [&](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, true, out, share);
+    clip_order(kept, true, out, share);
     for (const std::int32_t cell : kept) {
         CellStatus& status = out.status()[static_cast<std::size_t>(cell)];
         if (status != CellStatus::empty) status = CellStatus::certified;
@@ -277,11 +279,13 @@ CpuClipper::Worker::Worker(const SortedSeeds& seeds, const Hierarchy& hierarchy,
 
 void CpuClipper::begin_workers(ResultBuilder& out) {
     while (workers_.size() < pool_->size()) workers_.emplace_back(seeds_, hierarchy_, *kernels_);
+    unsigned index = 0;
     for (Worker& worker : workers_) {
         worker.hard.clear();  // of a cancelled job
         worker.builder.begin_job(*job_.domain);
         worker.star->begin_job(*job_.domain);
         worker.writer.begin_job(job_, star_kernels(kernels_->name), out);
+        worker.writer.keep(kept_, index++);
     }
 }
 
@@ -290,7 +294,7 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
                              const Share& share) {
     begin_workers(out);
     const std::size_t blocks = blocks_.size() - 1;
-    const Star::Keep keep = kept_for(job_.want);
+    const Star::Keep keep = kept_ == nullptr ? kept_for(job_.want) : Star::Keep::corners;
     const Stoppable stoppable(progress_, share);
     const bool walks = seeds_.lift.curvature <= max_walked_curvature;
     const auto task = [&](std::size_t block, unsigned index) {
@@ -331,6 +335,12 @@ void CpuClipper::clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at
         out.count(worker.writer.tally());
     }
     if (fallback) out.count({.fallback_cells = cells.size()});
+}
+
+void CpuClipper::clip_order(std::span<const std::int32_t> cells, bool fallback, ResultBuilder& out,
+                            const Share& share) {
+    clip_blocks(
+        cells, [this](std::size_t k) { return static_cast<std::size_t>(order_[k]); }, fallback, out, share);
 }
 
 // Clips by the faces that the walk has found, for measures that need exact vertices.

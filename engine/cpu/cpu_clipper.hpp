@@ -2,12 +2,15 @@
 #pragma once
 
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
+#include <string_view>
 
 #include "core/buffer.hpp"
 #include "cpu/cell_builder.hpp"
 #include "cpu/hard_cells.hpp"
+#include "follow/kept_cells.hpp"
 #include "index/seed_images.hpp"
 #include "index/sort.hpp"
 #include "output/cell_writer.hpp"
@@ -43,10 +46,22 @@ public:
     [[nodiscard]] const SortedSeeds& seeds() const { return seeds_; }
     [[nodiscard]] const Hierarchy& hierarchy() const { return hierarchy_; }
 
-    // The stages of a full run, in this order.
-    void sort();
+    // The stages of a full run, in this order. order: of an earlier sort of all seeds, to be used again, or none.
+    void sort(std::span<const std::int32_t> order = {});
     void build_search();
     void clip_all(ResultBuilder& out, const Share& share);
+    // Stores the following cells of clip_all() and clip_kept(); null: no more.
+    void keep(KeptCells* kept) { kept_ = kept; }
+    [[nodiscard]] std::string_view instructions() const { return kernels_->name; }
+    // Whether all points of the job are sorted seeds.
+    [[nodiscard]] bool all_differ() const { return seeds_.size() == job_.points.count(); }
+    [[nodiscard]] const SortedSeeds& sorted() const { return seeds_; }
+    // Replaces clip_all(): tests the kept cells and makes those that do not hold. Returns false if that would not pay
+    // or the seeds are not like those of the last call; the result must then begin again. ready() is called before
+    // kept cells are written, when nothing else can fail.
+    [[nodiscard]] bool clip_kept(ResultBuilder& out, const Share& share, const std::function<void()>& ready);
+    // Stores the cells of the sample.
+    void keep_sample(ResultBuilder& out);
     // Replaces clip_all(): makes the cells of the job's subset.
     void clip_only(ResultBuilder& out, const Share& share);
     // Replaces clip_all(): makes the cells of the first `count` points of the job, those of the result. The other
@@ -91,6 +106,8 @@ private:
     template <class SeedAt>
     void clip_blocks(std::span<const std::int32_t> cells, SeedAt seed_at, bool fallback, ResultBuilder& out,
                      const Share& share);
+    // The same for the sorted seeds order_.
+    void clip_order(std::span<const std::int32_t> cells, bool fallback, ResultBuilder& out, const Share& share);
     Cell& clip_by_faces(std::size_t seed, Worker& worker) const;
     void search(std::size_t seed, Worker& worker) const;
     // Writes the cell, or stores that its search was given up.
@@ -118,7 +135,8 @@ private:
     std::vector<std::int32_t> order_;  // sorted seeds to clip
     std::vector<std::size_t> blocks_;  // beginnings of blocks, and the end of the last
     std::vector<bool> chosen_;
-    std::span<double> powers_;          // of clip_first(), else empty
+    std::span<double> powers_;  // of clip_first(), else empty
+    KeptCells* kept_ = nullptr;
     const Kernels* kernels_ = nullptr;  // for which the workers are made
     std::deque<Worker> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it

@@ -26,6 +26,56 @@ std::shared_ptr<const detail::AllSeeds> seeds_around(const Job& job, std::span<c
 
 }  // namespace
 
+void CpuEngine::lend(const Job& job) {
+    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
+    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.want.vertices)
+        result_.lend(job.snapshot->memory());
+    clipper_.lend_scratch(result_);
+    result_.touch(1, 0, clipper_.pool());
+}
+
+bool CpuEngine::clip_kept(const Job& job, StageClock& clock) {
+    clipper_.sort(kept_.order());
+    kept_.begin(KeptCells::Plan::repair, job, clipper_.sorted(), clipper_.pool());
+    clock.enter(&StageSeconds::clip);
+    result_.begin(job, clipper_.pool());
+    clipper_.keep(&kept_);
+    const bool kept = clipper_.clip_kept(result_, clipping, [&] { lend(job); });
+    clipper_.keep(nullptr);
+    if (kept) kept_.commit();
+    return kept;
+}
+
+void CpuEngine::clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock) {
+    using Plan = KeptCells::Plan;
+    clock.enter(&StageSeconds::sort);
+    clipper_.sort();
+    clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
+    clipper_.build_search();
+    clock.enter(&StageSeconds::clip);
+    if (plan != Plan::none && !clipper_.all_differ()) {
+        kept_.clear();
+        plan = Plan::none;
+    }
+    result_.begin(job, clipper_.pool());
+    lend(job);
+    const auto store = [&] {
+        kept_.begin(plan, job, clipper_.sorted(), clipper_.pool());
+        clipper_.keep(&kept_);
+    };
+    if (plan == Plan::record) store();
+    if (job.only)
+        clipper_.clip_only(result_, clipping);
+    else
+        clipper_.clip_all(result_, clipping);
+    if (plan == Plan::sample) {
+        store();
+        clipper_.keep_sample(result_);
+    }
+    clipper_.keep(nullptr);
+    if (plan != Plan::none) kept_.commit();
+}
+
 // The stage fallback is empty, because exact arithmetic decides every sign at once.
 void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     clipper_.begin(job);
@@ -33,20 +83,14 @@ void CpuEngine::run(const Job& job, StageClock& clock, detail::Result& result) {
     const Stoppable stoppable(progress);
     progress.report(0);
     clock.enter(&StageSeconds::sort);
-    clipper_.sort();
-    clock.enter(&StageSeconds::knn);  // the search structure; candidates are searched while clipping
-    clipper_.build_search();
-    clock.enter(&StageSeconds::clip);
-    result_.begin(job, clipper_.pool());
-    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.want.vertices)
-        result_.lend(job.snapshot->memory());
-    clipper_.lend_scratch(result_);
-    result_.touch(1, 0, clipper_.pool());
-    if (job.only)
-        clipper_.clip_only(result_, clipping);
-    else
-        clipper_.clip_all(result_, clipping);
+    using Plan = KeptCells::Plan;
+    Plan plan = Plan::none;
+    if (!job.follow)
+        kept_.clear();
+    else if (KeptCells::follows(job))
+        plan = kept_.plan(job, clipper_.instructions());
+    if (plan == Plan::repair && !clip_kept(job, clock)) plan = Plan::sample;
+    if (plan != Plan::repair) clip_all(job, plan, clock);
     clock.enter(&StageSeconds::download);
     clipper_.set_empty(result_);
     std::span<const std::int32_t> duplicate_of = clipper_.duplicate_of();

@@ -17,6 +17,13 @@ public:
     void run(const Job& job, StageClock& clock, detail::Result& result);
 
 private:
+    // Tests the kept cells and makes those that do not hold. Returns false if all must be made.
+    [[nodiscard]] bool clip_kept(const Job& job, StageClock& clock);
+    // Makes all cells. plan: which of them to store.
+    void clip_all(const Job& job, KeptCells::Plan plan, StageClock& clock);
+    void lend(const Job& job);
+
+    KeptCells kept_;
     CpuClipper& clipper_;
     ResultBuilder result_;
 };

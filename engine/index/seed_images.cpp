@@ -342,7 +342,8 @@ void SeedImages::for_images(const exact::Point& x, Visit visit) const {
             }
 }
 
-void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) {
+void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
+                      SortedSeeds& out) {
     domain_ = job.domain;
     points_ = job.points;
     scale_ = job.scale;
@@ -356,8 +357,13 @@ void SeedImages::sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, Sort
         }
     wrap_points(job.outside, pool);
     const Points positions = wrapped_.empty() ? points_ : Points{wrapped_, {}};
-    sort_inside(positions, wrapped_.empty() ? scale_ : 1, job.grid_resolution, job.outside, sorter, pool, out);
-    restore_false_duplicates(out);
+    const double scale = wrapped_.empty() ? scale_ : 1;
+    if (order.empty()) {
+        sort_inside(positions, scale, job.grid_resolution, job.outside, sorter, pool, out);
+        restore_false_duplicates(out);
+    } else {
+        put_in_order(positions, scale, order, pool, out);
+    }
     if (!moves_.empty()) {
         std::vector<exact::Shift> moves(out.size());
         for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];

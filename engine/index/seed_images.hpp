@@ -20,8 +20,10 @@ namespace votess::cpu {
 
 class SeedImages {
 public:
-    // Wraps and sorts the seeds of the job, then adds their images.
-    void sort(const Job& job, SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
+    // Wraps and sorts the seeds of the job, then adds their images. order: of an earlier sort, see put_in_order(), or
+    // none.
+    void sort(const Job& job, std::span<const std::int32_t> order, SeedSorter& sorter, ThreadPool& pool,
+              SortedSeeds& out);
 
     [[nodiscard]] const Domain& domain() const { return *domain_; }
     [[nodiscard]] bool is_image(std::int32_t id) const { return static_cast<std::size_t>(id) >= first_; }

@@ -22,6 +22,7 @@ constexpr std::size_t chunk_seeds = 16384;  // minimum in a parallel task
 constexpr std::size_t chunks_per_thread = 4;
 constexpr std::size_t bucket_task = 1024;  // buckets in a parallel task
 constexpr std::size_t sort_task = 8192;    // seeds in a parallel task
+constexpr std::size_t ordered_task = 8192;
 
 static_assert(std::bit_width(crowded_min / bucket_seeds) >= 3, "a split has to separate octants");
 
@@ -318,6 +319,25 @@ void sort_inside(const Points& points, double scale, unsigned resolution, std::s
         if (const std::int32_t first = out.duplicate_of[i]; first >= 0)
             duplicate_of[static_cast<std::size_t>(input[i])] = input[static_cast<std::size_t>(first)];
     out.duplicate_of = std::move(duplicate_of);
+}
+
+void put_in_order(const Points& points, double scale, std::span<const std::int32_t> order, ThreadPool& pool,
+                  SortedSeeds& out) {
+    const std::size_t count = order.size();
+    out.input.resize_uninitialized(count);
+    out.duplicate_of.clear();
+    out.duplicates = 0;
+    Buffer<double>* const axes[3] = {&out.x, &out.y, &out.z};
+    for (auto* axis : axes) {
+        axis->resize_uninitialized(round_up(count, group_size));
+        std::fill(axis->begin() + count, axis->end(), std::numeric_limits<double>::infinity());
+    }
+    pool.run(ceil_div(count, ordered_task), [&](std::size_t task, unsigned) {
+        for (std::size_t s = task * ordered_task; s < std::min(count, (task + 1) * ordered_task); ++s) {
+            const auto i = static_cast<std::size_t>(out.input[s] = order[s]);
+            for (std::size_t k = 0; k < 3; ++k) (*axes[k])[s] = points[3 * i + k] * scale;
+        }
+    });
 }
 
 }  // namespace votess::cpu

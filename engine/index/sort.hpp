@@ -79,4 +79,8 @@ private:
 void sort_inside(const Points& points, double scale, unsigned resolution, std::span<const CellStatus> outside,
                  SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out);
 
+// Puts all seeds in the order of an earlier sort instead. They must differ.
+void put_in_order(const Points& points, double scale, std::span<const std::int32_t> order, ThreadPool& pool,
+                  SortedSeeds& out);
+
 }  // namespace votess::cpu

@@ -32,6 +32,7 @@ void each_option(const Use& use) {
     use("grid_resolution", &Options::grid_resolution, &votess_options::grid_resolution, UpTo<unsigned>{1048576});
     use("k_init", &Options::k_init, &votess_options::k_init, UpTo<unsigned>{1024});
     use("chunk_size", &Options::chunk_size, &votess_options::chunk_size, UpTo<unsigned>{4294967295});
+    use("follow", &Options::follow, &votess_options::follow, anything);
     use("instructions", &Options::instructions, &votess_options::instructions, anything);
     use("planar", &Options::planar, &votess_options::planar, anything);
 }

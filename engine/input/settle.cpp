@@ -102,6 +102,7 @@ void for_values(auto& options, auto& run, const auto& use) {
     use(options.grid_resolution, run.grid_resolution);
     use(options.k_init, run.k_init);
     use(options.chunk_size, run.chunk_size);
+    use(options.follow, run.follow);
     use(options.instructions, run.instructions);
     use(options.progress, run.progress);
     use(options.log, run.log);

@@ -47,6 +47,7 @@ struct Execution {
     std::string device = "auto";
     Precision precision = Precision::single;
     unsigned threads = 0, grid_resolution = 0, k_init = 0, chunk_size = 0;
+    bool follow = false;  // keep cells for the next call
     std::string instructions;
     ProgressCallback progress;
     LogCallback log;

@@ -46,6 +46,8 @@ void CellWriter::begin_job(const Job& job, const StarKernels& kernels, ResultBui
     want_ = job.want;
     walls_ = job.list_walls;
     domain_ = job.domain.get();
+    kept_planes_.begin_job(*domain_);
+    kept_ = nullptr;
     only_ = job.only.get();
     probe_number_ = job.probes_of.value_or(0);
     probe_id_ = std::numeric_limits<std::int32_t>::min();
@@ -92,8 +94,10 @@ bool CellWriter::write(Star& star) {
     face_shifts_.clear();
     if (moved_) find_shifts(faces);
     if (ranked_) rank_faces(faces);
+    CellShape* shape = nullptr;
+    if (measured_ || kept_ != nullptr) shape = star.shape(std::span(ranks_).first(faces.size()));
+    if (kept_ != nullptr) store(shape, star.met_tie());
     if (measured_) {
-        CellShape* shape = star.shape(std::span(ranks_).first(faces.size()));
         if (shape == nullptr || !kernels_->measure(*shape, measures_)) return false;
         face_areas_ = std::span(measures_.areas).first(faces.size());
         write_measures();
@@ -119,7 +123,7 @@ void CellWriter::write(Cell& cell) {
     counters_.exact_cells += cell.used_exact() ? 1 : 0;
     if (cell.empty()) return write_empty();
     std::span<const std::int32_t> planes;
-    if (placed_ || want_.counts || cell.met_tie()) {
+    if (placed_ || want_.counts || kept_ != nullptr || cell.met_tie()) {
         cell.canonical_faces(faces_);
         planes = faces_.planes;
     } else {
@@ -140,6 +144,10 @@ void CellWriter::write(Cell& cell) {
     }
     if (moved_) count_from_domain(ids_);
     if (ranked_) rank_faces(ids_);
+    if (kept_ != nullptr) {
+        const bool fits = shape_reader_.read(cell, faces_, std::span(ranks_).first(ids_.size()), false, shape_);
+        store(fits ? &shape_ : nullptr, cell.met_tie());
+    }
     if (measured_) measure(cell);
     if (want_.neighbors) write_row();
     if (want_.vertices) {
@@ -147,6 +155,60 @@ void CellWriter::write(Cell& cell) {
         write_polygons();
     }
     write_counts(planes.size(), faces_.edge_count, faces_.vertex_count);
+}
+
+void CellWriter::store(const CellShape* shape, bool tied) {
+    homes_.clear();
+    shifts_of_homes_.clear();
+    for (std::size_t f = 0; f < ranked_ids_.size(); ++f) {
+        const std::int32_t id = ranked_ids_[f];
+        homes_.push_back(id < 0 || seeds_.images == nullptr ? id : seeds_.images->home(id));
+        if (shifted_) shifts_of_homes_.push_back(shift_of(f));
+    }
+    if (shape == nullptr) return kept_->store_large(seed_, homes_);
+    kept_->store(worker_, seed_, homes_, shifts_of_homes_, ranks_, *shape, tied);
+}
+
+void CellWriter::store(std::size_t seed, Star& star) {
+    set_output(seed);
+    face_shifts_.clear();
+    rank_faces(star.faces());
+    if (!star.faces().empty()) store(star.shape(std::span(ranks_).first(ranked_ids_.size())), star.met_tie());
+}
+
+bool CellWriter::write(std::size_t seed, const KeptCell& cell) {
+    set_output(seed);
+    const auto ids = cell.ids();
+    const std::size_t count = ids.size(), corners = cell.corners().size();
+    kept_planes_.begin(seed, cell);
+    if (measured_) {
+        kept_planes_.shape(shape_);
+        if (!kernels_->measure(shape_, measures_)) return false;
+        face_areas_ = std::span(measures_.areas).first(count);
+    }
+    face_shifts_.clear();
+    face_normals_.clear();
+    if (cell.head().shifted)
+        for (std::size_t f = 0; f < count; ++f) face_shifts_.push_back(cell.shift(f));
+    if (names_.size() < max_ranked) {
+        names_.resize(max_ranked);
+        ranks_.resize(max_ranked);
+    }
+    wall_faces_ = 0;
+    for (std::size_t f = 0; f < count; ++f) {
+        names_[f] = ids[f] < 0 ? ids[f] : seeds_.input[static_cast<std::size_t>(ids[f])];
+        ranks_[f] = static_cast<std::uint32_t>(f);
+        wall_faces_ += ids[f] < 0 ? 1 : 0;
+        if (want_.normals) face_normals_.push_back(unit_normal(kept_planes_.seed(), kept_planes_.plane(f)));
+    }
+    ranked_ids_ = ids;
+    shifted_ = cell.head().shifted;
+    hidden_ = walls_ ? 0 : wall_faces_;
+    if (measured_) write_measures();
+    counters_.faces += count;
+    if (want_.neighbors) write_row();
+    write_counts(count, static_cast<std::uint32_t>(3 * corners / 2), static_cast<std::uint32_t>(corners));
+    return true;
 }
 
 // Measures as the walk does, so that results do not depend on how a cell was found; else from exact corners.

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/buffer.hpp"
+#include "follow/kept_cells.hpp"
+#include "follow/kept_planes.hpp"
 #include "index/seed_images.hpp"
 #include "index/sorted_seeds.hpp"
 #include "kernels/star_kernels.hpp"
@@ -20,7 +22,7 @@ namespace votess::cpu {
 
 class CellWriter {
 public:
-    explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds) {}
+    explicit CellWriter(const SortedSeeds& seeds) : seeds_(seeds), kept_planes_(seeds) {}
 
     void begin_job(const Job& job, const StarKernels& kernels, ResultBuilder& out);
     // When `star` begins another stretch.
@@ -53,6 +55,16 @@ public:
         write(cell);
     }
     void write_none(std::size_t output, CellStatus status);
+    // Writes a kept cell of a seed. Returns false if its geometry lacks the promised digits.
+    [[nodiscard]] bool write(std::size_t seed, const KeptCell& cell);
+    // Stores the last cell that `star` built, without writing it.
+    void store(std::size_t seed, Star& star);
+    // Stores the following cells of seeds there, as this worker of it. Null: nowhere.
+    void keep(KeptCells* to, unsigned worker) {
+        kept_ = to;
+        worker_ = worker;
+        ranked_ |= to != nullptr;
+    }
     // Skips a cell whose row is in another block.
     void skip_row();
     // Stores the rows since the last call. They stay in the cache until then if they are few.
@@ -78,7 +90,12 @@ private:
     void set_output(std::size_t output, const Probe& probe);
     [[nodiscard]] bool write(Star& star);
     void write(Cell& cell);
-    void write_empty() { write_none(output_, CellStatus::empty); }
+    void write_empty() {
+        if (kept_ != nullptr) kept_->store_none(seed_);
+        write_none(output_, CellStatus::empty);
+    }
+    // Stores the cell whose faces are ranked. shape: null if the cell is too large for one.
+    void store(const CellShape* shape, bool tied);
     [[nodiscard]] std::int32_t input_of(std::int32_t id) const;
     // Fills face_shifts_ if seeds have been moved.
     void find_shifts(std::span<const std::int32_t> ids);
@@ -121,6 +138,11 @@ private:
     Buffer<std::int8_t> shifts_;
     std::vector<std::uint32_t> lengths_;
     PolygonWriter polygon_writer_;
+    KeptCells* kept_ = nullptr;
+    unsigned worker_ = 0;  // of kept_
+    KeptPlanes kept_planes_;
+    std::vector<std::int32_t> homes_;  // of faces
+    std::vector<exact::Shift> shifts_of_homes_;
 
     // The current cell: its place in the output, and its seed.
     std::size_t output_ = 0, seed_ = 0;

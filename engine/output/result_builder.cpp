@@ -206,6 +206,7 @@ void ResultBuilder::count(const CellCounters& counters) {
     counters_.exact_cells += counters.exact_cells;
     counters_.fallback_cells += counters.fallback_cells;
     counters_.empty_cells += counters.empty_cells;
+    counters_.kept_cells += counters.kept_cells;
 }
 
 void ResultBuilder::count(const FaceTally& faces) {
@@ -501,6 +502,7 @@ void ResultBuilder::finish_stats(Stats& stats, ThreadPool& pool) const {
     stats.faces = counters_.faces;
     stats.exact_cells = counters_.exact_cells;
     stats.fallback_cells = counters_.fallback_cells;
+    stats.kept_cells = counters_.kept_cells;
     const auto cells = stats.points - stats.empty_cells;
     stats.mean_faces = cells > 0 ? static_cast<double>(stats.faces) / static_cast<double>(cells) : 0;
     const std::span<const double> volumes = result_.volumes;

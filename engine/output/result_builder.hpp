@@ -23,6 +23,7 @@ struct CellCounters {
     std::uint64_t exact_cells = 0;     // where exact arithmetic decided a sign
     std::uint64_t fallback_cells = 0;  // redone on the CPU after another device
     std::uint64_t empty_cells = 0;     // without interior, or outside; not duplicates
+    std::uint64_t kept_cells = 0;      // not made, see follow/
 };
 
 // Values for the ids of rows, one or three for each id; empty if not requested.

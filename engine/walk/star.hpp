@@ -75,6 +75,8 @@ public:
     [[nodiscard]] int vertex_count() const { return vertices_; }
     [[nodiscard]] int edge_count() const { return edges_; }
     [[nodiscard]] bool used_exact() const { return used_exact_; }
+    // Whether more than four cells and walls share a vertex of the cell.
+    [[nodiscard]] bool met_tie() const { return met_tie_; }
     // Returns the largest power, |v - seed|^2 - weight, of the vertices v that this cell found itself, and of all ties.
     // The other vertices have powers that their finders in the stretch return, so the largest of all bounds the reach
     // of the cell. Rounded up; min_power if it found none.
@@ -95,7 +97,7 @@ public:
 protected:
     int faces_ = 0, vertices_ = 0, edges_ = 0;
     std::array<std::int32_t, max_planes> face_{};
-    bool used_exact_ = false;
+    bool used_exact_ = false, met_tie_ = false;
     double power_found_ = min_power;
 };
 

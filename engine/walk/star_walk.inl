@@ -655,7 +655,7 @@ bool StarWalk<Isa>::build_cell() {
     planes_known_ = facings_known_ = 0;
     scale_ = unscale_ = 1;
     move_ = {};
-    have_candidates_ = used_exact_ = false;
+    have_candidates_ = used_exact_ = met_tie_ = false;
     power_found_ = min_power;
     ties_.clear();
     tie_slots_.clear();
@@ -751,7 +751,7 @@ bool StarWalk<Isa>::read_known() {
     make_room(cells_.locals());
     const auto handed = cells_.known(seed_);
     if (const double power = cells_.power_of_ties(seed_); power != Neighborhood::no_tie) {
-        used_exact_ = true;
+        used_exact_ = met_tie_ = true;
         power_found_ = power;
     }
     if (handed.size() > max_vertices - 4) return false;
@@ -1231,6 +1231,7 @@ bool StarWalk<Isa>::add_vertex(const OpenEdge& edge, std::int32_t id, const Thir
 template <class Isa>
 bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& third, const Four& x) {
     if (vertices_ > max_vertices - 4) return false;
+    met_tie_ = true;
     if (keep_ == Keep::places) store_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));

@@ -139,6 +139,7 @@ typedef struct votess_options {
     uint64_t mesh_triangle_count;
     const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
     double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
+    int32_t follow;                 // nonzero: true
 } votess_options;
 
 // The fields of Stats in votess.hpp.
@@ -156,6 +157,7 @@ typedef struct votess_stats {
     double seconds_open;      // see StageSeconds::open in votess.hpp; part of seconds_total
     uint64_t moved_vertices;  // of a mesh, see TriangleMesh::tolerance in votess.hpp
     double moved_distance;    // the largest of these moves
+    uint64_t kept_cells;      // cells of the last call that still hold, see Options::follow in votess.hpp
 } votess_stats;
 
 // An array of a handle. It lies in the library's memory, must not be written, and lives as long as the handle. Each

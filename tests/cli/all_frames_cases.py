@@ -57,6 +57,18 @@ class AllFrames(CliTest):
         self.assertRegex(self.run_cli("a.xyz", "--frames", "all").stdout, "(?m)^domain .*; moves from frame to frame$")
         self.assertRegex(self.run_cli("a.dump").stdout, r"(?m)^input +frame 1 of 5 \(--frame 0\), timestep 0$")
 
+    def test_follow(self):
+        points = random_points(300, 1)
+        frames = [points + k * 1e-4 * random_points(300, 2) for k in range(4)]
+        text = "".join("300\n\n" + "".join(f"X {row}\n" for row in text_of(p).splitlines()) for p in frames)
+        self.put("moving.xyz", text)
+        options = ["moving.xyz", "--frames", "all", "--box", "-1,-1,-1,2,2,2", "-x", "cpu"]
+        rows = [self.rows(*options, *more, "--format", "%i %n %v %f") for more in ([], ["--follow"])]
+        self.assertEqual(*rows)
+        kept = [self.json(*options, *more)["kept_cells"] for more in ([], ["--follow"])]
+        self.assertEqual(kept[0], 0)
+        self.assertTrue(300 < kept[1] <= 900, kept)
+
     def test_files_of_one_frame(self):
         """Pictures, fits, subsets and queries of frames, and formats that hold one: each file is that of a run of its frame."""
         self.xyz(self.frames(4))

@@ -18,7 +18,7 @@ HIDDEN = {"VK_DRIVER_FILES": "/nonexistent", "VK_ICD_FILENAMES": "/nonexistent"}
 SANITIZED = bool(os.environ.get("VOTESS_TEST_REDUCED"))  # slow build, no foreign code in the process
 
 JSON_KEYS = ["version", "device", "points", "domain", "faces", "mean_faces", "volume_sum", "box_volume", "duplicates",
-             "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "tiny_faces", "threads", "seconds",
+             "empty_cells", "fallback_cells", "fallback_reasons", "exact_cells", "kept_cells", "tiny_faces", "threads", "seconds",
              "peak_memory_bytes", "verified", "proven", "verified_cells"]
 SECONDS_KEYS = ["total", "open", "read", "upload", "sort", "knn", "clip", "fallback", "download", "write"]
 OPTIONS = re.findall(r'^ *\{"(?:-\w, )?(--[a-z0-9+-]+)', (ROOT / "cli/options.cpp").read_text(), re.M)

@@ -85,6 +85,8 @@ void read_line(const std::string& word, std::istream& in, Case& c) {
         job.keep = true;
     } else if (word == "list_walls") {
         job.list_walls = true;
+    } else if (word == "follow") {
+        job.follow = true;
     } else if (word == "may_refuse") {
         job.may_refuse = true;
     } else if (word == "closed") {
@@ -108,6 +110,7 @@ votess::Options Job::options(const std::string& device) const {
     options.walls = walls;
     options.outside = keep ? votess::Outside::keep : drop ? votess::Outside::drop : votess::Outside::error;
     options.list_walls = list_walls;
+    options.follow = follow;
     bool* const wants[] = {&options.want.neighbors, &options.want.volumes, &options.want.centroids,
                            &options.want.counts,    &options.want.areas,   &options.want.normals,
                            &options.want.surfaces,  &options.want.radii,   &options.want.vertices,
@@ -162,7 +165,7 @@ void write(const Case& c, std::ostream& out) {
         if (job.chunk_size != 0) out << "chunk " << job.chunk_size << '\n';
         for (const auto& [name, on] :
              {std::pair{"drop", job.drop}, std::pair{"keep", job.keep}, std::pair{"list_walls", job.list_walls},
-              std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
+              std::pair{"follow", job.follow}, std::pair{"may_refuse", job.may_refuse}, std::pair{"closed", job.closed},
               std::pair{"double", job.double_precision}, std::pair{"subgroup", job.by_subgroup}})
             if (on) out << name << '\n';
         for (std::size_t i = 0; i < job.size(); ++i) {

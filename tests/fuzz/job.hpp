@@ -25,6 +25,7 @@ struct Job {
     std::vector<votess::Wall> walls;
     bool drop = false, keep = false;  // seeds outside
     bool list_walls = false;
+    bool follow = false;
     unsigned want = want_all;
     unsigned grid_resolution = 0, threads = 1;
     std::string instructions;  // used where the processor has them; "" = the best

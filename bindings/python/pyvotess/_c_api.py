@@ -144,6 +144,7 @@ class Options(ctypes.Structure):
         ("mesh_triangle_count", c_uint64),
         ("mesh_triangles", c_void_p),
         ("mesh_tolerance", c_double),
+        ("follow", c_int32),
     ]
 
 
@@ -193,6 +194,7 @@ class Stats(ctypes.Structure):
         ("seconds_open", c_double),
         ("moved_vertices", c_uint64),
         ("moved_distance", c_double),
+        ("kept_cells", c_uint64),
     ]
 
 

@@ -214,7 +214,7 @@ class Domain:
         >>> vt.Domain.box((0, 0, 0, 2, 1, 1), periodic=True)
         <pyvotess.Domain: box (0, 0, 0) to (2, 1, 1), periodic xyz>
         """
-        return cls(box=as_box(limits).ravel(), periodic=periodic, walls=walls, outside=outside)
+        return cls(box=as_box(limits, "limits").ravel(), periodic=periodic, walls=walls, outside=outside)
 
     @classmethod
     def cell(
@@ -230,7 +230,7 @@ class Domain:
         >>> vt.Domain.cell([(1, 0, 0), (0.5, 1, 0), (0, 0, 2)])
         <pyvotess.Domain: cell (1, 0, 0), (0.5, 1, 0), (0, 0, 2) at (0, 0, 0), periodic abc>
         """
-        return cls(cell=as_cell(vectors), origin=origin, periodic=periodic, outside=outside)
+        return cls(cell=as_cell(vectors, "vectors"), origin=origin, periodic=periodic, outside=outside)
 
     @classmethod
     def hull(cls) -> Domain:

@@ -56,7 +56,8 @@ class Stats:
     empty_cells: int  #: seeds without a cell: duplicate, empty or outside
     fallback_cells: int  #: cells that the CPU computed again after another device
     fallback_reasons: FallbackReasons  #: their sum is fallback_cells
-    exact_cells: int  #: cells where exact arithmetic decided a sign
+    exact_cells: int  #: cells made where exact arithmetic decided a sign
+    kept_cells: int  #: cells of the last call that still hold, with ``follow``
     threads: int  #: CPU threads used
     peak_memory_bytes: int  #: peak resident memory of the process so far
     precision: str  #: of volumes, centroids and areas: "single" or "double"; always "double" on the CPU

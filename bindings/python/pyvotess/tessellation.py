@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .export.image import Image
-    from .export.viewer import View
     from .fields.shapes import Shapes
+    from .export.viewer import View
 
 
 class Tessellation(SeedCells):
@@ -392,12 +392,12 @@ class Tessellation(SeedCells):
           number of vertices, as meshio needs; ``id`` is the seed.
         - ``.ply``, ``.obj``: the faces, each once; in ``.ply`` with its two cells.
         - ``.glb``: solids in colors, about 830 bytes for a cell of random points, at most 4 GiB.
-        - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
         - ``.foam``: a mesh of OpenFOAM. The file is empty, as ParaView wants it; the mesh is in the folder
           ``constant/polyMesh`` beside it. Each wall is a patch, and a periodic boundary a pair of cyclic patches.
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
         - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
           pair of cells and each wall a physical surface.
+        - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
         ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
         ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or

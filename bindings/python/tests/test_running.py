@@ -265,6 +265,21 @@ class TessellatorTest(unittest.TestCase):
         for t, volumes in results:  # later calls and the end of the tessellator do not change results
             np.testing.assert_array_equal(t.volumes, volumes)
 
+    def test_follow(self):
+        """Cells that hold at the new places are kept, and each result is that of a call by itself."""
+        points, random = uniform(1000), np.random.default_rng(3)
+        with vt.Tessellator(device="cpu", threads=1, follow=True) as tessellator:
+            for by, least, most in ((0, 0, 0), (0, 900, 1000), (1e-5, 900, 1000), (1e-4, 500, 999), (1, 0, 0)):
+                points = np.clip(points + by * random.uniform(-1, 1, points.shape), 0, 1)
+                t = tessellator.tessellate(points, box=UNIT_BOX, want="volumes,areas,neighbors")
+                alone = vt.tessellate(points, box=UNIT_BOX, want="volumes,areas,neighbors", device="cpu")
+                np.testing.assert_array_equal(t.neighbors.indices, alone.neighbors.indices)
+                np.testing.assert_array_equal(t.volumes, alone.volumes)
+                np.testing.assert_array_equal(t.face_areas, alone.face_areas)
+                self.assertTrue(least <= t.stats.kept_cells <= most, (by, t.stats.kept_cells))
+        with self.assertRaisesRegex(TypeError, "follow"):
+            vt.Tessellator(follow="yes")
+
     def test_works_on_after_failures(self):
         tessellator = vt.Tessellator()
         with self.assertRaises(ValueError):

@@ -59,7 +59,7 @@ RIGHT = {
     "frames": {"[]", "()", "{}", "no text"}, "limits": {"None", "[1, 2]"}, "view": {"[1, 2]"}, "file": {"None"},
     "instructions": {"no text", "text", "x"}, "device": {"no text", "text", "x"}, "atoms": {"[]", "()"}, "pieces": {"[]", "()"},
     "sample": {"None", "2**32 + 1", *_COUNT}, "rng_seed": {"2**32 + 1", *_COUNT}, "memory": {"2**32 + 1"}, "seeds": {"2**32 + 1", *_FLAG},
-    "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "slice": {"None"}, "ax": {"None"},
+    "lengths": {"None", "inf", *_LENGTH}, "edge_threshold": {"inf", *_LENGTH}, "min_edge": _LENGTH, "slice": {"None"}, "ax": {"None"},
     "threshold": {"-1", "-0.5", "inf", "-inf", *_LENGTH}, "values": {"nan each", "nan points"}, "gradients": {"None", "nan points"},
     "volumes": {"None", "nan each"}, "centroids": {"None", "nan points"}, "areas": {"None"}, "columns": {"None", "{}"},
     "color": {"None", "x", "nan each"}, "open": {"None"},

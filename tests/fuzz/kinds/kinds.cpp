@@ -24,6 +24,7 @@ constexpr Kind kinds[] = {
     {"spheres", "seeds on a sphere, exactly and nearly", on_spheres},
     {"outside", "few seeds of these kinds, some beyond the walls, which are kept", kept_outside},
     {"jobs", "jobs of changing size and options that one Tessellator does", changing_jobs},
+    {"moving", "seeds that one Tessellator follows", moving_seeds},
     {"many", "thousands of seeds of these kinds", many_seeds},
 };
 

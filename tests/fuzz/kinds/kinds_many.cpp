@@ -96,6 +96,7 @@ std::vector<Job> changing_jobs(Random& random) {
         job.grid_resolution = grids[random.below(std::size(grids))];
         job.threads = 1 + static_cast<unsigned>(random.below(3) / 2);
         job.may_refuse = true;
+        job.follow = jobs.size() % 2 == 0;
         jobs.push_back(std::move(job));
     }
     return jobs;

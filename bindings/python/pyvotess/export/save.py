@@ -38,10 +38,10 @@ _KINDS: Dict[str, _Kind] = {
     ".ply": _Kind(mesh=True, color=True),
     ".obj": _Kind(mesh=True),
     ".glb": _Kind(mesh=True, color=True),
-    ".html": _Kind(mesh=True, columns=True, color=True),
     ".foam": _Kind(mesh=True, edges=True),
     ".tess": _Kind(mesh=True, edges=True),
     ".msh": _Kind(mesh=True, edges=True),
+    ".html": _Kind(mesh=True, columns=True, color=True),
 }
 
 

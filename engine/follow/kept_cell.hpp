@@ -1,0 +1,62 @@
+// A cell of an earlier call: which seeds are its neighbors and which of their planes meet in corners. It has no places,
+// so it can be tested at others.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "exact/predicate.hpp"
+
+namespace votess::cpu {
+
+// A view of a stored cell. Planes are numbered in the order of the cell's row.
+class KeptCell {
+public:
+    struct Head {
+        std::uint16_t room;  // bytes / 8 of the storage
+        std::uint8_t faces, corners, used, tests;
+        bool shifted, tied;  // some neighbor is an image; some sign was 0
+    };
+    using Corner = std::array<std::uint8_t, 3>;  // planes, counterclockwise seen from outside
+    // An edge: a corner at one end, and the plane that ends it at the other, outside of which the corner must not lie.
+    struct Test {
+        std::uint8_t corner, plane;
+    };
+
+    KeptCell() = default;
+    explicit KeptCell(const std::byte* at) : at_(at) {}
+    [[nodiscard]] bool exists() const { return at_ != nullptr; }
+
+    [[nodiscard]] const Head& head() const { return *reinterpret_cast<const Head*>(at_); }
+    [[nodiscard]] std::size_t faces() const { return head().faces; }
+    // Sorted seeds, or walls below 0.
+    [[nodiscard]] std::span<const std::int32_t> ids() const {
+        return {reinterpret_cast<const std::int32_t*>(at_ + sizeof(Head)), faces()};
+    }
+    [[nodiscard]] exact::Shift shift(std::size_t face) const {
+        if (!head().shifted) return {};
+        const std::int8_t* s = shifts() + 3 * face;
+        return {s[0], s[1], s[2]};
+    }
+    // The first head().used of them are those that this cell tests.
+    [[nodiscard]] std::span<const Corner> corners() const {
+        return {reinterpret_cast<const Corner*>(shifts() + (head().shifted ? 3 * faces() : 0)), head().corners};
+    }
+    [[nodiscard]] std::span<const Test> tests() const {
+        return {reinterpret_cast<const Test*>(corners().data() + head().corners), head().tests};
+    }
+    [[nodiscard]] static std::size_t bytes(const Head& head) {
+        return sizeof(Head) + (head.shifted ? 7u : 4u) * head.faces + 3u * head.corners + 2u * head.tests;
+    }
+
+private:
+    [[nodiscard]] const std::int8_t* shifts() const {
+        return reinterpret_cast<const std::int8_t*>(at_ + sizeof(Head) + 4 * faces());
+    }
+    const std::byte* at_ = nullptr;
+};
+static_assert(sizeof(KeptCell::Head) == 8 && sizeof(KeptCell::Corner) == 3 && sizeof(KeptCell::Test) == 2);
+
+}  // namespace votess::cpu

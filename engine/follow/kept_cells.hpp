@@ -1,0 +1,130 @@
+// Moving seeds. The cells of the last call are tested at the new places. Those that still hold are kept, and the others
+// are made again.
+//
+// A stored cell has planes and corners, but no places. After a call all stored cells match: a corner of four seeds or
+// walls is in the cells of all of them. At new places each sign is tested once, by the cell of the lowest seed around
+// it. A corner must have the right orientation, and an edge the right direction. A wrong or uncertain sign leaves all
+// cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has gained
+// or lost a corner, the other cells around the corner become pending too, until all match again.
+//
+// Why kept cells are right. Each is a convex polytope, because its signs are right. It shares whole faces with its
+// neighbors, kept or made, because corners match. So nearly all places of the domain have the same number of cells, and
+// covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off all
+// edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond the
+// face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has a
+// cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among all
+// seeds.
+//
+// Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always pending,
+// and leaves its neighbors pending: only a search finds the other seeds of a tie.
+//
+// Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
+// because all corners are nearer to their seeds than half a period: at most the nearest image of a cell is over a place.
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/buffer.hpp"
+#include "core/thread_pool.hpp"
+#include "follow/kept_cell.hpp"
+#include "follow/sign_test.hpp"
+#include "index/sorted_seeds.hpp"
+#include "input/job.hpp"
+#include "polytope/cell_shape.hpp"
+
+namespace votess::cpu {
+
+class KeptCells {
+public:
+    // Whether cells of such a job can be kept.
+    [[nodiscard]] static bool follows(const Job& job);
+    void clear();
+
+    enum class Plan {
+        repair,  // order() holds: test the cells and make the pending ones
+        record,  // make all cells and store them
+        sample,  // make all cells; afterwards store those of in_sample(), for the plan of the next call
+        none,    // make all cells
+    };
+    // Looks at a sample of the cells at the new places.
+    [[nodiscard]] Plan plan(const Job& job, std::string_view instructions);
+    // Sorted seeds of the last call: indices in the input.
+    [[nodiscard]] std::span<const std::int32_t> order() const { return order_; }
+
+    // Begins to store cells. workers: of store().
+    void begin(Plan plan, const Job& job, const SortedSeeds& seeds, ThreadPool& pool);
+    // Consecutive seeds of a sample are whole blocks.
+    [[nodiscard]] bool in_sample(std::size_t seed) const { return seed / sample_block % sample_step_ == 0; }
+    static constexpr std::size_t sample_block = 16;
+    // Stores a cell, from any thread; one at a time for each worker. ids: by face, sorted seeds or walls. shifts: of
+    // images, by face, or none. ranks: by face. tied: some sign of the cell was 0.
+    void store(unsigned worker, std::size_t seed, std::span<const std::int32_t> ids,
+               std::span<const exact::Shift> shifts, std::span<const std::uint32_t> ranks, const CellShape& shape,
+               bool tied);
+    // Notes a cell that is too large to be stored.
+    void store_large(std::size_t seed, std::span<const std::int32_t> ids);
+    void store_none(std::size_t seed);
+    // Call when all cells are stored.
+    void commit();
+
+    // Tests all cells; after begin(Plan::repair).
+    void test(ThreadPool& pool);
+    // Takes the pending cells, ascending. None: all match.
+    void take_pending(std::vector<std::int32_t>& out);
+    // Whether it pays to make so many.
+    [[nodiscard]] bool pays(std::size_t pending) const;
+    // Whether two seeds are at the same place.
+    [[nodiscard]] bool any_equal() const;
+    [[nodiscard]] bool covers_once() const;
+    [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
+    // Lets a kept cell be made again.
+    void drop(std::size_t seed) { state_[seed].store(made, std::memory_order_relaxed); }
+    [[nodiscard]] KeptCell cell(std::size_t seed) const { return KeptCell(cells_[seed]); }
+
+private:
+    enum State : std::uint8_t { kept, pending, made };
+    using Flags = std::unique_ptr<std::atomic<std::uint8_t>[]>;
+    struct Worker {  // of one thread
+        std::vector<std::unique_ptr<std::byte[]>> chunks;
+        std::size_t chunk = 0, used = 0;                                                                 // of chunks
+        std::array<std::array<std::uint8_t, CellShape::max_planes>, CellShape::max_planes> corner_of{};  // of edges
+        SignTest signs;
+        std::vector<std::size_t> over_point;
+    };
+
+    void set_frame(const Job& job);
+    void mark(std::int32_t id) {
+        if (id < 0) return;
+        std::uint8_t expected = kept;
+        state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
+    }
+    void mark_around(const KeptCell& cell, const KeptCell::Corner& corner);
+    void mark_wrong(const KeptCell& cell, std::size_t seed, const SignTest& signs);
+    void mark_changes(const KeptCell& before, const KeptCell& now, Worker& worker);
+    [[nodiscard]] std::byte* allocate(std::size_t bytes, Worker& worker);
+    [[nodiscard]] std::array<double, 3> way_to_point(const SeedPlace& from) const;
+
+    bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
+    std::size_t count_ = 0, made_ = 0;         // made_: since the sort
+    std::array<bool, 3> periodic_{};
+    bool weighted_ = false;
+    std::size_t sample_step_ = 1;
+    Plan plan_ = Plan::record;
+    Buffer<std::int32_t> order_;
+    std::vector<std::byte*> cells_;  // by sorted seed
+    std::deque<Worker> workers_;
+    Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
+    Buffer<SeedPlace> places_;
+    SignFrame frame_{};
+    SignTester test_ = nullptr;
+};
+
+}  // namespace votess::cpu

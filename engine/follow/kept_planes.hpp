@@ -1,0 +1,78 @@
+// The planes of a kept cell at the present places: exact, and rounded as the walk and the clipper round them.
+#pragma once
+
+#include "domain/domain.hpp"
+#include "follow/kept_cell.hpp"
+#include "index/seed_images.hpp"
+#include "index/sorted_seeds.hpp"
+#include "polytope/cell_shape.hpp"
+
+namespace votess::cpu {
+
+class KeptPlanes final : public ExactCorners {
+public:
+    explicit KeptPlanes(const SortedSeeds& seeds) : seeds_(seeds) {}
+    void begin_job(const Domain& domain) { domain_ = &domain; }
+    void begin(std::size_t seed, const KeptCell& cell) {
+        seed_ = seed;
+        cell_ = cell;
+        base_ = {{seeds_.x[seed], seeds_.y[seed], seeds_.z[seed]}, {}};
+        if (seeds_.images != nullptr) base_ = seeds_.images->base(seed);
+    }
+    [[nodiscard]] const exact::Point& seed() const { return base_.point; }
+    [[nodiscard]] exact::Plane plane(std::size_t face) const {
+        const std::int32_t id = cell_.ids()[face];
+        if (id < 0) return domain_->box_wall(-1 - id);
+        const auto i = static_cast<std::size_t>(id);
+        exact::Plane plane = seeds_.images != nullptr ? seeds_.images->bisector(base_, id, cell_.shift(face))
+                                                      : exact::Plane::bisector({seeds_.x[i], seeds_.y[i], seeds_.z[i]});
+        if (!seeds_.weights.empty()) plane.power = exact::two_sum(seeds_.weights[seed_], -seeds_.weights[i]);
+        return plane;
+    }
+    // Writes the shape of the cell. It refers to this object.
+    void shape(CellShape& out) const {
+        const auto ids = cell_.ids();
+        out.planes = out.slots = static_cast<int>(ids.size());
+        out.weighted = !seeds_.weights.empty();
+        out.exact = this;
+        const std::array<double, 3> at{seeds_.x[seed_], seeds_.y[seed_], seeds_.z[seed_]};
+        const bool moved = seeds_.images != nullptr && !seeds_.images->is_exact(seed_);
+        for (std::size_t f = 0; f < ids.size(); ++f) {
+            out.rank[f] = static_cast<std::uint8_t>(f);
+            CellShape::Plane& plane = out.plane[f];
+            plane = {};
+            const std::int32_t id = ids[f];
+            if (id < 0) {
+                const auto axis = static_cast<std::size_t>((-1 - id) / 2);
+                plane.n[axis] = domain_->box_wall(-1 - id).wall - at[axis];
+                continue;
+            }
+            const auto i = static_cast<std::size_t>(id);
+            if (!moved &&
+                (seeds_.images == nullptr || (seeds_.images->is_exact(i) && cell_.shift(f) == exact::Shift{}))) {
+                plane.n[0] = 0.5 * (seeds_.x[i] - at[0]);
+                plane.n[1] = 0.5 * (seeds_.y[i] - at[1]);
+                plane.n[2] = 0.5 * (seeds_.z[i] - at[2]);
+            } else {
+                const auto way = exact::differences(base_.point, this->plane(f)).x;
+                for (std::size_t k = 0; k < 3; ++k) plane.n[k] = 0.5 * way[k].high;
+            }
+            if (out.weighted) plane.power = 0.25 * (seeds_.weights[seed_] - seeds_.weights[i]);
+        }
+        out.corners = 0;
+        for (const auto& [a, b, c] : cell_.corners()) out.add_corner(a, b, c);
+    }
+
+private:
+    [[nodiscard]] std::array<double, 3> corner(const std::array<unsigned, 3>& ranks) const override {
+        return exact::near_vertex(base_.point, plane(ranks[0]), plane(ranks[1]), plane(ranks[2]));
+    }
+
+    const SortedSeeds& seeds_;
+    const Domain* domain_ = nullptr;
+    std::size_t seed_ = 0;
+    KeptCell cell_;
+    SeedImages::Base base_{};
+};
+
+}  // namespace votess::cpu

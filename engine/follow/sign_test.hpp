@@ -1,0 +1,46 @@
+// The signs of kept cells at new places, in floating point with a bound on all rounding, for several instruction sets.
+// A sign that the bound does not settle counts as wrong, so results do not depend on the choice.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "follow/kept_cell.hpp"
+#include "polytope/cell_shape.hpp"
+
+namespace votess::cpu {
+
+struct alignas(32) SeedPlace {
+    double x[3], weight;
+};
+
+struct SignFrame {
+    const SeedPlace* places;  // by sorted seed
+    bool weighted;
+    double vector[3][3];  // of the box, rounded
+    double lower[3], upper[3];
+    double period[3];      // 0 along axes that do not repeat
+    double slack;          // bound on the error of a difference of coordinates, except its own rounding
+    double reach_squared;  // a corner beyond is wrong
+    double point[3];       // see SignTest::may_hold
+};
+
+// Scratch and outcome. Margins above 0 are right signs.
+struct alignas(64) SignTest {
+    static constexpr int max_tests = 3 * CellShape::max_corners / 2;
+    alignas(32) double plane[CellShape::max_planes][4];    // n.x = d, relative to the seed, as n and -d
+    alignas(32) double corner[CellShape::max_corners][4];  // in homogeneous numbers
+    double corner_margin[CellShape::max_corners];
+    double test_margin[max_tests];
+    bool tested = false;    // else there are no margins
+    bool may_hold = false;  // the cell may hold the frame's point
+};
+
+// Returns whether all signs are right: each corner is on the right side of its planes, each edge has its ends in the
+// right order, and no corner is beyond reach.
+using SignTester = bool (*)(const SignFrame&, std::size_t seed, const KeptCell&, SignTest&);
+// instructions: see supported_kernels().
+SignTester sign_tester(std::string_view instructions);
+bool test_signs_avx2(const SignFrame&, std::size_t seed, const KeptCell&, SignTest&);
+
+}  // namespace votess::cpu

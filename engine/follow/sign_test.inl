@@ -1,0 +1,135 @@
+// Bounds. Lengths of normals are at most A. Each is wrong by at most e = 2 u A + 2 slack, u = 2^-53. The numbers d =
+// n.n / 2
+// + (w - w') / 2 have terms of at most D >= A^2 / 2 and are wrong by A e + 4 u D. Products of two normals are wrong by
+// 2 A e
+// + 6 u A^2. Hence the determinant W of three normals is wrong by 3 A^2 e + 10 u A^3, and the corner X, the sum of d b
+// x c, by 12 A D e + 42 u D A^2. With |X| <= 3 D A^2 and |W| <= A^3, n.X - d W is wrong by
+//     20 D A^2 e + 72 u D A^3.
+// The factors below are larger, for what is of second order. A wall has a normal of length A and d = A times its
+// distance, so that it fits among the others.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "follow/sign_test.hpp"
+
+namespace votess::cpu {
+
+// Isa: anything, one for each instruction set for which a file compiles this.
+template <class Isa>
+class SignKernel {
+    using Wide __attribute__((vector_size(32), may_alias)) = double;
+
+public:
+    static bool test(const SignFrame& frame, std::size_t seed, const KeptCell& cell, SignTest& out);
+
+private:
+    [[gnu::always_inline]] static void cross(const Wide& a, const Wide& b, Wide& out) {
+        const Wide turned_a = __builtin_shufflevector(a, a, 1, 2, 0, 3),
+                   turned_b = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+        const Wide c = a * turned_b - turned_a * b;
+        out = __builtin_shufflevector(c, c, 1, 2, 0, 3);
+    }
+};
+
+template <class Isa>
+bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptCell& cell, SignTest& out) {
+    constexpr double u = 0x1p-53, least = 0x1p-160, most = 0x1p160;  // fifth powers neither underflow nor overflow
+    const KeptCell::Head& head = cell.head();
+    out.tested = false;
+    const std::int32_t* const ids = cell.ids().data();
+    const int faces = head.faces;
+    const SeedPlace& own = frame.places[seed];
+    const Wide at{own.x[0], own.x[1], own.x[2], 0};
+    Wide *const planes = reinterpret_cast<Wide*>(out.plane), *const corners = reinterpret_cast<Wide*>(out.corner);
+    double longest = 0, terms = 0;
+    int walls = 0;
+    for (; walls < faces && ids[walls] < 0;) ++walls;  // they come first
+    for (int f = walls; f < faces; ++f) {
+        const SeedPlace& other = frame.places[ids[f]];
+        Wide n = Wide{other.x[0], other.x[1], other.x[2], 0} - at;
+        if (head.shifted) {
+            const exact::Shift shift = cell.shift(static_cast<std::size_t>(f));
+            for (int j = 0; j < 3; ++j)
+                if (shift[static_cast<std::size_t>(j)] != 0) {
+                    const double by = shift[static_cast<std::size_t>(j)];
+                    if (std::abs(by) > 2) return false;
+                    n += by * Wide{frame.vector[j][0], frame.vector[j][1], frame.vector[j][2], 0};
+                }
+        }
+        const Wide square = n * n;
+        const double length2 = square[0] + square[1] + square[2];
+        longest = std::max(longest, length2);
+        double d = 0.5 * length2;
+        if (frame.weighted) {
+            d += 0.5 * (own.weight - other.weight);
+            terms = std::max(terms, std::abs(own.weight) + std::abs(other.weight));
+        }
+        n[3] = -d;
+        planes[f] = n;
+    }
+    const double length = std::sqrt(longest) * (1 + 8 * u);
+    double size = 0.5 * (longest + terms) * (1 + 8 * u);
+    for (int f = 0; f < walls; ++f) {
+        const int axis = (-1 - ids[f]) / 2;
+        const bool up = (-1 - ids[f]) % 2 != 0;
+        const double distance = up ? frame.upper[axis] - own.x[axis] : own.x[axis] - frame.lower[axis];
+        if (!(distance > 0)) return false;
+        Wide n{};
+        n[axis] = up ? length : -length;
+        n[3] = -length * distance;
+        size = std::max(size, length * distance * (1 + 8 * u));
+        planes[f] = n;
+    }
+    if (!(length > least && size < most)) return false;
+    const double error = 2 * u * length + 2 * frame.slack, square = length * length;
+    const double w_bound = square * (4 * error + 14 * u * length);
+    const double x_bound = length * size * (14 * error + 48 * u * length);
+    const double bound = size * square * (24 * error + 90 * u * length);
+    const double reach2 = frame.reach_squared;
+    int wrong = 0;
+    const KeptCell::Corner* const corner = cell.corners().data();
+    for (int v = 0; v < head.used; ++v) {
+        const Wide a = planes[corner[v][0]], b = planes[corner[v][1]], c = planes[corner[v][2]];
+        Wide ab, bc, ca;
+        cross(a, b, ab);
+        cross(b, c, bc);
+        cross(c, a, ca);
+        Wide x = -(a[3] * bc + b[3] * ca + c[3] * ab);
+        const Wide products = a * bc;
+        const double w = products[0] + products[1] + products[2];
+        x[3] = w;
+        corners[v] = x;
+        double margin = w - w_bound;
+        if (reach2 < most) {
+            const double far = std::sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]) * (1 + 8 * u) + x_bound;
+            if (!(far * far < reach2 * margin * margin)) margin = -1;
+        }
+        out.corner_margin[v] = margin;
+        wrong += !(margin > 0);
+    }
+    const KeptCell::Test* const tests = cell.tests().data();
+    for (int t = 0; t < head.tests; ++t) {
+        const Wide value = planes[tests[t].plane] * corners[tests[t].corner];
+        const double margin = -((value[0] + value[1]) + (value[2] + value[3])) - bound;
+        out.test_margin[t] = margin;
+        wrong += !(margin > 0);
+    }
+    Wide way = Wide{frame.point[0], frame.point[1], frame.point[2], 0} - at;
+    for (int k = 0; k < 3; ++k)
+        if (frame.period[k] > 0) way[k] -= frame.period[k] * std::round(way[k] / frame.period[k]);
+    const Wide ways = way * way;
+    const double away = std::sqrt(ways[0] + ways[1] + ways[2]);
+    way[3] = 1;
+    const double tolerance = 0x1p-40 * (length * away + size) + 4 * frame.slack * (length + away);
+    out.may_hold = true;
+    for (int f = 0; f < faces && out.may_hold; ++f) {
+        const Wide value = planes[f] * way;
+        out.may_hold = !((value[0] + value[1]) + (value[2] + value[3]) > tolerance);
+    }
+    out.tested = true;
+    return wrong == 0;
+}
+
+}  // namespace votess::cpu

@@ -1,0 +1,141 @@
+// The option `follow`: cells of the last call are kept where they hold. Each call is compared with a fresh one.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fuzz/kinds/kinds.hpp"
+#include "support/check.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using votess::Options;
+
+struct Moving {
+    std::vector<double> points;
+    Options options;
+    votess::Tessellator tessellator;
+    double spacing = 1;
+    test::Random random{5};
+
+    explicit Moving(std::size_t count) {
+        spacing = std::cbrt(1 / static_cast<double>(count));
+        for (std::size_t c = 0; c < 3 * count; ++c) points.push_back(random.uniform());
+        options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+        options.device = "cpu";
+        options.threads = 1;
+        options.want.centroids = options.want.areas = options.want.counts = true;
+    }
+    // Moves by up to `by` spacings along each axis.
+    void move(double by) {
+        for (std::size_t c = 0; c < points.size(); ++c) {
+            points[c] += by * spacing * random.uniform(-1, 1);
+            if (!options.periodic[c % 3]) points[c] = std::clamp(points[c], 0.0, 1.0);
+        }
+    }
+    // Returns the share of kept cells, or -1 if the result is not that of a fresh call.
+    double call() {
+        Options fresh = options, follow = options;
+        follow.follow = true;
+        const votess::Tessellation t = tessellator.tessellate(points, follow);
+        const std::string wrong = test::check_identical(t, votess::tessellate(points, fresh));
+        CHECK(wrong == "");
+        return wrong.empty() ? static_cast<double>(t.stats().kept_cells) / static_cast<double>(t.size()) : -1;
+    }
+};
+
+}  // namespace
+
+TEST_SUITE("cases") {
+    TEST_CASE("follow: cells that still hold are kept") {
+        for (const bool periodic : {false, true})
+            for (const bool weighted : {false, true}) {
+                CAPTURE(periodic);
+                CAPTURE(weighted);
+                Moving m(test::by_size(3000, 1000));
+                m.options.periodic = {periodic, periodic, periodic};
+                std::vector<double> weights;
+                for (std::size_t i = 0; weighted && i < m.points.size() / 3; ++i)
+                    weights.push_back(0.1 * m.spacing * m.spacing * m.random.uniform());
+                m.options.weights = weights;
+                CHECK(m.call() == 0);
+                CHECK(m.call() > 0.99);
+                m.move(1e-5);
+                CHECK(m.call() > 0.98);
+                m.options.want = {};
+                m.options.list_walls = true;
+                m.move(1e-3);
+                CHECK(m.call() > 0.8);
+                m.move(1e-3);
+                const double share = m.call();
+                CHECK(share > 0.8);
+                CHECK(share < 0.99);
+                m.move(0.5);  // far: all cells are made, and a sample is stored
+                CHECK(m.call() == 0);
+                CHECK(m.call() == 0);  // the sample holds: all are stored again
+                CHECK(m.call() > 0.99);
+                std::swap(m.points[0], m.points[30]);
+                std::swap(m.points[1], m.points[31]);
+                std::swap(m.points[2], m.points[32]);
+                CHECK(m.call() > 0.8);
+                std::copy_n(m.points.begin() + 60, 3, m.points.begin());  // a duplicate
+                CHECK(m.call() == 0);
+            }
+    }
+
+    TEST_CASE("follow: ties are proven at each call") {
+        Moving m(1);
+        m.points.clear();
+        constexpr int side = 6;
+        for (int i = 0; i < side * side * side; ++i)
+            for (const int at : {i % side, i / side % side, i / side / side}) m.points.push_back((at + 0.5) / side);
+        m.spacing = 1.0 / side;
+        CHECK(m.call() == 0);
+        CHECK(m.call() == 0);
+        m.move(1e-4);  // no sign is wrong, but all lists change
+        CHECK(m.call() == 0);
+        CHECK(m.call() == 0);
+        CHECK(m.call() > 0.9);
+        // A tie among a few of many.
+        Moving few(5000);
+        CHECK(few.call() == 0);
+        for (int k = 0; k < 8; ++k)
+            for (int axis = 0; axis < 3; ++axis)
+                few.points[static_cast<std::size_t>(3 * k + axis)] = 0.5 + 0.03125 * ((k >> axis & 1) != 0 ? 1 : -1);
+        CHECK(few.call() > 0.8);
+        CHECK(few.call() > 0.8);
+        few.move(1e-4);
+        CHECK(few.call() > 0.8);
+    }
+
+    TEST_CASE("follow: histories") {
+        test::Random random(11);
+        std::uint64_t kept = 0, parts = 0;
+        for (std::size_t history = 0; history < test::by_size(150, 15); ++history) {
+            CAPTURE(history);
+            votess::Tessellator tessellator;
+            for (const test::fuzz::Job& job : test::fuzz::moving_seeds(random)) {
+                Options options = job.options("cpu");
+                votess::Tessellation t, fresh;
+                const auto code = test::error_of([&] { t = tessellator.tessellate(job.points, options); });
+                options.follow = false;
+                CHECK(code == test::error_of([&] { fresh = votess::tessellate(job.points, options); }));
+                CHECK(test::check_identical(t, fresh) == "");
+                const votess::Stats &s = t.stats(), &other = fresh.stats();
+                CHECK(s.faces == other.faces);
+                CHECK(s.volume_sum == other.volume_sum);
+                CHECK(s.empty_cells == other.empty_cells);
+                CHECK(s.tiny_faces == other.tiny_faces);
+                CHECK(other.kept_cells == 0);
+                kept += s.kept_cells;
+                parts += s.kept_cells > 0 && s.kept_cells < t.size() ? 1 : 0;
+            }
+        }
+        CHECK(kept > test::by_size(10000, 500));
+        CHECK(parts > test::by_size(100, 5));
+    }
+}

@@ -1,0 +1,153 @@
+// Seeds that move from call to call, a little or far, all or some, and what else may change between calls.
+#include <algorithm>
+#include <cmath>
+
+#include "fuzz/kinds/kinds.hpp"
+
+namespace test::fuzz {
+namespace {
+
+using Base = std::vector<Job> (*)(Random& random);
+
+Job uniform_seeds(Random& random) {
+    Job job;
+    Vector sides{1, 1, 1}, lower{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (random.chance(0.2)) sides[k] = decades(random, -1, 1);
+        if (random.chance(0.2)) lower[k] = random.uniform(-5, 5);
+    }
+    take_box(job, lower, sides, random, false);
+    const std::size_t count = 20 + random.below(random.chance(0.8) ? 200 : 1000);
+    for (std::size_t i = 0; i < count; ++i) {
+        Vector x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = lower[k] + sides[k] * random.uniform();
+        add_seed(job, x);
+    }
+    return job;
+}
+
+Job lattice(Random& random) {
+    Job job;
+    const auto side = 2 + random.below(6);
+    take_box(job, {}, {1, 1, 1}, random, false);
+    for (std::uint64_t i = 0; i < side * side * side; ++i) {
+        Vector x;
+        for (std::size_t k = 0; k < 3; ++k)
+            x[k] = (static_cast<double>(k == 0   ? i % side
+                                        : k == 1 ? i / side % side
+                                                 : i / side / side) +
+                    0.5) /
+                   static_cast<double>(side);
+        add_seed(job, x);
+    }
+    return job;
+}
+
+Vector sides_of(const Job& job) {
+    Vector sides{1, 1, 1};
+    for (std::size_t k = 0; k < 3 && job.box; ++k) sides[k] = job.box->upper[k] - job.box->lower[k];
+    return sides;
+}
+
+// Moves seeds, and changes what a call may change.
+void change(Job& job, const Job& first, Random& random) {
+    const Vector sides = sides_of(job);
+    const std::size_t count = job.size();
+    const double spacing = std::cbrt(sides[0] * sides[1] * sides[2] / static_cast<double>(count));
+    const double by = random.chance(0.15) ? 0 : spacing * decades(random, -8, random.chance(0.2) ? 0 : -1.5);
+    const auto seed = [&] { return random.below(count); };
+    const auto how = random.below(20);
+    if (how == 0) {  // one goes anywhere
+        const auto i = seed();
+        for (std::size_t k = 0; k < 3 && job.box; ++k)
+            job.points[3 * i + k] = job.box->lower[k] + sides[k] * random.uniform();
+    } else if (how == 1) {  // a duplicate
+        const auto i = seed(), j = seed();
+        std::copy_n(&job.points[3 * j], 3, &job.points[3 * i]);
+    } else if (how == 2 && count > 2) {
+        job = job.without(seed(), count);
+    } else if (how == 3) {  // all in one direction
+        Vector way;
+        for (double& x : way) x = by * random.uniform(-1, 1);
+        for (std::size_t c = 0; c < 3 * count; ++c) job.points[c] += way[c % 3];
+    } else if (how == 4 && job.box) {  // onto a wall
+        const auto i = seed(), k = random.below(3);
+        job.points[3 * i + k] = random.chance(0.5) ? job.box->lower[k] : job.box->upper[k];
+    } else if (how == 5 && job.box) {  // images
+        for (std::size_t c = 0; c < 3 * count; ++c)
+            if (job.periodic[c % 3] && random.chance(0.1))
+                job.points[c] += sides[c % 3] * static_cast<double>(random.integer(-1, 1));
+    } else if (how == 6) {  // two change places
+        const auto i = seed(), j = seed();
+        for (std::size_t k = 0; k < 3; ++k) std::swap(job.points[3 * i + k], job.points[3 * j + k]);
+    } else if (how == 7) {  // back
+        job.points = first.points;
+        job.weights = first.weights;
+    } else if (how == 8) {  // a part of them
+        for (std::size_t i = 0; i < count; ++i)
+            if (random.chance(0.1))
+                for (std::size_t k = 0; k < 3; ++k) job.points[3 * i + k] += by * random.uniform(-1, 1);
+    } else if (how == 9 && job.box) {  // the domain grows
+        const double factor = 1 + decades(random, -8, -1);
+        for (std::size_t k = 0; k < 3; ++k) {
+            job.box->upper[k] = job.box->lower[k] + sides[k] * factor;
+            for (std::size_t i = 0; i < count; ++i) {
+                double& x = job.points[3 * i + k];
+                x = job.box->lower[k] + (x - job.box->lower[k]) * factor;
+            }
+        }
+    } else if (how == 10 && !job.weights.empty()) {  // one becomes hidden, or returns
+        job.weights[seed()] += spacing * spacing * random.uniform(-5, 5);
+    } else if (how == 11 && job.box) {  // ties
+        for (std::size_t c = 0; c < 3 * count; ++c)
+            if (random.chance(0.05)) {
+                const double at = std::floor(8 * (job.points[c] - job.box->lower[c % 3]) / sides[c % 3]) / 8;
+                job.points[c] = job.box->lower[c % 3] + at * sides[c % 3];
+            }
+    } else {
+        for (double& x : job.points) x += by * random.uniform(-1, 1);
+        if (random.chance(0.3))
+            for (double& w : job.weights) w += by * spacing * random.uniform(-1, 1);
+    }
+    for (std::size_t c = 0; c < job.points.size() && job.box; ++c)
+        if (!job.periodic[c % 3] && !job.drop)
+            job.points[c] = std::clamp(job.points[c], job.box->lower[c % 3], job.box->upper[c % 3]);
+}
+
+}  // namespace
+
+std::vector<Job> moving_seeds(Random& random) {
+    constexpr Base others[] = {ties,        wrapped_pairs,  thin_cells, tight_clusters,
+                               any_weights, smooth_weights, lattices,   walls_through};
+    Job job;
+    const auto kind = random.below(10);
+    if (kind < 6)
+        job = uniform_seeds(random);
+    else if (kind < 8)
+        job = lattice(random);
+    else
+        job = others[random.below(std::size(others))](random)[0];
+    if (kind < 6 && random.chance(0.3)) {
+        const Vector sides = sides_of(job);
+        const double square = std::pow(sides[0] * sides[1] * sides[2] / static_cast<double>(job.size()), 2.0 / 3);
+        const double unit = square * decades(random, -3, random.chance(0.2) ? 1 : -0.5);
+        for (std::size_t i = 0; i < job.size(); ++i) job.weights.push_back(unit * random.uniform());
+    }
+    const Job first = job;
+    std::vector<Job> jobs;
+    for (auto count = 3 + random.below(8); count > 0; --count) {
+        job.follow = !random.chance(0.03);
+        // Polygons are made afresh.
+        constexpr unsigned no_polygons = 0xff;
+        job.want = static_cast<unsigned>(random.below(no_polygons + 1)) | (random.chance(0.5) ? 3u : 0u);
+        if (random.chance(0.03)) job.want = want_all;
+        job.list_walls = random.chance(0.3);
+        job.threads = 1 + static_cast<unsigned>(random.below(8) / 7);
+        job.may_refuse = true;
+        jobs.push_back(job);
+        if (job.size() > 0) change(job, first, random);
+    }
+    return jobs;
+}
+
+}  // namespace test::fuzz
