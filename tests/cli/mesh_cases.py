@@ -304,6 +304,6 @@ class SolverFiles(ReaderTest):
         self.refuse(*box, "--min-edge", "-1", "-o", "a.msh", says="--min-edge is negative")
         self.refuse(*box, "-o", "a.foam", "-o", "b.foam", says="is named twice")
         self.refuse("--random", "50", "--2d", "-o", "a.msh", says="dimensions")
-        self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="none")
+        self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="in a domain without end")
         self.put("a.xyz", "2\n\nH 0 0 0\nH 1 1 1\n" * 2)
         self.refuse("a.xyz", "--frames", "all", "-o", "a-{frame}.foam", says="whose folder holds one mesh")
