@@ -93,6 +93,10 @@ private:
                 for (std::size_t k = 0; k < 3; ++k) input_.points.push_back(words_.number("a coordinate"));
                 radii_.push_back(words_.number("a weight"));
             }
+        } else if ((section_ == "**cell" && part == "*lam") ||
+                   (section_ == "**scale" && part == "*general" && words_.whole("the number of scales") > 1)) {
+            throw words_.error(
+                "grains are cut into others, which the seeds do not describe: read the file of one scale");
         } else if (section_ == "**domain" && part == "*general") {
             domain_ = words_.need("the type of the domain");
         } else if (section_ == "**domain" && part == "*vertex") {

@@ -268,8 +268,9 @@ class SolverFiles(ReaderTest):
         whole = TESS.format(0, 0, "cube", CUBE_FACES)
         for content, says in [
                 ("x", "begins with ***tess"),
+                (whole.replace("***end", " **scale\n  *general\n   2\n***end"), "grains are cut into others"),
                 (whole.replace("3 standard", "2 standard"), "a tessellation in 2 dimensions"),
-                (whole.replace("*seed", "*lam"), "without seeds (*seed)"),
+                (whole.replace("*seed", "*group"), "without seeds (*seed)"),
                 (whole.replace("**cell\n  2", "**cell\n  99999999999"), "99999999999 is not a number of cells"),
                 (whole.replace("     plane", "     cylinder"), "a face that is a cylinder"),
                 (whole.replace("0.250000000000", "nan"), "is not finite"),
