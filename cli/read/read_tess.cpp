@@ -1,4 +1,6 @@
 // Neper's .tess: the seeds with their weights, which count squared, and the domain. Its polyhedra are made again.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -91,6 +93,10 @@ private:
                 for (std::size_t k = 0; k < 3; ++k) input_.points.push_back(words_.number("a coordinate"));
                 radii_.push_back(words_.number("a weight"));
             }
+        } else if ((section_ == "**cell" && part == "*lam") ||
+                   (section_ == "**scale" && part == "*general" && words_.whole("the number of scales") > 1)) {
+            throw words_.error(
+                "grains are cut into others, which the seeds do not describe: read the file of one scale");
         } else if (section_ == "**domain" && part == "*general") {
             domain_ = words_.need("the type of the domain");
         } else if (section_ == "**domain" && part == "*vertex") {
@@ -112,6 +118,7 @@ private:
                 const double x = words_.number("a coordinate");
                 box_.lower[k] = i == 0 ? x : std::min(box_.lower[k], x);
                 box_.upper[k] = i == 0 ? x : std::max(box_.upper[k], x);
+                middle_[k] += x / static_cast<double>(count);
             }
             words_.skip(1, "a label");
             words_.skip(words_.count("vertices"), "a vertex");
@@ -132,21 +139,35 @@ private:
                     ": planes are read; give the domain by --box or --wall-cylinder and the seeds as text");
             if (words_.count("parameters") != 4) throw words_.error("expected 4 parameters of a plane");
             const double d = words_.number("a parameter");
-            votess::Wall wall;  // Neper's normals lead inward
-            for (double& n : wall.normal) n = -words_.number("a parameter");
-            wall.offset = -d;
+            votess::Wall wall;  // normals lead inward or outward
+            wall.offset = d;
+            for (double& n : wall.normal) n = words_.number("a parameter");
             walls_.push_back(wall);
             words_.skip(1, "a label");
             words_.skip(words_.count("faces"), "a face");
         }
     }
 
-    // A cube is a box. Walls lie inside a larger box, which cuts nothing.
+    // Whether the domain is a box along the axes. A cube may be turned.
+    [[nodiscard]] bool is_box() const {
+        return domain_ == "cube" && std::ranges::all_of(walls_, [](const votess::Wall& wall) {
+                   return std::ranges::count(wall.normal, 0.0) == 2;
+               });
+    }
+
+    // Walls lie inside a larger box, which cuts nothing.
     void set_domain() {
         if (domain_.empty()) return;
         for (std::size_t k = 0; k < 3; ++k)
             if (!(box_.lower[k] < box_.upper[k])) throw bad_input(name_ + ": the domain has no volume");
-        if (domain_ != "cube" && !walls_.empty()) {
+        if (!is_box()) {
+            for (votess::Wall& wall : walls_) {
+                double height = -wall.offset;
+                for (std::size_t k = 0; k < 3; ++k) height += wall.normal[k] * middle_[k];
+                if (height <= 0) continue;
+                wall.offset = -wall.offset;
+                for (double& n : wall.normal) n = -n;
+            }
             for (std::size_t k = 0; k < 3; ++k) {
                 const double room = (box_.upper[k] - box_.lower[k]) / 4;
                 box_.lower[k] -= room, box_.upper[k] += room;
@@ -163,6 +184,7 @@ private:
     std::size_t cells_ = 0;
     std::vector<double> radii_;
     votess::Box box_;
+    std::array<double, 3> middle_{};  // of the domain's vertices
     std::vector<votess::Wall> walls_;
     Input input_;
 };

@@ -236,7 +236,7 @@ private:
         return dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2]);
     }
 
-    // Whether the faces of a cell are closed, are one surface without holes, and enclose a positive volume.
+    // Whether the faces of a cell are closed, are one surface without holes, and enclose it.
     [[nodiscard]] bool is_polyhedron(std::size_t cell) const {
         std::vector<std::array<std::int32_t, 2>> edges;
         std::vector<std::int32_t> vertices;
@@ -258,14 +258,41 @@ private:
         std::ranges::sort(vertices);
         vertices.erase(std::ranges::unique(vertices).begin(), vertices.end());
         if (vertices.size() + faces != edges.size() / 2 + 2) return false;
-        const Vector3 origin = mesh_.vertex(vertices.front());
-        double volume = 0;
-        for (const std::int32_t number : cells_.of(cell)) {
-            const Polygon& polygon = polygons_[at(std::abs(number)) - 1];
-            if (!polygon.empty())
-                volume += (number > 0 ? 1 : -1) * dot(area(polygon), minus(mesh_.vertex(polygon[0]), origin));
-        }
-        return volume > 0;
+        return is_around_its_centroid(cell, mesh_.vertex(vertices.front()));
+    }
+
+    // Whether the cell has a positive volume, and its faces look away from its centroid. Then each face leads from one
+    // of its cells to the other.
+    [[nodiscard]] bool is_around_its_centroid(std::size_t cell, const Vector3& origin) const {
+        double volume = 0;  // times 6
+        Vector3 moment{};   // times 24
+        const auto each = [&](const auto& use) {
+            for (const std::int32_t number : cells_.of(cell))
+                if (const Polygon& polygon = polygons_[at(std::abs(number)) - 1]; !polygon.empty())
+                    use(polygon, number > 0 ? 1.0 : -1.0);
+        };
+        each([&](const Polygon& polygon, double sign) {
+            const Vector3 a = minus(mesh_.vertex(polygon[0]), origin);
+            for (std::size_t c = 1; c + 1 < polygon.size(); ++c) {
+                const Vector3 x = minus(mesh_.vertex(polygon[c]), origin),
+                              y = minus(mesh_.vertex(polygon[c + 1]), origin);
+                const double part = sign * dot(a, cross(x, y));
+                volume += part;
+                for (std::size_t k = 0; k < 3; ++k) moment[k] += part * (a[k] + x[k] + y[k]);
+            }
+        });
+        if (!(volume > 0)) return false;
+        bool away = true;
+        each([&](const Polygon& polygon, double sign) {
+            Vector3 arm{};  // from the centroid to the mean of the corners
+            for (const std::int32_t v : polygon) {
+                const Vector3 x = minus(mesh_.vertex(v), origin);
+                for (std::size_t k = 0; k < 3; ++k) arm[k] += x[k] / static_cast<double>(polygon.size());
+            }
+            for (std::size_t k = 0; k < 3; ++k) arm[k] -= moment[k] / (4 * volume);
+            away &= sign * dot(area(polygon), arm) > 0;
+        });
+        return away;
     }
 
     // Writes the polygons back, without those that vanished.

@@ -31,8 +31,8 @@ struct Bounds {
     }
 };
 
-// Returns the corner from which a fan of triangles has the least thin triangle: the greatest least ratio of the area to
-// the square of the longest side.
+// Returns the corner whose fan of triangles has the thickest thinnest triangle. Thickness is the area, divided by the
+// square of the longest side.
 std::size_t best_apex(const SharedMesh& mesh, std::size_t face) {
     const auto polygon = mesh.polygon(face);
     const std::size_t n = polygon.size();

@@ -1,4 +1,4 @@
-// What does not go with what, as one table: the functions that read a result, and the results that they refuse. README
+// What does not go with what, as one table: functions that read a result, and the results that they refuse. README
 // names those that are pairs of a domain and an output.
 #pragma once
 

@@ -268,8 +268,9 @@ class SolverFiles(ReaderTest):
         whole = TESS.format(0, 0, "cube", CUBE_FACES)
         for content, says in [
                 ("x", "begins with ***tess"),
+                (whole.replace("***end", " **scale\n  *general\n   2\n***end"), "grains are cut into others"),
                 (whole.replace("3 standard", "2 standard"), "a tessellation in 2 dimensions"),
-                (whole.replace("*seed", "*lam"), "without seeds (*seed)"),
+                (whole.replace("*seed", "*group"), "without seeds (*seed)"),
                 (whole.replace("**cell\n  2", "**cell\n  99999999999"), "99999999999 is not a number of cells"),
                 (whole.replace("     plane", "     cylinder"), "a face that is a cylinder"),
                 (whole.replace("0.250000000000", "nan"), "is not finite"),
@@ -304,6 +305,6 @@ class SolverFiles(ReaderTest):
         self.refuse(*box, "--min-edge", "-1", "-o", "a.msh", says="--min-edge is negative")
         self.refuse(*box, "-o", "a.foam", "-o", "b.foam", says="is named twice")
         self.refuse("--random", "50", "--2d", "-o", "a.msh", says="dimensions")
-        self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="none")
+        self.refuse("--random", "50", "--box", "none", "-o", "a.tess", says="in a domain without end")
         self.put("a.xyz", "2\n\nH 0 0 0\nH 1 1 1\n" * 2)
         self.refuse("a.xyz", "--frames", "all", "-o", "a-{frame}.foam", says="whose folder holds one mesh")
