@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "blocks/streamed.hpp"
+#include "input/settle.hpp"
 #include "support/check.hpp"
 #include "support/in_plane.hpp"
 #include "support/random.hpp"
@@ -277,7 +278,8 @@ TEST_CASE("stream: damaged rows are found") {
         damage();
         const votess::StreamRows rows = votess::rows_of(cells);
         Halves halves(set);
-        votess::RowChecker checker({options, set.size(), whole.stats().box_volume}, {.max_cells = set.size()}, halves);
+        votess::RowChecker checker({votess::settle(options), set.size(), whole.stats().box_volume},
+                                   {.max_cells = set.size()}, halves);
         checker.take(rows);
         const votess::VerifyReport report = checker.report();
         CHECK(report.passed == report.failure.empty());
