@@ -4,6 +4,7 @@
 #include <limits>
 #include <tuple>
 
+#include "input/option_name.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::files {
@@ -97,8 +98,8 @@ void check_closed(const Mesh& mesh) {
                      edges[e].ascends != edges[e + 1].ascends && edges[e].low != edges[e].high &&
                      (e == 0 || edges[e - 1].low != edges[e].low || edges[e - 1].high != edges[e].high);
         if (!closed)
-            refuse("cell " + text_of(i) + " is not closed, because it lacks a face: leave out Options::min_face and " +
-                   "Options::min_area");
+            refuse("cell " + text_of(i) + " is not closed, because it lacks a face: leave out " + option("min_face") +
+                   " and " + option("min_area"));
     }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "files/shared_mesh.hpp"
+#include "input/option_name.hpp"
 #include "votess/votess.hpp"
 
 namespace votess::files {
@@ -195,7 +196,8 @@ void write_tess(const Mesh& given, ByteSink& out) {
     const SharedMesh mesh(given);
     if (given.left_out) refuse(".tess holds cells of a domain with ends: give a box");
     if (!mesh.patches.empty() && mesh.patches.back().wall == 0)
-        refuse(".tess holds no periodic boundary here: write .msh or .foam, or tessellate without Options::periodic");
+        refuse(".tess holds no periodic boundary here: write .msh or .foam, or tessellate without " +
+               option("periodic"));
     if (given.seeds.empty() && mesh.cells() > 0) refuse("mesh.seeds is NULL, but .tess needs seeds");
     const SharedEdges edges(mesh);
     out.put("***tess\n **format\n   3.5\n **general\n   3 standard\n **cell\n  ");

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/progress.hpp"
+#include "input/option_name.hpp"
 #include "input/supports.hpp"
 
 namespace votess {
@@ -39,7 +40,7 @@ Groups groups(const Tessellation& t, std::span<const std::int64_t> labels) {
     const auto refuse = [](const std::string& message) {
         throw Error(ErrorCode::invalid_argument, "groups(): " + message);
     };
-    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set Options::want.neighbors");
+    if (t.indptr().size() != t.size() + 1) refuse("the tessellation has no rows, set " + option("want.neighbors"));
     if (labels.size() != t.size())
         refuse(std::to_string(labels.size()) + " labels for " + std::to_string(t.size()) + " seeds: give one for each");
 

@@ -348,7 +348,7 @@ TEST_SUITE("stages") {
             votess::cpu::SeedSorter sorter;
             votess::cpu::SortedSeeds seeds;
             votess::cpu::SeedImages images;
-            images.sort(job, sorter, pool, seeds);
+            images.sort(job, {}, sorter, pool, seeds);
             for (std::size_t s = 0; s < seeds.size(); ++s) {
                 const auto own = images.base(s);
                 const double reach = images.reach({seeds.x[s], seeds.y[s], seeds.z[s]});
