@@ -106,7 +106,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
                 if (id >= 0) place(static_cast<std::size_t>(id));
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
-    if (static_cast<double>(wrong) > most_wrong * static_cast<double>(tested)) return Plan::sample;
+    const double expected = most_wrong * static_cast<double>(tested);
+    if (static_cast<double>(wrong) > expected + 3 * std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
 
