@@ -13,13 +13,14 @@ namespace {
 using Renamed = std::pair<std::string_view, std::string_view>;
 
 // Members that have another name here than "--" and their own.
-constexpr std::array<Renamed, 8> renamed_members{{{"planar", "--2d"},
+constexpr std::array<Renamed, 9> renamed_members{{{"planar", "--2d"},
                                                   {"walls", "--wall"},
                                                   {"cell.origin", "--origin"},
                                                   {"cell.periodic", "--periodic"},
                                                   {"mesh.merge", "--mesh-repair"},
                                                   {"mesh.tolerance", "--mesh-tolerance"},
                                                   {"method", "--to-grid"},
+                                                  {"skip_open", "--open skip"},
                                                   {"want", "--want"}}};
 constexpr std::array<Renamed, 11> renamed_functions{{{"alpha_complex", "--alpha"},
                                                      {"fit_volumes", "--volumes"},

@@ -1,14 +1,17 @@
 #!/usr/bin/env bash
-# Builds the documentation pages of bindings/python/docs into build/docs/site: runs the code of the pages, makes their
-# pictures, and then the site, in which no link is broken.
+# Builds the documentation pages of bindings/python/docs into build/docs/site: runs the code of the pages and the notebooks,
+# makes pictures, builds the site, in which no link is broken, and looks at its pages in a browser. The last lines sum up.
 #   ./tools/docs.sh
 #   --build DIR     a build of votess, with bin/clvotess and lib/libvotess; default: build/release, which is built if
 #                   there is none
-# Needs a network the first time, for the packages in pyproject.toml under "docs", which go into build/docs/venv.
+#   --small         also renews the small pictures in bindings/python/docs/pages/made, for readers of the sources
+# Needs a network the first time, for the packages in pyproject.toml under "docs", which go into build/docs/venv. The browser is
+# Chromium; without it the pages are not looked at.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 build=build/release
+small=
 while [[ $# -gt 0 ]]; do
     case $1 in
         --build)
@@ -16,6 +19,7 @@ while [[ $# -gt 0 ]]; do
             build=$2
             shift
             ;;
+        --small) small=yes ;;
         -h | --help)
             sed -nE '2,/^[^#]/s/^# ?//p' "$0"
             exit 0
@@ -52,18 +56,39 @@ fi
 export VOTESS_LIBRARY=$build/lib/libvotess.so PYTHONPATH=$PWD/bindings/python PATH=$build/bin:$work/venv/bin:$PATH
 export VOTESS_DOCS_MADE=$work/made PYTHONDONTWRITEBYTECODE=1
 
-echo "docs: running the code of the pages"
-rm -rf "$work/made" "$work/site"
-"$python" tests/readme/check_readme.py --source . --build "$build" --bin "$build/bin" --lib "$build/lib" --all \
-    --keep "$work/made" "$docs"/pages/*.md
-echo "docs: drawing the pictures"
-"$python" "$docs/build_pages/pictures.py" "$work/made/exactness"
+failures=()
+# step NAME COMMAND...: runs it, with its output in build/docs/NAME.log, and goes on after a failure.
+step() {
+    local name=$1
+    shift
+    echo "docs: $name"
+    "$@" >"$work/$name.log" 2>&1 || { failures+=("$name"); grep -Ei 'fail|error|warning' "$work/$name.log" | head -20 || true; }
+}
+site() {
+    cd "$docs"
+    NO_MKDOCS_2_WARNING=1 "$python" -m mkdocs build --strict && ! grep -E '^(WARNING|ERROR)' "$work/site.log"
+}
 
-echo "docs: building the pages"
-export NO_MKDOCS_2_WARNING=1
-cd "$docs"
-if ! "$python" -m mkdocs build --strict >"$work/log" 2>&1 || grep -E '^(WARNING|ERROR)' "$work/log"; then
-    cat "$work/log"
-    exit 1
+rm -rf "$work/made" "$work/site" "$work/look"
+step code "$python" tests/readme/check_readme.py --source . --build "$build" --bin "$build/bin" --lib "$build/lib" --all \
+    --keep "$work/made" "$docs"/pages/*.md
+step pictures "$python" "$docs/build_pages/pictures.py" "$work/made/exactness"
+step notebooks "$python" "$docs/build_pages/notebooks.py" "$docs/notebooks" "$work/made/notebooks"
+[[ -z $small ]] || step small "$python" "$docs/build_pages/small.py" "$work/made" "$docs/pages"
+step site site
+browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome || true)
+[[ -z $browser ]] || step look "$python" "$docs/build_pages/look.py" "$browser" "$work/site" "$work/look"
+
+count() { find "$1" -name "$2" 2>/dev/null | wc -l; }
+echo "docs: $work/site/index.html"
+echo "  pages       $(find "$work/site" -maxdepth 1 -name '*.html' ! -name 404.html | wc -l), the code of $(count "$docs/pages" '*.md') ran: $(grep -c ': ok$' "$work/code.log" || true) blocks"
+echo "  pictures    $(($(count "$work/made" '*.png') + $(count "$work/made" '*.svg')))"
+echo "  notebooks   $(count "$work/made/notebooks" '*.ipynb')"
+if [[ -n $browser ]]; then
+    echo "  browser     $(tail -1 "$work/look.log"), $(count "$work/look" '*.png') screenshots in $work/look"
+else
+    echo "  browser     none: install chromium, and run again, to look at the pages"
 fi
-echo "docs: $(find "$work/site" -name '*.html' | wc -l) pages, $(find "$work/made" -type f | wc -l) pictures: $work/site/index.html"
+echo "  failures    ${#failures[@]}"
+for name in "${failures[@]}"; do echo "    $name: see $work/$name.log"; done
+((${#failures[@]} == 0))

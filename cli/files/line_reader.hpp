@@ -104,8 +104,7 @@ public:
     [[nodiscard]] double number(std::string_view word, std::string_view column) const {
         if (const auto value = read_double(word)) return *value;
         if (has_decimal_comma(word)) throw error(not_a_number(word));
-        throw error(not_a_number(word) + ": the column " + in_quotes(column) +
-                    " has text; --density, --watershed, --radii and --weights need columns of numbers");
+        throw error(not_a_number(word) + ": the column " + in_quotes(column) + " has text where numbers are needed");
     }
     [[nodiscard]] std::int64_t whole(std::string_view word, const char* what) const {
         if (const auto value = read_int64(word)) return *value;

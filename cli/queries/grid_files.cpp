@@ -78,6 +78,13 @@ void write_vti(OutputFile& file, const GridOutput& grid) {
     flush();
 }
 
+// Whether the edges of a cell lie along the axes.
+bool is_upright(const votess::TriclinicBox& cell) {
+    const auto& [origin, a, b, c, periodic] = cell;
+    return a == std::array{a[0], 0.0, 0.0} && b == std::array{0.0, b[1], 0.0} && c == std::array{0.0, 0.0, c[2]} &&
+           a[0] > 0 && b[1] > 0 && c[2] > 0;
+}
+
 }  // namespace
 
 std::vector<std::uint64_t> GridOutput::shape() const {
@@ -101,8 +108,8 @@ void check_grid_outputs(const std::vector<std::string>& outputs, bool has_image,
 
 void check_grid_domain(const std::vector<std::string>& outputs, const votess::Tessellation& domain) {
     for (const std::string& path : outputs)
-        if (domain.cell() && extension_of(path) == ".vti")
-            throw bad_input(in_quotes(path) + ": .vti cannot hold the grid of a triclinic box: write .npy or .h5");
+        if (domain.cell() && !is_upright(*domain.cell()) && extension_of(path) == ".vti")
+            throw bad_input(in_quotes(path) + ": .vti cannot hold the grid of a skewed cell: write .npy or .h5");
 }
 
 void write_grid(OutputFile& file, const std::string& path, const GridOutput& grid) {

@@ -66,9 +66,11 @@ std::size_t dimensions_of(const Tessellation& t) {
     return t.planar() ? 2 : 3;
 }
 
-// Returns the job of a periodic domain in space, with ends. sheet: where the points of a plane stay.
-Job periodic_job(const Tessellation& t, std::span<const double> points, std::optional<Sheet>& sheet) {
+// Returns the job of a periodic domain in space, with ends, with the weights of t. sheet: where the points of a plane
+// stay.
+Job periodic_job(const Tessellation& t, Region domain, std::span<const double> points, std::optional<Sheet>& sheet) {
     Settled run = run_of(t, points);
+    run.region = std::move(domain);
     if (t.planar()) run = sheet.emplace(std::move(run)).in_space();
     if (EndlessSides(run.region).any()) end_near(run.region, run.points, run.weights);
     return make_job(std::move(run));
@@ -89,7 +91,7 @@ public:
         std::vector<double> weights;
         if (is_periodic(t)) {
             std::optional<Sheet> sheet;
-            const Job job = periodic_job(t, points, sheet);
+            const Job job = periodic_job(t, region_of(t), points, sheet);
             domain_ = job.domain;
             scale_ = job.scale;
             weights = domain_->weights;
@@ -108,7 +110,7 @@ public:
         for (std::size_t i = 0; i < count_; ++i) wraps_[i] = wrap(*domain_, point(i)).value_or(exact::Shift{});
         if (!given.cell() || EndlessSides(region_of(given)).any()) return;
         std::optional<Sheet> sheet;
-        const Job job = periodic_job(given, points, sheet);
+        const Job job = periodic_job(t, region_of(given), points, sheet);
         for (std::size_t i = 0; i < count_; ++i) {
             exact::Point x = point(i);
             for (double& c : x) c = c / scale_ * job.scale;

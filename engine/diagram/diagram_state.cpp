@@ -64,6 +64,28 @@ std::shared_ptr<DiagramState> make_state(std::vector<double> points, Settled run
     return state;
 }
 
+// Turns a cell with edges along the axes into a box. Throws `unsupported` for others.
+void make_upright(Region& region) {
+    const TriclinicBox& cell = *region.cell;
+    Box box{cell.origin, cell.origin};
+    const std::array edges{cell.a, cell.b, cell.c};
+    for (std::size_t k = 0; k < 3; ++k) {
+        std::array<double, 3> along{};
+        along[k] = edges[k][k];
+        if (edges[k] != along || edges[k][k] < 0)
+            throw Error(ErrorCode::unsupported, option("cell") +
+                                                    " has an edge that is 0 and others that slant: a Diagram without "
+                                                    "end needs edges a, b and c along x, y and z");
+        if (edges[k][k] == 0)
+            box.lower[k] = -infinity, box.upper[k] = infinity;
+        else
+            box.upper[k] += edges[k][k];
+    }
+    region.periodic = cell.periodic;
+    region.box = box;
+    region.cell.reset();
+}
+
 }  // namespace
 
 std::shared_ptr<DiagramState> make_state(Settled run) {
@@ -94,9 +116,7 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
     std::optional<Box> endless;
     std::optional<FlatEnds> flat_ends;
     if (sides.any()) {
-        if (region.cell)
-            throw Error(ErrorCode::unsupported,
-                        option("cell") + " has an edge that is 0: a Diagram without end needs " + option("box"));
+        if (region.cell) make_upright(region);
         endless = region.box;
         flat_ends.emplace(Points{places, {}}, region);
         end_near(region, {places, {}}, run.weights);

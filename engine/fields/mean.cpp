@@ -1,5 +1,9 @@
 // The field that is constant in each cell: the polygons of the cells are bodies, of the volumes that the result states.
+#include <array>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
 
 #include "fields/methods.hpp"
 #include "fields/overlay.hpp"
@@ -10,7 +14,26 @@ namespace {
 // Of a triangle of a piece.
 struct Base {
     std::size_t seed = 0, first_vertex = 0;
+    double factor = 1;  // of the volumes of the piece's tetrahedra: its own has more digits than its rounded vertices
+    bool thin = false;  // in a piece so thin that signs are lost: parts add whatever their sign
 };
+
+// Returns the corners of a triangle of a piece, relative to the piece's first vertex, in grid cells. Nothing for a
+// triangle at that vertex.
+std::optional<std::array<Vector, 3>> corners_of(const Pieces& pieces, const Frame& frame, const Base& base,
+                                                std::size_t triangle) {
+    const double* const apex = &pieces.vertices[3 * base.first_vertex];
+    std::array<Vector, 3> x{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::int32_t corner = pieces.triangles[3 * triangle + k];
+        if (corner == 0) return {};
+        x[k] = frame.difference(apex, apex + 3 * static_cast<std::size_t>(corner));
+    }
+    return x;
+}
+double tetrahedron(const std::array<Vector, 3>& x) {
+    return dot(x[0], cross(x[1], x[2])) / 6;
+}
 
 class Cells final : public Carrier {
 public:
@@ -78,19 +101,15 @@ public:
 
     bool load(std::size_t number, Body& body) override {
         const Base& base = bases_[number];
-        const double* const apex = vertex(base, 0);
-        const std::int32_t* const corner = &pieces_.triangles[3 * number];
-        std::array<Vector, 4> x{};
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (corner[k] == 0) return false;
-            x[k + 1] = frame_.difference(apex, vertex(base, corner[k]));
-        }
-        const double volume = dot(x[1], cross(x[2], x[3])) / 6;
+        const auto corners = corners_of(pieces_, frame_, base, number);
+        if (!corners) return false;
+        const double volume = tetrahedron(*corners);
         if (volume == 0) return false;
+        std::array x{Vector{}, (*corners)[0], (*corners)[1], (*corners)[2]};
         if (volume < 0) std::swap(x[2], x[3]);
         seed_ = base.seed;
-        volume_ = frame_.mirrored() ? -volume : volume;
-        body.place.at = frame_.position(apex);
+        volume_ = (base.thin ? std::abs(volume) : frame_.mirrored() ? -volume : volume) * base.factor;
+        body.place.at = frame_.position(&pieces_.vertices[3 * base.first_vertex]);
         body.piece.clear();
         for (const auto& [a, b, c] : {std::array{1, 2, 3}, {0, 2, 1}, {0, 3, 2}, {0, 1, 3}})
             body.piece.add_polygon(std::array{x[static_cast<std::size_t>(a)], x[static_cast<std::size_t>(b)],
@@ -104,10 +123,6 @@ public:
     }
 
 private:
-    [[nodiscard]] const double* vertex(const Base& base, std::int32_t number) const {
-        return &pieces_.vertices[3 * (base.first_vertex + static_cast<std::size_t>(number))];
-    }
-
     const Pieces& pieces_;
     std::span<const Base> bases_;
     std::span<const double> values_;
@@ -123,11 +138,25 @@ private:
 
 void add_mean(const Task& task, const Pieces& pieces, ThreadPool& pool) {
     std::vector<Base> bases(pieces.on_surface.size());
+    const Size size = task.frame.cell_size();
     for (std::size_t seed = 0; seed + 1 < pieces.indptr.size(); ++seed)
         for (auto p = static_cast<std::size_t>(pieces.indptr[seed]);
-             p < static_cast<std::size_t>(pieces.indptr[seed + 1]); ++p)
-            for (std::int64_t t = pieces.triangle_offsets[p]; t < pieces.triangle_offsets[p + 1]; ++t)
-                bases[static_cast<std::size_t>(t)] = {seed, static_cast<std::size_t>(pieces.vertex_offsets[p])};
+             p < static_cast<std::size_t>(pieces.indptr[seed + 1]); ++p) {
+            Base base{seed, static_cast<std::size_t>(pieces.vertex_offsets[p])};
+            const auto first = static_cast<std::size_t>(pieces.triangle_offsets[p]),
+                       last = static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
+            double sum = 0, all = 0;
+            for (std::size_t t = first; t < last; ++t)
+                if (const auto corners = corners_of(pieces, task.frame, base, t)) {
+                    sum += task.frame.mirrored() ? -tetrahedron(*corners) : tetrahedron(*corners);
+                    all += std::abs(tetrahedron(*corners));
+                }
+            const double volume = std::ldexp(pieces.volumes[p] / size.mantissa, -size.exponent);
+            base.thin = !(sum > volume / 2 && sum < 2 * volume);
+            base.factor = volume / (base.thin ? all : sum);
+            std::fill(bases.begin() + static_cast<std::ptrdiff_t>(first),
+                      bases.begin() + static_cast<std::ptrdiff_t>(last), base);
+        }
     overlay(task.frame, pool, bases.size(), [&] { return std::make_unique<PiecesOfCells>(task, pieces, bases); });
 }
 

@@ -26,6 +26,7 @@ public:
     explicit Collapser(SharedMesh& mesh)
         : mesh_(mesh),
           polygons_(mesh.faces.size()),
+          areas_(mesh.faces.size()),
           twins_(mesh.faces.size(), none),
           faces_of_(mesh.vertices.size() / 3),
           walls_(faces_of_.size()),
@@ -34,6 +35,7 @@ public:
             const auto polygon = mesh.polygon(f);
             polygons_[f].assign(polygon.begin(), polygon.end());
             for (const std::int32_t v : polygon) faces_of_[at(v)].push_back(f);
+            areas_[f] = area(polygons_[f]);
         }
         for (std::size_t p = 0; p < mesh.patches.size(); ++p) {
             const Patch& patch = mesh.patches[p];
@@ -150,7 +152,7 @@ private:
         bool good = true;
         for (std::size_t k = 0; good && k < faces.size(); ++k) good = rename(faces[k], images);
         good = good && are_twins(faces);
-        for (std::size_t k = 0; good && k < faces.size(); ++k) good = keeps_direction(before[k], polygons_[faces[k]]);
+        for (std::size_t k = 0; good && k < faces.size(); ++k) good = keeps_direction(faces[k]);
         if (good) {
             std::vector<std::int32_t> cells;
             for (const std::size_t f : faces)
@@ -164,12 +166,14 @@ private:
             for (std::size_t k = 0; k < faces.size(); ++k) polygons_[faces[k]] = before[k];
             return false;
         }
+        for (std::size_t k = 0; k < faces.size(); ++k)
+            if (polygons_[faces[k]].empty())
+                for (const std::int32_t v : before[k]) std::erase(faces_of_[at(v)], faces[k]);
         for (const Edge& one : images) {
             auto& kept = faces_of_[at(one.kept)];
             for (const std::size_t f : faces_of_[at(one.dropped)])
-                if (!polygons_[f].empty() && std::ranges::find(kept, f) == kept.end()) kept.push_back(f);
+                if (std::ranges::find(kept, f) == kept.end()) kept.push_back(f);
             faces_of_[at(one.dropped)].clear();
-            std::erase_if(kept, [&](std::size_t f) { return polygons_[f].empty(); });
             mesh_.moved[at(one.kept)] = 1;
         }
         return true;
@@ -223,8 +227,13 @@ private:
         }
         return sum;
     }
-    [[nodiscard]] bool keeps_direction(const Polygon& before, const Polygon& now) const {
-        return now.empty() || dot(area(before), area(now)) > 0;
+    // Whether the normal is still near that of the cells' plane. The angle is at most 37 degrees, so that the face
+    // still leads from one cell to the other.
+    [[nodiscard]] bool keeps_direction(std::size_t face) const {
+        constexpr double least_cosine = 0.8;
+        if (polygons_[face].empty()) return true;
+        const Vector3 now = area(polygons_[face]), &first = areas_[face];
+        return dot(now, first) > least_cosine * length3(now[0], now[1], now[2]) * length3(first[0], first[1], first[2]);
     }
 
     // Whether the faces of a cell are closed, are one surface without holes, and enclose a positive volume.
@@ -284,6 +293,7 @@ private:
 
     SharedMesh& mesh_;
     std::vector<Polygon> polygons_;
+    std::vector<Vector3> areas_;                      // of the faces as they were
     std::vector<std::size_t> twins_;                  // of faces at a periodic boundary, else none
     std::vector<std::vector<std::size_t>> faces_of_;  // each vertex
     std::vector<std::vector<std::size_t>> walls_;     // patches of each vertex, ascending

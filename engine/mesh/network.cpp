@@ -51,6 +51,61 @@ double distance_to_segment(const Vector& a, const Vector& b) {
     return std::sqrt(dot(foot, foot));
 }
 
+// Whether places lie outside of a domain, which keeps seeds there. Places at its walls may count.
+class OutsideTest {
+public:
+    explicit OutsideTest(const Tessellation& t) : everywhere_(t.in_mesh()), walls_(t.walls()) {
+        const std::size_t dimensions = t.planar() ? 2 : 3;
+        std::array<Vector, 3> edges{};
+        Vector origin{};
+        if (const auto& cell = t.cell())
+            edges = {cell->a, cell->b, cell->c}, origin = cell->origin;
+        else
+            for (std::size_t k = 0; k < dimensions; ++k)
+                edges[k][k] = t.box().upper[k] - t.box().lower[k], origin[k] = t.box().lower[k];
+        for (std::size_t k = 0; k < dimensions; ++k) {
+            // Across the other edges.
+            Vector across = edges[k];
+            Vector first = edges[(k + 1) % 3], second = edges[(k + 2) % 3];
+            remove_along(first, second);
+            remove_along(first, across);
+            remove_along(second, across);
+            const double length = dot(edges[k], across);
+            if (t.periodic()[k] || !(length > 0) || !std::isfinite(length)) continue;
+            for (double& x : across) x /= length;
+            slabs_.push_back({across, dot(origin, across)});
+        }
+    }
+    [[nodiscard]] bool operator()(const Vector& place) const {
+        constexpr double slack = 1e-9;
+        const auto is_out = [&](const Slab& slab) {
+            const double along = dot(place, slab.across) - slab.lower;
+            return !(along > slack && along < 1 - slack);
+        };
+        const auto is_cut = [&](const Wall& wall) {
+            const double along = dot(place, wall.normal);
+            return !(along < wall.offset - slack * (std::abs(along) + std::abs(wall.offset)));
+        };
+        return everywhere_ || std::ranges::any_of(slabs_, is_out) || std::ranges::any_of(walls_, is_cut);
+    }
+
+private:
+    struct Slab {  // from lower to lower + 1
+        Vector across;
+        double lower;
+    };
+    static void remove_along(const Vector& along, Vector& from) {
+        const double square = dot(along, along);
+        if (!(square > 0)) return;
+        const double turn = dot(along, from) / square;
+        for (std::size_t k = 0; k < 3; ++k) from[k] -= turn * along[k];
+    }
+
+    bool everywhere_;
+    std::span<const Wall> walls_;
+    std::vector<Slab> slabs_;
+};
+
 // An edge as a cell has it.
 struct Side {
     std::int32_t to;
@@ -73,8 +128,10 @@ double distance_to_surface(const Vector& a, const Vector& b, const Sphere& spher
 class NetworkMaker {
 public:
     // places: of the seeds. box: the vectors of a periodic domain.
-    NetworkMaker(const Result& result, std::span<const double> places, const std::array<Vector, 3>& box)
+    NetworkMaker(const Result& result, OutsideTest is_outside, std::span<const double> places,
+                 const std::array<Vector, 3>& box)
         : r_(result),
+          is_outside_(std::move(is_outside)),
           dimensions_(dimensions_of(result)),
           places_(places),
           box_(box),
@@ -169,34 +226,71 @@ private:
     //
     // Smaller ones are not nearer, as their power is not less. From a place go straight to the nearest surface. On the
     // way the same sphere stays the nearest. So each cell on the way has a smaller sphere and a place that the larger
-    // one is nearer to, up to the cell of the larger one. From there they are found neighbor by neighbor.
+    // one is nearer to, up to the cell of the larger one, or to a wall if that sphere lies outside of the domain. From
+    // there they are found neighbor by neighbor.
     void find_larger() {
         std::vector<std::pair<std::size_t, Member>> found;  // by cell
-        if (!radii_.empty())
+        const auto try_cell = [&](const Member& next, std::size_t g) {
+            const Member back{static_cast<std::int32_t>(g), negative(next.shift)};
+            if (!(radius(at(next.seed)) < radius(g)) || !mark(next, g)) return;
+            if (!is_nearer(at(next.seed), sphere(at(next.seed), back))) return;
+            found.emplace_back(at(next.seed), back);
+            queue_.push_back(next);
+        };
+        if (!radii_.empty()) {
+            find_border();
             for_cells([&](std::size_t g) {
+                if (r_.status[g] == CellStatus::outside || r_.status[g] == CellStatus::duplicate) return;
                 queue_.assign(1, {static_cast<std::int32_t>(g), {}});
                 seen_.clear();
                 mark(queue_.back(), g);
+                if (is_outside_(vector_at(places_, g, dimensions_))) for_border_near(g, try_cell);
                 for (std::size_t seen = 0; !queue_.empty(); ++seen) {
                     if (seen % cells_per_stop == cells_per_stop - 1) check_stop();
                     const Member from = queue_.back();
                     queue_.pop_back();
                     for (auto e = at(r_.indptr[at(from.seed)]); e < at(r_.indptr[at(from.seed) + 1]); ++e) {
                         if (r_.indices[e] < 0) continue;
-                        const Member next{r_.indices[e], sum(from.shift, shift_in(r_.shifts, e, 1, dimensions_))};
-                        const Member back{static_cast<std::int32_t>(g), negative(next.shift)};
-                        if (!(radius(at(next.seed)) < radius(g)) || !mark(next, g)) continue;
-                        if (!is_nearer(at(next.seed), sphere(at(next.seed), back))) continue;
-                        found.emplace_back(at(next.seed), back);
-                        queue_.push_back(next);
+                        try_cell({r_.indices[e], sum(from.shift, shift_in(r_.shifts, e, 1, dimensions_))}, g);
                     }
                 }
             });
+        }
         larger_begin_.assign(r_.status.size() + 2, 0);
         for (const auto& [cell, member] : found) ++larger_begin_[cell + 2];
         std::partial_sum(larger_begin_.begin(), larger_begin_.end(), larger_begin_.begin());
         larger_.resize(found.size());
         for (const auto& [cell, member] : found) larger_[larger_begin_[cell + 1]++] = member;
+    }
+    // Finds the cells at walls, and how far they reach from their seeds.
+    void find_border() {
+        for_cells([&](std::size_t i) {
+            if (r_.indptr[i] == r_.indptr[i + 1] || r_.indices[at(r_.indptr[i])] >= 0) return;
+            double square = 0;
+            for (auto k = at(r_.cell_vertex_indptr[i]); k < at(r_.cell_vertex_indptr[i + 1]); ++k) {
+                const Vector end = from_seed(i, r_.cell_vertex_indices[k]);
+                square = std::max(square, dot(end, end));
+            }
+            border_.push_back({static_cast<std::int32_t>(i), 2 * std::sqrt(square) - radius(i)});
+        });
+    }
+    // visit(member, g) for each cell at a wall with a place that sphere g, or an image of it, may be nearer to: its
+    // center lies within twice the cell's reach, by the triangle inequality.
+    void for_border_near(std::size_t g, const auto& visit) const {
+        constexpr double slack = 1 + 1e-9;
+        for (const Border& cell : border_) {
+            if (!(radius(at(cell.seed)) < radius(g))) continue;
+            const double reach = (cell.reach + radius(g)) * slack;
+            const auto side = [&](std::size_t axis) { return static_cast<std::int8_t>(r_.periodic[axis] ? 1 : 0); };
+            ByteShift shift;
+            for (shift[0] = -side(0); shift[0] <= side(0); ++shift[0])
+                for (shift[1] = -side(1); shift[1] <= side(1); ++shift[1])
+                    for (shift[2] = -side(2); shift[2] <= side(2); ++shift[2]) {
+                        const Vector center =
+                            sphere(at(cell.seed), {static_cast<std::int32_t>(g), negative(shift)}).center;
+                        if (dot(center, center) < reach * reach) visit(Member{cell.seed, shift}, g);
+                    }
+        }
     }
     // Returns whether sphere g sees this cell for the first time.
     bool mark(const Member& m, std::size_t g) {
@@ -263,6 +357,7 @@ private:
     }
 
     const Result& r_;
+    const OutsideTest is_outside_;
     const std::size_t dimensions_;
     std::span<const double> places_;
     const std::array<Vector, 3> box_;
@@ -271,6 +366,11 @@ private:
     std::vector<std::int32_t> number_;  // by vertex of the mesh
     std::vector<std::size_t> begin_;    // of the sides of each vertex
     std::vector<Side> sides_;
+    struct Border {
+        std::int32_t seed;
+        double reach;  // see for_border_near()
+    };
+    std::vector<Border> border_;
     std::vector<std::size_t> larger_begin_;  // of the larger spheres of each cell, see find_larger()
     std::vector<Member> larger_;
     std::vector<Sphere> larger_here_;       // of one cell
@@ -353,7 +453,7 @@ Network network(const Tessellation& tessellation, std::span<const double> points
     else
         for (std::size_t k = 0; k < 3; ++k)
             if (tessellation.periodic()[k]) box[k][k] = tessellation.box().upper[k] - tessellation.box().lower[k];
-    return NetworkMaker(result, places, box).make();
+    return NetworkMaker(result, OutsideTest(tessellation), places, box).make();
 }
 
 IncludedSphere Network::largest_included() const {

@@ -70,7 +70,7 @@ void check(const Tessellation& t, std::span<const double> points, const PictureO
     }
     if (n == 0) refuse("picture: no cell to draw");
     if (!t.in_mesh() && (t.face_offsets().size() != t.indices().size() + 1 || t.vertices().empty())) {
-        refuse("picture: the tessellation has no faces: ask for Want::faces");
+        refuse("picture: the tessellation has no faces: set Options::want.faces");
     }
     if (options.values.empty() && t.volumes().size() != n) {
         refuse("picture: no values to color by: give some, or ask the tessellation for volumes");

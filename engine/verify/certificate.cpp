@@ -7,6 +7,7 @@
 #include "core/progress.hpp"
 #include "core/scrambled.hpp"
 #include "core/text.hpp"
+#include "result/arrays.hpp"
 
 namespace votess {
 namespace {
@@ -138,6 +139,11 @@ void Certificate::for_neighbors(const Name& of, const Visit& visit) const {
 
 void Certificate::check_cell(Worker& w, std::size_t i) {
     w.owner = static_cast<std::int32_t>(i);
+    if (!result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0)
+        w.fault.note(static_cast<std::int64_t>(i), [&] {
+            return "seed " + std::to_string(i) + " has a cell and is reported to be a duplicate of " +
+                   std::to_string(result_.duplicate_of[i]);
+        });
     if (!build(w, i)) return;
     check_numbers(w, i);
     if (!result_.face_offsets.empty()) check_polygons(w, i);
@@ -201,7 +207,7 @@ bool Certificate::add_row(Worker& w, std::size_t i) {
 // Finds the walls that are not among the planes of the polytope.
 void Certificate::find_walls(Worker& w) const {
     w.walls.clear();
-    for (std::int32_t id = -1; -id <= planes_.walls(); --id) {
+    for (std::int32_t id = -1; - id <= planes_.walls(); --id) {
         if (!planes_.has_wall(id)) continue;
         bool known = false;
         for (int f = 0; f < w.polytope.planes() && w.polytope.name(f).id < 0; ++f) known |= w.polytope.name(f).id == id;
@@ -264,6 +270,15 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     if (!result_.surface_areas.empty())
         compare("surface", result_.surface_areas[i], m.surface * square,
                 (tolerance * m.surface + 4 * m.error * wide * polytope.planes()) * square);
+    if (!result_.security_radii.empty())
+        compare("a security radius of", result_.security_radii[i], 2 * m.reach * unscale,
+                (tolerance * m.reach + 4 * m.error) * unscale);
+    const Vector3 place = planes_.place(i);
+    for (std::size_t k = 0; k < 3 && !result_.centroids.empty(); ++k) {
+        const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
+        compare("a coordinate of the centroid,", result_.centroids[3 * i + k], x,
+                (2 * doubt / m.volume + tolerance) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));
+    }
     if (result_.face_counts.empty()) return;
     std::size_t faces = 0;
     for (int f = 0; f < polytope.planes(); ++f) faces += polytope.has_face(f) ? 1 : 0;
@@ -345,6 +360,17 @@ void Certificate::check_polygons(Worker& w, std::size_t i) {
         }
     }
     if (sum != 0) return fault();
+    if (!result_.cell_vertex_indptr.empty()) {
+        std::uint64_t corners = 0;
+        for (const std::uint64_t key : w.corner_keys) corners += scrambled(key);
+        for (auto c = result_.cell_vertex_indptr[i]; c < result_.cell_vertex_indptr[i + 1]; ++c)
+            if (const Worker::Vertex* vertex = find(result_.cell_vertex_indices[static_cast<std::size_t>(c)]))
+                corners -= scrambled(vertex->key);
+        if (corners != 0)
+            w.fault.note(static_cast<std::int64_t>(i), [&] {
+                return "cell " + std::to_string(i) + " lists other vertices than those of its polygons";
+            });
+    }
     if (result_.vertices.empty()) return;
     const Vector3 place = planes_.place(i);
     for (std::size_t v = 0; v < w.corner_keys.size(); ++v) {
@@ -449,6 +475,17 @@ void Certificate::check_other(Worker& w, std::size_t i) {
         w.fault.note(static_cast<std::int64_t>(i), [&] { return "seed " + std::to_string(i) + text; });
     };
     if (rows_.begin(i) != rows_.end(i)) return fault(" has no cell and a row");
+    bool zero = true;
+    detail::for_arrays([&](const auto& array) {
+        const auto& values = array.of(result_);
+        if (array.per != detail::Per::cell || array.word == nullptr || values.empty()) return;
+        for (std::size_t k = array.components * i; k < array.components * (i + 1); ++k)
+            zero = zero && (array.components == 3 ? std::isnan(static_cast<double>(values[k]))
+                                                  : values[k] == std::remove_cvref_t<decltype(values[k])>{});
+    });
+    if (!zero) return fault(" has no cell, and numbers of one");
+    const bool listed = !result_.duplicate_of.empty() && result_.duplicate_of[i] >= 0;
+    if (listed && result_.status[i] != CellStatus::duplicate) return fault(" is no duplicate, and named one");
     switch (result_.status[i]) {
         case CellStatus::outside:
         case CellStatus::empty:

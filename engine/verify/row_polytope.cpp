@@ -116,8 +116,8 @@ Hit RowPolytope::first_hit(const Vector3& from, const Vector3& along, int a, int
     return loops_.first_hit(arrays(), slacks_.data(), along);
 }
 
-// From a seed well inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried. They end
-// far from the seed: many walls of a hull meet at its corner, a seed, but for rounding.
+// From a seed well inside, its foot on the nearest plane lies in a face. Elsewhere lines of two planes are tried. They
+// end far from the seed: many walls of a hull meet at its corner, a seed, but for rounding.
 bool RowPolytope::guess_start(std::array<int, 3>& start) {
     int nearest = -1;
     double least = infinity, to_seed = infinity;
@@ -392,14 +392,26 @@ void RowPolytope::measure(Measures& out) const {
         if (has_face(f) && !(d_[at(f)] > 0)) origin = corners_[0].at;
     out.areas.assign(names_.size(), 0);
     out.distances.assign(names_.size(), 0);
+    out.anchors.assign(names_.size(), -1);
+    double sum = 0;  // of the volumes of tetrahedra, six times; of a face, they share its anchor
+    Vector3 moment{};
     for (const Edge& edge : edges_) {
-        const Vector3 from = minus(corners_[at(edge.from)].at, origin);
-        const Vector3 turn = cross(from, minus(corners_[at(edge.to)].at, origin));
+        const Vector3 from = minus(corners_[at(edge.from)].at, origin), to = minus(corners_[at(edge.to)].at, origin);
+        const Vector3 turn = cross(from, to);
         out.areas[at(edge.left)] += dot(turn, normal(edge.left));
         out.areas[at(edge.right)] -= dot(turn, normal(edge.right));
-        for (const int f : {edge.left, edge.right}) out.distances[at(f)] = dot(from, normal(f));
+        for (const int f : {edge.left, edge.right}) {
+            out.distances[at(f)] = dot(from, normal(f));
+            int& anchor = out.anchors[at(f)];
+            if (anchor < 0) anchor = edge.from;
+            const Vector3 third = minus(corners_[at(anchor)].at, origin);
+            const double volume = f == edge.left ? dot(turn, third) : -dot(turn, third);
+            sum += volume;
+            for (std::size_t k = 0; k < 3; ++k) moment[k] += volume * (from[k] + to[k] + third[k]);
+        }
     }
-    out.volume = out.surface = out.diameter = out.error = 0;
+    for (std::size_t k = 0; k < 3; ++k) out.centroid[k] = origin[k] + moment[k] / (4 * sum);
+    out.volume = out.surface = out.diameter = out.error = out.reach = 0;
     for (int f = 0; f < planes(); ++f) {
         if (!has_face(f)) continue;
         double& area = out.areas[at(f)];
@@ -412,6 +424,7 @@ void RowPolytope::measure(Measures& out) const {
         const Vector3 from = minus(corner.at, corners_[0].at);
         square = std::max(square, dot(from, from));
         out.error = std::max(out.error, corner.error);
+        out.reach = std::max(out.reach, length3(corner.at[0], corner.at[1], corner.at[2]));
     }
     out.diameter = 2 * std::sqrt(square);
 }

@@ -51,12 +51,14 @@ public:
         friend bool operator==(const Name&, const Name&) = default;
     };
     struct Measures {
-        double volume = 0, surface = 0, diameter = 0;
+        double volume = 0, surface = 0, diameter = 0, reach = 0;  // reach: of the farthest corner from the seed
+        Vector3 centroid{};
         double error = 0;           // bound on the rounding of corners
         std::vector<double> areas;  // of the faces, by plane
         // Of the planes from the point where areas are seen from, times their lengths: of corners, which have more
         // digits than planes.
         std::vector<double> distances;
+        std::vector<int> anchors;  // a corner of each face
     };
 
     explicit RowPolytope(const SeedPlanes& planes) : planes_(planes) {}

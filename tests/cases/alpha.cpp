@@ -472,6 +472,38 @@ TEST_CASE("alpha complex: box, walls, dropped faces and seeds change nothing") {
     CHECK(a == b);
 }
 
+TEST_CASE("alpha complex: dropped seeds of a cell with ends take their weights along") {
+    test::Random random(31);
+    for (int trial = 0; trial < 8; ++trial) {
+        CAPTURE(trial);
+        votess::Options options;
+        options.want.faces = true;
+        options.cell = votess::TriclinicBox{{}, {1, 0, 0}, {trial % 2 * 0.2, 1, 0}, {0, trial % 2 * 0.1, 1}};
+        options.cell->periodic = {true, false, trial % 4 < 2};
+        options.outside = votess::Outside::drop;
+        test::Coordinates points = test::uniform(40, 300 + static_cast<std::uint64_t>(trial)).points, kept;
+        for (std::size_t k = 1; k < points.size(); k += 3) points[k] *= 1.3;
+        std::vector<double> weights, kept_weights;
+        for (std::size_t i = 0; i < 40; ++i) weights.push_back(random.uniform(0, 1e-3));
+        const bool weighted = trial < 6;
+        if (weighted) options.weights = weights;
+        const auto t = votess::tessellate(points, options);
+        for (std::size_t i = 0; i < 40; ++i) {
+            if (t.status()[i] == votess::CellStatus::outside) continue;
+            kept.insert(kept.end(), &points[3 * i], &points[3 * i] + 3);
+            kept_weights.push_back(weights[i]);
+        }
+        CHECK(kept.size() < points.size());
+        const auto complex = votess::alpha_complex(t, points);
+        if (weighted) options.weights = kept_weights;
+        const auto alone = votess::alpha_complex(votess::tessellate(kept, options), kept);
+        for (std::size_t k = 0; k < 4; ++k) {
+            CHECK(complex.simplices[k].values == alone.simplices[k].values);
+            CHECK(complex.simplices[k].shifts == alone.simplices[k].shifts);
+        }
+    }
+}
+
 TEST_CASE("alpha complex: bad input") {
     const auto message = [](const test::Coordinates& points, const votess::Options& options,
                             const std::array<std::int32_t, 3>& replicate = {1, 1, 1}) -> std::string {

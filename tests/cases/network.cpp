@@ -204,6 +204,38 @@ TEST_CASE("network: radii are distances to the nearest surface") {
     }
 }
 
+// Many of these have no cell in the domain, or reach places from outside of it.
+TEST_CASE("network: spheres of seeds outside count") {
+    for (int trial = 0; trial < 24; ++trial) {
+        CAPTURE(trial);
+        test::Random random(400 + static_cast<std::uint64_t>(trial));
+        const bool periodic = trial % 3 == 1, slanted = trial % 3 == 2;
+        votess::Options options;
+        options.box = votess::Box{{periodic ? 0 : 0.3, 0.35, 0.3}, {periodic ? 1 : 0.7, 0.6, 0.65}};
+        options.periodic = {periodic, false, false};
+        if (slanted) options.walls = {{{1, 1, 0.5}, 1.1}}, options.box = votess::Box{{0.2, 0.2, 0.2}, {0.7, 0.7, 0.7}};
+        options.outside = votess::Outside::keep;
+        const std::size_t count = trial < 6 ? 2 : 25;
+        std::vector<double> radii(count);
+        for (double& r : radii) r = random.uniform(0, random.chance(0.2) ? 0.4 : 0.1);
+        options.radii = radii;
+        const Case c(test::uniform(count, 500 + static_cast<std::uint64_t>(trial)).points, options);
+        for (std::size_t v = 0; v < c.n.vertices.size(); ++v) {
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < count; ++i) {
+                double square = 0;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double d = c.points[3 * i + k] - c.n.points[3 * v + k];
+                    const double rest = periodic && k == 0 ? d - std::round(d) : d;
+                    square += rest * rest;
+                }
+                least = std::min(least, std::sqrt(square) - radii[i]);
+            }
+            if (least > 0) CHECK(std::abs(c.n.vertex_radii[v] - least) < 1e-12);
+        }
+    }
+}
+
 // Two channels of equal room, one of which leads to a wider pore.
 TEST_CASE("network: the edge and the pore of a free sphere lie in one region") {
     for (const bool swapped : {false, true}) {

@@ -640,6 +640,22 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("unbounded: queries in a cell that lacks an edge are those of its box") {
+        const test::Coordinates points = test::uniform(40, 91).points, queries = test::uniform(60, 92).points;
+        Options in_box, in_cell;
+        in_box.box = votess::Box{{0, 0, -inf}, {1, 1, inf}};
+        in_box.periodic = {true, true, false};
+        in_cell.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}};
+        in_cell.cell->periodic = {true, true, false};
+        const votess::Diagram a(points, in_box), b(points, in_cell);
+        CHECK(a.locate(queries) == b.locate(queries));
+        const votess::Tessellation of_a = a.probe(queries), of_b = b.probe(queries);
+        CHECK(std::ranges::equal(of_a.indices(), of_b.indices()));
+        CHECK(std::ranges::equal(of_a.volumes(), of_b.volumes()));
+        in_cell.cell->b = {0.2, 1, 0};
+        CHECK(test::error_of([&] { (void)votess::Diagram(points, in_cell); }) == votess::ErrorCode::unsupported);
+    }
+
     TEST_CASE("unbounded: what needs an end is refused") {
         const auto set = test::uniform(10, 1);
         const auto refused = [&](auto change) {
@@ -658,8 +674,5 @@ TEST_SUITE("cases") {
         CHECK(has(refused([](Options& o) { o.box->upper[1] = std::nan(""); }), "box"));
         CHECK(has(test::refusal({0, 0, 0, 1, 1, 1, 1e-300, 0, 0}, endless_options(), votess::ErrorCode::unsupported),
                   "too small"));
-        Options cell;
-        cell.cell = votess::TriclinicBox{{}, {1, 0, 0}, {0, 1, 0}, {}, {true, true, false}};
-        CHECK(test::error_of([&] { (void)votess::Diagram(set.points, cell); }) == votess::ErrorCode::unsupported);
     }
 }

@@ -331,7 +331,7 @@ class HostileFiles(ReaderTest):
                 ("a.gsd", "x", [], "OVITO"), ("a.dcd", "x", [], "OVITO"), ("a.nc", "x", [], "OVITO"), ("a.trr", "x", [], "OVITO"),
                 ("XDATCAR", "Cu\n1\n4 0 0\n0 4 0\n0 0 4\nCu\n1\nDirect configuration=     1\n0 0 0\n", [], ["'XDATCAR'", "ase convert"]),
                 ("a.stl", "solid\n", [], ".ply"), ("a.extxyz", xyz, ["--weights", "species"],
-                                                    ["'H'", "'species' has text", "--weights need columns of numbers"])]:
+                                                    ["'H'", "'species' has text", "has text where numbers are needed"])]:
             self.refuse(self.put(name, content), *options, "-o", "out.npz", says=says)
         for good, content in [("a.txt", "1 2 0\n3 4 0\n"), ("b.extxyz", xyz)]:
             self.run_cli(self.put(good, content))

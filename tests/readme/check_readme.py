@@ -6,10 +6,10 @@ A fenced block runs if the line before it is <!-- tested -->. Blocks of a file r
   cpp, c    compiled as a whole program against the build
 A line "# prints: text" or "// prints: text" in a block demands that the output contains the text.
 
-Named files are pages. The python blocks of a page are one session. <!-- tested, needs ase --> skips a block if the
-package is missing, unless --all. Every block must be tested, or have the language text, or follow
-<!-- not run: reason -->. --keep DIR copies the pictures of page.md to DIR/page, and writes the output of its blocks, by
-line, to DIR/page/outputs.json.
+Named files are pages, or notebooks, whose cells of code are all run. The python blocks of a page are one session.
+<!-- tested, needs ase --> skips a block if the package is missing, unless --all. Every block must be tested, or have the
+language text, or follow <!-- not run: reason -->. --keep DIR copies the pictures and .html of page.md to DIR/page, and
+writes the output of its blocks, by line, to DIR/page/outputs.json.
 
 Without pages, relative links in README.md and in other Markdown files outside the pages must name a file.
 """
@@ -32,7 +32,7 @@ TESTED = re.compile(r"tested(?:, needs ([\w, ]+))?")
 PRINTS = re.compile(r"^\s*(?:#|//) prints: (.*)$", re.MULTILINE)
 LINK = re.compile(r"\]\((?!\w+:|#)([^)#]+)")
 LANGUAGES = {"sh", "python", "cpp", "c"}
-PICTURES = {".png", ".svg", ".jpg"}
+PICTURES = {".png", ".svg", ".jpg", ".html"}
 TIMEOUT = 120
 
 # Runs blocks in one namespace. A line of input has the code and the file for its output; the reply is 1 or 0.
@@ -127,6 +127,10 @@ def run(block, directory, environment, args):
 
 def read(path):
     text = path.read_text(encoding="utf-8")
+    if path.suffix == ".ipynb":
+        cells = json.loads(text)["cells"]
+        codes = [("".join(cell["source"]), k) for k, cell in enumerate(cells) if cell["cell_type"] == "code"]
+        return "", [Block(number, "tested", "python", code) for code, number in codes]
     blocks = [Block(text.count("\n", 0, m.start(3)) + 1, m[1] or "", m[2], m[3]) for m in FENCED.finditer(text)]
     return text, blocks
 
@@ -157,7 +161,7 @@ def check(path, is_page, args, environment):
     name = os.path.relpath(path, args.source)
     text, blocks = read(path)
     failures = 0
-    for complaint in complaints(text, blocks, is_page):
+    for complaint in complaints(text, blocks, is_page) if text else ():
         print(f"{name}: {complaint}")
         failures += 1
     with tempfile.TemporaryDirectory() as folder:

@@ -1,8 +1,14 @@
 """pyvotess: exact 3D Voronoi tessellation, NumPy in and out.
 
 >>> import numpy as np, pyvotess as vt
->>> t = vt.tessellate(np.random.default_rng(1).random((1000, 3)))
->>> t.neighbors[0], t.volumes[0]
+>>> points = np.random.default_rng(1).random((100, 3))
+>>> box = (0, 0, 0, 1, 1, 1)
+>>> t = vt.tessellate(points, box=box, want="faces,volumes,centroids,areas")
+>>> print(t.neighbors[0][-3:], t.volumes[0].round(6))
+[94 96 98] 0.010952
+>>> d = vt.Diagram(points, box=box)
+
+Examples of functions use these names.
 
 See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`Tessellation` for the arrays.
 """

@@ -184,6 +184,10 @@ class Domain:
     ------
     ValueError, TypeError : arguments of wrong form or of different dimensions. Others, as a box whose ends are exchanged,
         are refused when cells are made.
+
+    >>> slab = vt.Domain(box=box, periodic="xy")
+    >>> vt.tessellate(points, slab).domain == slab
+    True
     """
 
     __slots__ = ("_values", "_sizes")
@@ -205,8 +209,12 @@ class Domain:
         walls: npt.ArrayLike = (),
         outside: OutsideWord = "error",
     ) -> Domain:
-        """Returns a box, see ``box`` above. Bounds may be infinite."""
-        return cls(box=as_box(limits).ravel(), periodic=periodic, walls=walls, outside=outside)
+        """Returns a box, see ``box`` above. Bounds may be infinite.
+
+        >>> vt.Domain.box((0, 0, 0, 2, 1, 1), periodic=True)
+        <pyvotess.Domain: box (0, 0, 0) to (2, 1, 1), periodic xyz>
+        """
+        return cls(box=as_box(limits, "limits").ravel(), periodic=periodic, walls=walls, outside=outside)
 
     @classmethod
     def cell(
@@ -217,17 +225,29 @@ class Domain:
         periodic: Union[None, bool, str, Iterable[bool]] = None,
         outside: OutsideWord = "error",
     ) -> Domain:
-        """Returns a triclinic box with these edges as rows, and its corner at ``origin``."""
-        return cls(cell=as_cell(vectors), origin=origin, periodic=periodic, outside=outside)
+        """Returns a triclinic box with these edges as rows, and its corner at ``origin``.
+
+        >>> vt.Domain.cell([(1, 0, 0), (0.5, 1, 0), (0, 0, 2)])
+        <pyvotess.Domain: cell (1, 0, 0), (0.5, 1, 0), (0, 0, 2) at (0, 0, 0), periodic abc>
+        """
+        return cls(cell=as_cell(vectors, "vectors"), origin=origin, periodic=periodic, outside=outside)
 
     @classmethod
     def hull(cls) -> Domain:
-        """Returns the convex hull of the points, which are those of each call."""
+        """Returns the convex hull of the points, which are those of each call.
+
+        >>> vt.tessellate(points, vt.Domain.hull(), want="volumes").stats.box_volume < 1
+        True
+        """
         return cls(box="hull")
 
     @classmethod
     def space(cls) -> Domain:
-        """Returns all of space, or all of the plane for points (N, 2)."""
+        """Returns all of space, or all of the plane for points (N, 2).
+
+        >>> int(vt.tessellate(points, vt.Domain.space(), want="volumes").open_cells.sum())
+        34
+        """
         return cls(box="none")
 
     @classmethod
@@ -239,13 +259,22 @@ class Domain:
         tolerance: float = 0.0,
         within: Optional[Domain] = None,
     ) -> Domain:
-        """Returns the inside of a closed triangle mesh, see ``mesh`` above; ``within`` a box or cell, which may be periodic."""
+        """Returns the inside of a closed triangle mesh, see ``mesh`` above; ``within`` a box or cell, which may be periodic.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> vt.Domain.mesh((corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]))
+        <pyvotess.Domain: mesh of 4 triangles in a default box>
+        """
         around = as_domain(within, {}, "within")
         return around.replace(mesh=as_mesh(mesh), mesh_repair=repair, mesh_tolerance=tolerance)
 
     @with_short_forms
     def replace(self, **keywords: Unpack[DomainKeywords]) -> Domain:
-        """Returns the domain with other values of these arguments of :class:`Domain`. None takes one away."""
+        """Returns the domain with other values of these arguments of :class:`Domain`. None takes one away.
+
+        >>> vt.Domain.box(box).replace(periodic="x")
+        <pyvotess.Domain: box (0, 0, 0) to (1, 1, 1), periodic x>
+        """
         return Domain(**{**self._keywords(), **keywords})
 
     def _keywords(self) -> Any:

@@ -92,29 +92,29 @@ def as_points(points: Any, name: str = "points", planar: bool = False) -> npt.ND
 _BOX = "(x0, y0, z0, x1, y1, z1), ((x0, y0, z0), (x1, y1, z1)) or ((x0, x1), (y0, y1), (z0, z1))"
 
 
-def as_box(box: Any) -> Float64Array:
+def as_box(box: Any, name: str = "box") -> Float64Array:
     """Returns (2, 3) float64, the lower and the upper corner, in the plane (2, 2)."""
-    array = as_float64_or_float32(box, "box").astype(np.float64)
+    array = as_float64_or_float32(box, name).astype(np.float64)
     if array.shape in ((6,), (2, 3), (3, 2)):
         return np.ascontiguousarray(array.T) if array.shape == (3, 2) else array.reshape(2, 3)
     if array.shape not in ((4,), (2, 2)):
-        raise ValueError(f"box has shape {array.shape}: give {_BOX}; in the plane (x0, y0, x1, y1) or two pairs of these")
+        raise ValueError(f"{name} has shape {array.shape}: give {_BOX}; in the plane (x0, y0, x1, y1) or two pairs of these")
     corners = array.reshape(2, 2)
     if array.ndim == 2 and np.all(corners[:, 0] < corners[:, 1]):  # limits of x and y
         if np.all(corners[0] < corners[1]) and corners[0, 1] != corners[1, 0]:
             raise ValueError(
-                f"box is {corners.tolist()}, which may be two corners or the limits of x and of y: give (x0, y0, x1, y1)"
+                f"{name} is {corners.tolist()}, which may be two corners or the limits of x and of y: give (x0, y0, x1, y1)"
             )
         corners = np.ascontiguousarray(corners.T)
     return corners
 
 
-def as_cell(cell: Any) -> Float64Array:
+def as_cell(cell: Any, name: str = "cell") -> Float64Array:
     """Returns (3, 3) float64 edges as rows, in the plane (2, 2)."""
-    array = as_float64_or_float32(cell, "cell").astype(np.float64)
+    array = as_float64_or_float32(cell, name).astype(np.float64)
     if array.size not in (4, 9):
         raise ValueError(
-            f"cell has shape {array.shape}: give three vectors ((ax, ay, az), (bx, ...), (cx, ...)), in the plane "
+            f"{name} has shape {array.shape}: give three vectors ((ax, ay, az), (bx, ...), (cx, ...)), in the plane "
             "((ax, ay), (bx, by))"
         )
     return array.reshape((3, 3) if array.size == 9 else (2, 2))

@@ -398,6 +398,9 @@ class Cells:
         Edges shorter than ``edge_threshold`` do not count; neither do faces with fewer than three remaining edges.
         Warns about faces far smaller than the mean, as in a rounded lattice. ``min_face`` drops them; the other faces
         keep short edges, which ``edge_threshold`` ignores.
+
+        >>> t.voronoi_indices().sum(axis=1)[:3].tolist()  # faces of each cell
+        [14, 10, 16]
         """
         self._require_space("voronoi_indices()")
         self._require_end("voronoi_indices()")
@@ -448,6 +451,10 @@ class SeedCells(Cells):
         """Returns the neighbor lists as ``adjacency`` and ``offsets``, and ``status``, all int32.
 
         ``adjacency`` is ``indices`` without a copy. Raises ValueError for 2**31 entries or more.
+
+        >>> rows = t.rows()
+        >>> rows.adjacency.dtype, len(rows.offsets)
+        (dtype('int32'), 101)
         """
         if self.indptr[-1] >= 2**31:
             raise ValueError(f"the rows have {self.indptr[-1]} entries, too many for int32: use indptr and indices")

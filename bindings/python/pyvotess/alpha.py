@@ -45,6 +45,11 @@ class AlphaComplex:
         """Returns the dimension and the row of each simplex, in the order in which they appear.
 
         Faces come before the simplices around them. Simplices of equal values are ordered by dimension, then by row.
+
+        >>> a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        >>> dimensions, rows = a.filtration()
+        >>> len(rows) == sum(map(len, a.simplices))
+        True
         """
         dimensions = np.repeat(np.arange(len(self.simplices)), [len(rows) for rows in self.simplices])
         rows = np.concatenate([np.arange(len(rows)) for rows in self.simplices])
@@ -52,7 +57,12 @@ class AlphaComplex:
         return dimensions[order], rows[order]
 
     def to_gudhi(self) -> Any:
-        """Returns a gudhi.SimplexTree with the values as filtration."""
+        """Returns a gudhi.SimplexTree with the values as filtration.
+
+        >>> a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        >>> a.to_gudhi().num_vertices()
+        100
+        """
         from .export.packages import alpha_to_gudhi
 
         return alpha_to_gudhi(self)

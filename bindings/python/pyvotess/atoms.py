@@ -113,6 +113,10 @@ def from_ase(
 
     Raises TypeError for objects of an unknown type, and ValueError for a cell that repeats along an edge of length 0.
     Along other edges of length 0, as those of ASE's surfaces, the domain has no end.
+
+    >>> from ase.build import bulk
+    >>> vt.from_ase(bulk("Al", cubic=True), want="volumes").volumes.round(3)
+    array([16.608, 16.608, 16.608, 16.608])
     """
     for name in ("cell", "origin"):
         if name in options:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ._arguments import as_word
 from ._motion import blocks, motion_of
+from .export.optional import imported
 
 if TYPE_CHECKING:
     from ._state import SeedCells
@@ -18,8 +19,7 @@ def _volumes_in_mesh(t: SeedCells, places: Any, of: str, by: str) -> Any:
 
     The surface stays where it is, so that it adds nothing.
     """
-    from scipy.sparse import coo_matrix
-
+    coo_matrix = imported("scipy.sparse", "derivatives()", "scipy").coo_matrix
     if of != "volumes":
         raise ValueError("of is 'areas': in a mesh give 'volumes', or tessellate without mesh=")
     if t.shifts is not None:
@@ -50,8 +50,8 @@ def make_derivatives(t: SeedCells, of: str, by: str, open: Optional[str]) -> Any
     as_word(by, "by", dict.fromkeys(("points", "weights")))
     closed = t._closed_cells("derivatives()", open)
     t._require_whole_faces("derivatives()")
-    from scipy.sparse import coo_matrix, csr_matrix
-
+    sparse = imported("scipy.sparse", "derivatives()", "scipy")
+    coo_matrix, csr_matrix = sparse.coo_matrix, sparse.csr_matrix
     places = t.wrapped_points
     size = places.shape[1]
     columns = len(t) if by == "weights" else size * len(t)

@@ -31,6 +31,15 @@ def _as_weights(weights: Optional[npt.ArrayLike], queries: int) -> Optional[npt.
     return None if weights is None else as_one_each(weights, "weights", queries, "queries")
 
 
+def _bounds(domain: Domain, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Returns the finite ends of the domain, and where it has none, of the mesh or the points."""
+    around = points if domain.surface is None else domain.surface[0]
+    if len(around) == 0:
+        return np.zeros((2, points.shape[1]))
+    ends, box = np.stack((around.min(axis=0), around.max(axis=0))), domain.limits
+    return ends if box is None else np.where(np.isfinite(box), box, ends)
+
+
 def _address(array: Optional[npt.NDArray[Any]]) -> Optional[int]:
     return None if array is None else array.ctypes.data
 
@@ -66,6 +75,10 @@ class Diagram:
     Raises
     ------
     ValueError : bad input; the message names the first offending index and value.
+
+    >>> d = vt.Diagram(points, box=box)
+    >>> d
+    <pyvotess.Diagram of 100 seeds in a box (0, 0, 0) to (1, 1, 1)>
     """
 
     @with_short_forms
@@ -88,12 +101,25 @@ class Diagram:
             device="cpu", threads=threads, grid_resolution=grid_resolution, instructions=instructions,
             duplicates=duplicates, planar=array.shape[1] == 2,
         )  # fmt: skip
-        kept = as_domain(domain, keywords)._fill(options, array) + fill_weights(options, weights, radii, len(array))
+        given = as_domain(domain, keywords)
+        kept = given._fill(options, array) + fill_weights(options, weights, radii, len(array))
         self._handle = Handle("diagram")
         with showing(progress) as shown:
             arguments = (array.ctypes.data, len(array))
             run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
         del kept
+        self._where = given._text() if given._has_ends else given._text().replace("default box", "domain without end")
+        #: Corners of what a picture shows: the domain, or where the seeds are.
+        self._shown = _bounds(given, array)
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.Diagram of {len(self)} seeds in a {self._where}>"
+
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_diagram
+
+        return html_of_diagram(self)
 
     def __len__(self) -> int:
         """N, the number of seeds."""
@@ -136,6 +162,9 @@ class Diagram:
 
         queries : (Q, 3) array of finite numbers. In a periodic domain they are wrapped without rounding.
         progress : as for :func:`tessellate`.
+
+        >>> d.locate(points[:3]).tolist()
+        [0, 1, 2]
         """
         array = self._as_queries(queries)
         seeds = np.empty(len(array), np.int32)
@@ -171,6 +200,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input; a direction of length 0; an infinite ray that no wall ends.
+
+        >>> rays = d.trace([(0.1, 0.5, 0.5)], [(0.8, 0, 0)])
+        >>> len(rays.seeds), round(float(rays.lengths.sum()), 6)
+        (8, 0.8)
         """
         start, along = self._as_queries(origins, "origins"), self._as_queries(directions, "directions")
         if len(along) != len(start):
@@ -226,6 +259,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input, or weights where the seeds have none.
+
+        >>> added = d.probe([(0.5, 0.5, 0.5)])
+        >>> bool((added.neighbors[0] >= 0).all()), len(added)
+        (True, 1)
         """
         array = self._as_queries(queries)
         options = new_options(device="cpu", want=want, list_walls=list_walls)
@@ -275,6 +312,10 @@ class Diagram:
         ------
         ValueError : bad input.
         VotessError : UNSUPPORTED in a periodic domain with so few seeds that the cell of a query meets its own image.
+
+        >>> shares = d.natural_neighbors([(0.5, 0.5, 0.5)])
+        >>> round(float(shares.weights.sum()), 6)
+        1.0
         """
         array = self._as_queries(queries)
         numbers = _as_weights(weights, len(array))
@@ -343,6 +384,9 @@ class Diagram:
         two dimensions.
 
         values : (N,) or (N, m) real numbers. The other parameters and errors are those of :meth:`natural_neighbors`.
+
+        >>> d.interpolate(points @ (1, 2, 3), [(0.5, 0.5, 0.5)]).round(6)  # linear fields are reproduced
+        array([3.])
         """
         array = self._as_queries(queries)
         of_seeds = self._as_values(values)
@@ -418,6 +462,10 @@ class Diagram:
         Raises
         ------
         ValueError : bad input.
+
+        >>> grid = d.to_grid(np.ones(100), (8, 8, 8), "dtfe")
+        >>> grid.shape
+        (8, 8, 8)
         """
         of_seeds = self._as_values(values)
         numbers = as_each_axis(shape, "shape", self._dimensions)

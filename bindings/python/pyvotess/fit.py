@@ -51,6 +51,12 @@ class VolumeFit:
     def __repr__(self) -> str:
         return f"<pyvotess.VolumeFit of {len(self.weights)} seeds: {self.steps} steps, residual {self.residual:.1e}>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_fit
+
+        return html_of_fit(self)
+
 
 class FitError(VotessError):
     """A fit ended before it reached the tolerance. Start from its ``weights`` to continue."""
@@ -111,6 +117,10 @@ def fit_volumes(
     ValueError : bad input; the message names the first offending index and value.
     FitError : the steps ended before the tolerance; it has the best weights so far.
     MemoryError, VotessError : as for :func:`tessellate`.
+
+    >>> fit = vt.fit_volumes(points, np.full(100, 0.01), box=box)
+    >>> print(fit.tessellation.volumes.round(6)[:3])
+    [0.01 0.01 0.01]
     """
     array = as_points(points, planar=True).astype(np.float64, order="C", copy=False)
     count = len(array)

@@ -18,6 +18,7 @@ from typing import IO, TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Seque
 import numpy as np
 
 from . import _library
+from ._arguments import as_path
 from ._call import VotessError
 from ._c_api import ErrorCode
 from ._domain import SHORT_FORMS, Domain
@@ -54,7 +55,12 @@ class Frame:
         return f"<pyvotess.Frame {self.number}: {len(self)} points, {'no domain' if self.domain is None else self.domain._text()}>"
 
     def with_columns(self, **columns: npt.ArrayLike) -> Frame:
-        """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells."""
+        """Returns the frame with further columns, (N,) or (N, width), such as numbers of its cells.
+
+        >>> frame = vt.Frame(0, points, vt.Domain.box(box))
+        >>> list(frame.with_columns(volume=t.volumes).columns)
+        ['volume']
+        """
         return replace(self, columns={**self.columns, **{name: np.asarray(values) for name, values in columns.items()}})
 
     def tessellate(self, tessellator: Optional[Tessellator] = None, **options: Any) -> Tessellation:
@@ -62,6 +68,9 @@ class Frame:
 
         Options are those of :func:`tessellate`. ``domain``, ``box`` and ``cell`` replace the domain, other short forms change
         it.
+
+        >>> vt.Frame(0, points, vt.Domain.box(box)).tessellate(want="volumes")
+        <pyvotess.Tessellation of 100 seeds in a box (0, 0, 0) to (1, 1, 1): volumes>
         """
         if self.domain is not None and not {"domain", "box", "cell"} & options.keys():
             short = {name: options.pop(name) for name in SHORT_FORMS if name in options}
@@ -133,7 +142,6 @@ _PYTHON = (
     (r"--radii (\d+), --weights \d+ or --copy \d+", r'columns="\1"'),
     (r"leave --2d out, if x y r, add --radii (\d+)", r'give columns=(), if x y r, columns="\1"'),
     (r"add --radii (\d+)", r'give columns="\1"'),
-    (r"; --density.* need columns of numbers", ", its first row a number"),
     (r"; for two dimensions add --2d", '; in two dimensions give coordinates=("1", "2")'),
     (r"add --2d for x and y alone", 'give coordinates=("x", "y") for these alone'),
     (r" with --2d", " in two dimensions"),
@@ -213,7 +221,7 @@ def read_frames(
     Raises ValueError for a file that cannot be read, FileNotFoundError without one, ImportError without ``clvotess``, or
     without h5py for HDF5 where ``clvotess`` lacks it, as in a wheel.
     """
-    file = os.fsdecode(path)
+    file = as_path(path, "path")
     if file.startswith("-"):  # not an option, nor the input of the program
         file = os.path.join(os.curdir, file)
     names = [columns] if isinstance(columns, str) else list(columns)

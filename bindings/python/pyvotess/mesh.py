@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Iterator, List, NamedTuple, Optional, Uni
 import numpy as np
 
 from ._arguments import as_count
+from .export.optional import imported
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -74,9 +75,12 @@ class Neighbors(Lists):
     """
 
     def to_scipy(self) -> Any:
-        """Returns the (N, N) adjacency matrix as a scipy.sparse.csr_array of True, without walls."""
-        from scipy.sparse import csr_array
+        """Returns the (N, N) adjacency matrix as a scipy.sparse.csr_array of True, without walls.
 
+        >>> t.neighbors.to_scipy().shape
+        (100, 100)
+        """
+        csr_array = imported("scipy.sparse", "to_scipy()", "scipy").csr_array
         is_seed = self._indices >= 0
         seeds_before = np.concatenate(([0], np.cumsum(is_seed, dtype=np.int64)))
         indices = self._indices[is_seed]
@@ -139,13 +143,16 @@ class NaturalCoordinates:
     gradients: Optional[Float64Array]
 
     def to_scipy(self, seeds: int) -> Any:
-        """Returns the (Q, seeds) scipy.sparse.csr_array of the weights. Its product with values interpolates them."""
+        """Returns the (Q, seeds) scipy.sparse.csr_array of the weights. Its product with values interpolates them.
+
+        >>> d.natural_neighbors(points[:5] * 0.9 + 0.05).to_scipy(100).shape
+        (5, 100)
+        """
         rows, columns = self.neighbors, as_count(seeds, "seeds", 31)
         least = int(rows.indices.max(initial=-1)) + 1
         if columns < least:
             raise ValueError(f"seeds is {columns}, but the rows name seed {least - 1}: give the number of seeds")
-        from scipy.sparse import csr_array
-
+        csr_array = imported("scipy.sparse", "to_scipy()", "scipy").csr_array
         return csr_array((self.weights, rows.indices, rows.indptr), shape=(len(rows), columns))
 
     def __repr__(self) -> str:

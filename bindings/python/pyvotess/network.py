@@ -61,6 +61,12 @@ class Network(WithHandle):
     def __repr__(self) -> str:
         return f"<pyvotess.Network: {len(self.points)} vertices, {len(self.edges)} edges>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_network
+
+        return html_of_network(self)
+
     @property
     def lengths(self) -> Float64Array:
         """(E,) lengths of the edges, as a new array."""
@@ -71,6 +77,10 @@ class Network(WithHandle):
         """Returns the largest sphere that fits between the seeds. Twice its radius is Di of Zeo++.
 
         Raises ValueError for an empty network.
+
+        >>> sphere = t.network().largest_included()
+        >>> 0 < sphere.radius < 1
+        True
         """
         radius, vertex = ctypes.c_double(), ctypes.c_int32()
         raise_on_failure(
@@ -88,6 +98,10 @@ class Network(WithHandle):
 
         A negative radius means that spheres close all ways. Raises ValueError for another axis, and where no way goes on
         without end: along an axis that is not periodic.
+
+        >>> n = vt.tessellate(points, box=box, periodic=True, want="faces").network()
+        >>> n.largest_free().radius <= n.largest_included().radius
+        True
         """
         radius, edge, included, vertex = ctypes.c_double(), ctypes.c_int32(), ctypes.c_double(), ctypes.c_int32()
         out = (ctypes.byref(number) for number in (radius, edge, included, vertex))
@@ -102,6 +116,10 @@ class Network(WithHandle):
 
         A shift counts from the lower vertex to the higher one, and is missing unless periodic. A vertex with an edge to
         its own image has an edge to itself.
+
+        >>> n = t.network()
+        >>> n.to_networkx().number_of_edges() == len(n.edges)
+        True
         """
         from .export.packages import network_to_networkx
 
@@ -113,6 +131,10 @@ class Network(WithHandle):
         It has ``pore.inscribed_diameter`` and ``throat.inscribed_diameter``, twice the radii and at least 0;
         ``throat.length``; and the labels ``pore.surface`` for vertices on walls and ``throat.periodic`` for edges across
         the boundary.
+
+        >>> n = t.network()
+        >>> n.to_openpnm().Np == len(n.points)
+        True
         """
         from .export.packages import network_to_openpnm
 

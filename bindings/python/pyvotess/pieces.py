@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import operator
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
 
 import numpy as np
@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._state import SeedCells
+    from .export.viewer import View
 
     BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
     Int32Array = npt.NDArray[np.int32]
 
-_FORMATS = (".glb", ".obj", ".stl", ".3mf")
+_FORMATS = (".glb", ".obj", ".stl", ".3mf", ".html")
 
 
 class Piece(NamedTuple):
@@ -82,6 +83,12 @@ class Pieces:
     def __repr__(self) -> str:
         return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} triangles>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_pieces
+
+        return html_of_pieces(self)
+
     @property
     def counts(self) -> Int64Array:
         """(N,) number of pieces of each cell, as a new array."""
@@ -91,6 +98,19 @@ class Pieces:
     def cells(self) -> Int64Array:
         """(P,) the row of each piece, as a new array."""
         return np.repeat(np.arange(len(self.indptr) - 1), self.counts)
+
+    def view(self) -> View:
+        """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.
+
+        See :meth:`Tessellation.view`.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.05).view().save("pieces.html")
+        """
+        from .export.viewer import view_of_pieces
+
+        return view_of_pieces(self)
 
     def save(self, path: Union[str, os.PathLike[str]], ids: Optional[npt.ArrayLike] = None) -> None:
         """Writes the pieces to a file, whole or not at all.
@@ -102,11 +122,16 @@ class Pieces:
         - ``.obj``: with coordinates as given, and the names of the materials.
         - ``.3mf``: for printers, in millimeters.
         - ``.stl``: all pieces in one, without names and materials.
+        - ``.html``: the page of :meth:`view`.
 
         ids : (N,) whole numbers to name cells by.
 
         Raises ValueError for an unknown extension, a wrong number of ids, and a file above 4 GiB; OSError when the file
         cannot be written.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.01).save("pieces.glb")
         """
         from .export.mesh_file import writing
         from .export.whole_file import whole_file
@@ -121,6 +146,9 @@ class Pieces:
                 f"ids have shape {numbers.shape} and type {numbers.dtype}: give a whole number for each of the "
                 f"{len(self.ids)} cells"
             )
+        if extension == ".html":
+            replace(self, ids=numbers.astype(np.int64)).view().save(file)
+            return
         names = ("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids")
         arrays = {name: np.ascontiguousarray(getattr(self, name)) for name in names}
         arrays["ids"] = np.ascontiguousarray(numbers, np.int64)

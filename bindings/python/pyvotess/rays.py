@@ -46,6 +46,10 @@ class RayCells:
         Raises
         ------
         ValueError : another number of values, gradients of another shape, or without middles.
+
+        >>> rays = d.trace([(0.1, 0.5, 0.5)], [(0.8, 0, 0)])
+        >>> rays.integrate(np.ones(100)).round(6)
+        array([0.8])
         """
         of_seeds: npt.NDArray[Any] = as_float64_or_float32(values, "values").astype(np.float64, copy=False)
         least = int(self.seeds.max(initial=-1)) + 1

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from .export.image import Image
     from .fields.shapes import Shapes
+    from .export.viewer import View
 
 
 class Tessellation(SeedCells):
@@ -99,6 +100,9 @@ class Tessellation(SeedCells):
         With ``min_face`` or ``min_area`` the corners of a dropped face become one, so a rounded lattice has the polytopes
         of the lattice. Raises ValueError if this would collapse a face that was kept, or join a corner with its own
         image: then give a smaller ``min_face``.
+
+        >>> t.delaunay().tetrahedra.shape[1]
+        4
         """
         handle = Handle("delaunay")
         raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
@@ -112,6 +116,9 @@ class Tessellation(SeedCells):
         to infinity are left out.
 
         Raises ValueError for negative weights, with ``only``, and where :meth:`delaunay` refuses dropped faces.
+
+        >>> t.network()
+        <pyvotess.Network: 558 vertices, 1112 edges>
         """
         return make_network(self, self._handle())
 
@@ -126,6 +133,12 @@ class Tessellation(SeedCells):
 
         Without a gap, volumes of the pieces sum to those of the cells. Raises ValueError without ``mesh`` and for a negative
         gap.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> pieces = vt.tessellate(points, mesh=solid, want="volumes").pieces()
+        >>> round(float(pieces.volumes.sum()), 6)
+        0.166667
         """
         return make_pieces(self, self._handle(), gap, threads, progress)
 
@@ -144,11 +157,20 @@ class Tessellation(SeedCells):
 
         Raises ValueError if two edges join the same seeds, or one joins a seed to its own image: then give ``replicate``,
         2 or 3. Also with ``only`` or a mesh.
+
+        >>> a = vt.tessellate(points, box="none", want="faces").alpha_complex()
+        >>> len(a.simplices[0]), a.simplices[3].shape[1]
+        (100, 4)
         """
         return make_alpha(self, self._handle(), replicate)
 
     def pairs(self) -> Pairs:
-        """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides."""
+        """Returns all entries of the rows except walls. Each pair of neighbors occurs from both sides.
+
+        >>> pairs = t.pairs()
+        >>> bool(np.isclose(pairs.distance, np.linalg.norm(pairs.vector, axis=1)).all())
+        True
+        """
         self._check_whole()
         return make_pairs(self)
 
@@ -163,6 +185,9 @@ class Tessellation(SeedCells):
         maxima : steps lead to the highest neighbor.
 
         Raises ValueError for NaN, which names its row, for another number of values, and with ``only``.
+
+        >>> t.watershed(t.volumes)
+        <pyvotess.Zones: 10 zones of 100 cells>
         """
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
@@ -229,6 +254,9 @@ class Tessellation(SeedCells):
 
         In a ``mesh`` those of volumes follow from :meth:`pieces`, without "faces". The surface stays where it is. A domain
         that repeats has those by weights only, and "areas" in want.
+
+        >>> t.derivatives(by="points").shape
+        (100, 300)
         """
         self._check_whole()
         return make_derivatives(self, of, by, open)
@@ -250,6 +278,9 @@ class Tessellation(SeedCells):
 
         ``color``: "volume", "neighbors", "area", "x", "y", "z", or (N,) values.
         ``style``: arguments of matplotlib's PolyCollection or PyVista's add_mesh, such as ``cmap="magma"``.
+
+        >>> axes = t.plot(slice=("z", 0.5))
+        >>> axes.figure.savefig("section.png")
         """
         self._check_whole()
         from .export.plot import plot
@@ -292,7 +323,6 @@ class Tessellation(SeedCells):
 
         Raises ValueError for missing arrays and values that do not fit; OSError when the file cannot be written.
 
-        >>> t = vt.tessellate(np.random.default_rng(1).random((100, 3)), box=(0, 0, 0, 1, 1, 1), want="volumes,faces")
         >>> t.image(slice=("z", 0.5), size=(200, 150))
         <pyvotess image of 200 x 150 pixels>
         """
@@ -304,6 +334,34 @@ class Tessellation(SeedCells):
         if path is not None:
             picture.save(path)
         return picture
+
+    def view(
+        self,
+        *,
+        color: Any = None,
+        colormap: str = "tide",
+        columns: Optional[Mapping[str, npt.ArrayLike]] = None,
+        open: Optional[str] = None,
+    ) -> View:
+        """Returns a page that shows the cells in a browser, where the reader turns, cuts and colors them. Needs "faces" in want.
+
+        Notebooks show it. ``t.view().html`` is the page, one file without a server and network. It needs WebGL 2. The menu
+        of colors has all columns of :meth:`to_dataframe`. In a ``mesh`` the page shows the pieces.
+
+        color : the color at the start: a column, (N,) values, or (N, 3) red, green and blue as uint8 or from 0 to 1. Default:
+            the volumes, or what there is.
+        colormap : "tide", "ember" or "gray".
+        columns : further values of the cells by name, (N,).
+        open : "skip" leaves out cells that reach infinity, which else are refused.
+
+        Raises ValueError for missing arrays and values that do not fit.
+
+        >>> t.view().save("cells.html")
+        """
+        self._check_whole()
+        from .export.viewer import view
+
+        return view(self, columns, color, colormap, open)
 
     def save(
         self,
@@ -328,9 +386,10 @@ class Tessellation(SeedCells):
         - ``.tess``: a tessellation of Neper with seeds and weights; not of a periodic domain.
         - ``.msh``: surfaces in triangles, each once, which Gmsh meshes into tetrahedra. Each cell is a physical volume, each
           pair of cells and each wall a physical surface.
+        - ``.html``: the page of :meth:`view`, about 350 bytes for a cell of random points.
 
-        ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu.
-        ``color``: for .glb, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
+        ``columns``: further values of the cells by name, (N,) or (N, k), for .npz, .h5 and .vtu; (N,) for .html.
+        ``color``: for .glb, .html, and for .ply, which then holds triangles. A column of :meth:`to_dataframe`, (N,) values, or
         (N, 3) red, green and blue as uint8 or from 0 to 1. Default: the volumes in .glb, none in .ply.
         ``colormap``: "tide", "ember" or "gray".
         ``min_edge``: in .foam, .tess and .msh the ends of edges below this length become one vertex, and faces with two
@@ -342,6 +401,9 @@ class Tessellation(SeedCells):
         Raises ValueError for an unknown extension, missing arrays, wrong columns or colors, a .glb above 4 GiB, and for
         .foam, .tess and .msh where ``min_face`` or ``min_area`` dropped faces;
         ImportError without h5py for .h5; OSError when the file cannot be written.
+
+        >>> t.save("cells.npz")
+        >>> t.save("cells.vtu", columns={"mass": np.ones(100)})
         """
         self._check_whole()
         from .export.save import save
@@ -349,14 +411,22 @@ class Tessellation(SeedCells):
         save(self, path, columns, color, colormap, open, min_edge)
 
     def to_dataframe(self) -> Any:
-        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell."""
+        """Returns a pandas.DataFrame with one row for each seed: x, y, z, and a column for each number of its cell.
+
+        >>> t.to_dataframe().shape[0]
+        100
+        """
         self._check_whole()
         from .export.packages import to_dataframe
 
         return to_dataframe(self)
 
     def to_scipy(self) -> Any:
-        """Returns ``neighbors.to_scipy()``."""
+        """Returns ``neighbors.to_scipy()``.
+
+        >>> t.to_scipy().shape
+        (100, 100)
+        """
         self._check_whole()
         return self.neighbors.to_scipy()
 
@@ -365,6 +435,9 @@ class Tessellation(SeedCells):
 
         An edge has the smallest ``distance`` of touching images, their number of ``faces``, and with "areas" in want the
         sum of their ``area``. A seed that touches its own image has an edge to itself.
+
+        >>> len(t.to_networkx())
+        100
         """
         self._check_whole()
         from .export.packages import to_networkx
@@ -375,6 +448,9 @@ class Tessellation(SeedCells):
         """Returns a freud.locality.NeighborList in float32, with an entry for each of :meth:`pairs`. Needs "areas" in want.
 
         The weights are the areas of the faces, in the plane the lengths of the edges.
+
+        >>> len(t.to_freud()) == len(t.pairs())
+        True
         """
         self._check_whole()
         from .export.packages import to_freud
@@ -386,6 +462,9 @@ class Tessellation(SeedCells):
         "faces" in want.
 
         Its cell data are those of .vtu in :meth:`save`, and ``columns``.
+
+        >>> t.to_pyvista().n_cells
+        100
         """
         self._check_whole()
         from .export.packages import to_pyvista
@@ -406,6 +485,10 @@ class Tessellation(SeedCells):
         the sample, rows must be symmetric among those that are there, and "volumes" is skipped. ``tiny_faces`` of the
         report counts faces far smaller than the mean, see :class:`Stats`. For it, and for an unpickled result, the
         points may be tessellated again.
+
+        >>> report = t.verify()
+        >>> report.passed, report.proven
+        (True, True)
         """
         drawn = as_sample(sample, rng_seed)
         points = np.ascontiguousarray(self._points, dtype=np.float64)

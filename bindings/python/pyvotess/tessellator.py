@@ -105,6 +105,10 @@ def tessellate(
     ValueError : bad input; the message names the first offending index and value.
     MemoryError, VotessError : the run failed; ``VotessError.code`` is UNSUPPORTED for a missing device, DEVICE_LOST
         for one that failed.
+
+    >>> t = vt.tessellate(points, box=box, want="neighbors,volumes")
+    >>> print(t.neighbors[0][:3], f"{t.volumes.sum():.6f}")
+    [ 4 21 27] 1.000000
     """
     return Tessellation(*tessellate_points(None, new_options(), dict(locals())))
 
@@ -122,6 +126,11 @@ class Tessellator:
 
     After a fork (``os.fork``, multiprocessing with the start method "fork") the child may use and close its copy, with
     new CPU threads. A GPU from before the fork raises VotessError with code UNSUPPORTED; device "auto" uses the CPU.
+
+    >>> with vt.Tessellator(device="cpu") as tessellator:
+    ...     sums = [tessellator.tessellate(points * k, box=(0, 0, 0, k, k, k)).volumes.sum() for k in (1, 2)]
+    >>> print(np.round(sums, 6))
+    [1. 8.]
     """
 
     def __init__(
@@ -171,7 +180,12 @@ class Tessellator:
         progress: Union[None, bool, Progress] = None,
         **keywords: Unpack[DomainKeywords],
     ) -> Tessellation:
-        """As :func:`tessellate`. ValueError after :meth:`close`."""
+        """As :func:`tessellate`. ValueError after :meth:`close`.
+
+        >>> with vt.Tessellator() as tessellator:
+        ...     tessellator.tessellate(points, box=box, want="volumes")
+        <pyvotess.Tessellation of 100 seeds in a box (0, 0, 0) to (1, 1, 1): volumes>
+        """
         given = dict(locals())
         del given["self"]
         with self._alone():
@@ -181,7 +195,11 @@ class Tessellator:
             return Tessellation(*tessellate_points(self._handle, options, given))
 
     def close(self) -> None:
-        """Frees device and buffers. Further calls do nothing."""
+        """Frees device and buffers. Further calls do nothing.
+
+        >>> tessellator = vt.Tessellator()
+        >>> tessellator.close()
+        """
         with self._alone():
             self._handle.free()
 
@@ -210,7 +228,11 @@ class DeviceInfo:
 
 
 def devices() -> List[DeviceInfo]:
-    """Returns the devices of this machine that votess can use."""
+    """Returns the devices of this machine that votess can use.
+
+    >>> vt.devices()[0].id
+    'cpu'
+    """
     found = []
     for index in range(lib.votess_device_count()):
         texts = [ctypes.create_string_buffer(size) for size in (256, 256, 4096)]

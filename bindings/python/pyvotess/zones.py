@@ -43,11 +43,21 @@ class Zones(WithHandle):
     def __repr__(self) -> str:
         return f"<pyvotess.Zones: {len(self)} zones of {len(self.labels)} cells>"
 
+    def _repr_html_(self) -> str:
+        """Returns a table for notebooks, and a small picture."""
+        from .export.html import html_of_zones
+
+        return html_of_zones(self)
+
     def merge(self, threshold: float) -> Zones:
         """Returns the zones that remain when each zone with ``persistence <= threshold`` joins its parent.
 
         ``threshold`` has the unit of the values. For ratios of densities, make the zones from logarithms. 0 joins zones
         that only equal values divide. Zones that remain keep core and persistence. Raises ValueError for NaN.
+
+        >>> zones = t.watershed(t.volumes)
+        >>> len(zones.merge(np.inf))
+        1
         """
         handle = Handle("zones")
         level = as_number(threshold, "threshold")

@@ -1,12 +1,17 @@
 """Results as objects of other packages, as DLPack, and as HTML."""
 
+import base64
+import importlib
+import re
+import struct
 import sys
 import unittest
 import xml.etree.ElementTree
+import zlib
 from unittest import mock
 
 import numpy as np
-from helpers import UNIT_BOX, cells, have, lattice, uniform
+from helpers import CUBE, UNIT_BOX, cells, have, lattice, uniform
 
 import pyvotess as vt
 
@@ -130,6 +135,25 @@ class DLPack(unittest.TestCase):
         np.testing.assert_array_equal(np.from_dlpack(t.volumes.copy()), t.volumes)
 
 
+class Missing(unittest.TestCase):
+    def test_packages_are_named(self):
+        t = cells(20)
+        natural = vt.Diagram(uniform(20)).natural_neighbors([(0.5, 0.5, 0.5)])
+        for package, call in [
+            ("scipy", t.to_scipy), ("scipy", t.neighbors.to_scipy), ("scipy", lambda: natural.to_scipy(20)),
+            ("scipy", t.derivatives), ("pandas", t.to_dataframe), ("networkx", t.to_networkx), ("pyvista", t.to_pyvista),
+            ("freud-analysis", t.to_freud), ("networkx", t.network().to_networkx), ("openpnm", t.network().to_openpnm),
+            ("gudhi", t.alpha_complex().to_gudhi), ("jax", lambda: importlib.import_module("pyvotess.autodiff.jax")),
+            ("torch", lambda: importlib.import_module("pyvotess.autodiff.torch")),
+        ]:
+            name = package.split("-")[0]
+            hidden = {name: None, "scipy.sparse": None}
+            with mock.patch.dict(sys.modules, hidden):
+                sys.modules.pop(f"pyvotess.autodiff.{name}", None)
+                with self.assertRaisesRegex(ImportError, f"needs {name}.*: pip install {package}$"):
+                    call()
+
+
 class Html(unittest.TestCase):
     def picture(self, t):
         root = xml.etree.ElementTree.fromstring(t._repr_html_())
@@ -166,6 +190,47 @@ class Html(unittest.TestCase):
             self.assertIn("Tessellation", t._repr_html_())
         with mock.patch("pyvotess.export.html._MAX_POLYGONS", 3):
             self.assertNotIn("<svg", t._repr_html_())
+
+    def test_other_results(self):
+        """Each result has a table with its numbers, and a picture with one shape for each thing."""
+        points = uniform(60)
+        t = vt.tessellate(points, box=UNIT_BOX, periodic=True, want="faces,volumes")
+        fit = vt.fit_volumes(points, np.full(60, 1 / 60), box=UNIT_BOX, want="faces,volumes")
+        self.assertIn("residual", fit._repr_html_())
+        self.assertGreater(len(self.picture(fit)), 5)
+        for n in (t.network(), vt.tessellate(points[:, :2], box=(0, 0, 1, 1), want="faces").network()):
+            self.assertIn(f"<td style=\"text-align:left\">{len(n.edges)}</td>", n._repr_html_())
+            self.assertEqual(len(self.picture(n).findall("{http://www.w3.org/2000/svg}line")), len(n.edges))
+        zones = t.watershed(t.volumes)
+        self.assertIn(f"{len(zones)}, of minima", zones._repr_html_())
+        self.assertIsNotNone(self.picture(zones))
+        self.assertIsNone(self.picture(zones.merge(np.inf)))
+        pieces = vt.tessellate([(0.2, 0.5, 0.5), (0.8, 0.5, 0.5)], mesh=CUBE, want="volumes").pieces()
+        self.assertIn("volume sum", pieces._repr_html_())
+        # Three sides are seen, two of them in two pieces. Triangles inside face each other, and one of the two is seen.
+        sides = self.picture(pieces).findall("{http://www.w3.org/2000/svg}polygon")
+        self.assertTrue(10 <= len(sides) < len(pieces.triangles))
+
+    def test_diagram(self):
+        for points, options, where in (
+            (uniform(20), {"box": UNIT_BOX}, "box (0, 0, 0) to (1, 1, 1)"), (uniform(20), {}, "domain without end"),
+            (uniform(20)[:, :2], {"box": (0, 0, 1, 1)}, "box (0, 0) to (1, 1)"), (np.empty((0, 3)), {}, "domain without end"),
+            (uniform(20), {"mesh": CUBE}, "mesh of 12 triangles"), (uniform(1), {}, "domain without end"),
+        ):
+            d = vt.Diagram(points, **options)
+            self.assertIn(where, repr(d))
+            html = d._repr_html_()
+            self.assertIn(where, html)
+            self.assertEqual("<img" in html, len(points) > 1, where)
+        # The colors of the cells of two seeds, left and right.
+        d = vt.Diagram([(0.25, 0.5), (0.75, 0.5)], box=(0, 0, 1, 1))
+        png = base64.b64decode(re.search("base64,([^\"]+)", d._repr_html_())[1])
+        size = struct.unpack(">II", png[16:24])
+        data = b"".join(png[k + 8 : k + 8 + struct.unpack(">I", png[k : k + 4])[0]] for k in [png.index(b"IDAT") - 4])
+        rows = np.frombuffer(zlib.decompress(data), np.uint8).reshape(size[1], -1)[:, 1:].reshape(size[1], size[0], 4)
+        self.assertEqual(size, (130, 130))
+        self.assertTrue((rows[:, :65] == rows[0, 0]).all() and (rows[:, 65:] == rows[0, -1]).all())
+        self.assertFalse((rows[0, 0] == rows[0, -1]).all())
 
 
 if __name__ == "__main__":

@@ -180,7 +180,7 @@ class Whole(Folder):
         for name in ("a.vtu", "a.ply", "a.obj", "a.glb"):
             with self.assertRaisesRegex(ValueError, "'faces' into want"):
                 t.save(self.path(name))
-        with self.assertRaisesRegex(ValueError, ".npz holds no colors: .ply .glb do"):
+        with self.assertRaisesRegex(ValueError, ".npz holds no colors: .ply .glb .html do"):
             t.save(self.path("a.npz"), color="x")
         with self.assertRaisesRegex(ValueError, ".obj holds no columns"):
             t.save(self.path("a.obj"), columns={"m": np.ones(9)})

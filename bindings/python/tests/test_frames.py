@@ -9,7 +9,7 @@ import types
 import unittest
 
 import numpy as np
-from helpers import Folder, vt
+from helpers import Folder, uniform, vt
 from pyvotess import frames as module
 
 EDGES = np.array([(9.0, 0, 0), (2.0, 8.0, 0), (-1.5, 1.0, 7.0)])
@@ -69,6 +69,15 @@ class Lists(unittest.TestCase):
 
 
 @unittest.skipUnless(program(), "clvotess was not built")
+class Text(unittest.TestCase):
+    def test_periodic_only_if_it_is(self):
+        cell = [(2, 0, 0), (0.5, 2, 0), (0, 0, 2)]
+        for repeats, ends in ((False, "(0, 0, 0)>"), (True, "periodic abc>"), ((True, False, False), "periodic a>")):
+            frame = vt.Frame(0, uniform(3), vt.Domain.cell(cell, periodic=repeats))
+            self.assertTrue(repr(frame).endswith(ends), repr(frame))
+        self.assertEqual(repr(vt.Frame(1, uniform(3))), "<pyvotess.Frame 1: 3 points, no domain>")
+
+
 class Files(Folder):
     def put(self, name, text):
         path = self.folder / name

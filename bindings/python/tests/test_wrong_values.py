@@ -177,6 +177,7 @@ def calls():
         "Tessellation.save": (t.save, {"path": "t.npz"}),
         "Tessellation.save colors": (t.save, {"path": "t.glb"}),
         "Tessellation.to_pyvista": (t.to_pyvista, {}),
+        "Tessellation.view": (t.view, {}),
         "Tessellation.verify": (t.verify, {}),
         "Pieces.save": (in_mesh.pieces().save, {"path": "p.obj"}),
         "Network.largest_free": (periodic.network().largest_free, {}),

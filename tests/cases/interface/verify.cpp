@@ -673,6 +673,104 @@ TEST_SUITE("cases") {
                 MESSAGE("kind " << kind << ": " << changed[kind] << " changed, " << harmless[kind] << " did not");
     }
 
+    TEST_CASE("verify sees each number that changes, in every array and domain") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        const test::Coordinates vertices{0, 0, 0, 1.2, 0, 0, 0, 1.2, 0, 0, 0, 1.2};
+        const std::vector<std::int32_t> triangles{0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+        test::Random random(110);
+        std::size_t tried = 0;
+        for (int domain = 0; domain < 9; ++domain) {
+            CAPTURE(domain);
+            votess::Options options;
+            options.device = "cpu";
+            options.threads = 1;
+            options.want = {.neighbors = true, .volumes = true, .centroids = true, .areas = true, .surfaces = true};
+            if (domain != 5)
+                options.want.counts = options.want.normals = options.want.radii = options.want.vertices =
+                    options.want.faces = true;
+            options.planar = domain == 4;
+            options.list_walls = random.chance(0.5);
+            if (domain != 7) options.box = domain == 3 ? test::cube(-inf, inf) : test::unit_box();
+            if (domain == 4) options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+            if (domain == 1) options.periodic = {true, true, true};
+            if (domain == 5) options.mesh = votess::TriangleMesh{vertices, triangles};
+            if (domain == 7) options.cell = votess::TriclinicBox{{0, 0, 0}, {1, 0, 0}, {0.4, 1, 0}, {-0.3, 0.7, 0.8}};
+            test::Coordinates points = test::uniform(20, 111).points;
+            std::vector<double> weights(20);
+            for (double& weight : weights) weight = random.uniform(0, 0.05);
+            if (domain == 2) options.weights = weights;
+            if (domain == 4) points.resize(40);
+            if (domain == 0 || domain == 2) std::copy_n(points.begin(), 3, points.begin() + 3);  // a duplicate
+            if (domain == 8) {
+                options.outside = votess::Outside::drop;
+                points[9] = 1.5;
+            }
+            const std::vector<std::int64_t> ids{1, 4, 5, 12};
+            if (domain == 6) options.only = ids;
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            REQUIRE(votess::verify(t, points).failure == "");
+            const auto change = [&](const char* name, auto span) {
+                CAPTURE(name);
+                using T = std::remove_const_t<typename decltype(span)::element_type>;
+                for (int k = 0; k < 4 && !span.empty(); ++k) {
+                    const std::size_t i = random.below(span.size());
+                    CAPTURE(i);
+                    T& value = const_cast<T&>(span[i]);
+                    const T old = value;
+                    if constexpr (std::is_same_v<T, votess::CellStatus>)
+                        value =
+                            old == T::certified ? std::array{T::empty, T::needs_exact}[random.below(2)] : T::certified;
+                    else if constexpr (std::is_floating_point_v<T>)
+                        value =
+                            std::isfinite(old) ? (random.chance(0.3) ? static_cast<T>(NAN) : old * 1.001 + 1e-3) : 1;
+                    else
+                        value = static_cast<T>(old + (random.chance(0.5) ? 1 : -1));
+                    CHECK_FALSE(votess::verify(t, points).passed);
+                    value = old;
+                    ++tried;
+                }
+            };
+            change("indptr", t.indptr());
+            change("indices", t.indices());
+            change("shifts", t.shifts());
+            change("status", t.status());
+            change("duplicate_of", t.duplicate_of());
+            change("volumes", t.volumes());
+            change("centroids", t.centroids());
+            change("face_areas", t.face_areas());
+            change("face_normals", t.face_normals());
+            change("surface_areas", t.surface_areas());
+            change("mesh_areas", t.mesh_areas());
+            change("security_radii", t.security_radii());
+            change("face_counts", t.face_counts());
+            change("edge_counts", t.edge_counts());
+            change("vertex_counts", t.vertex_counts());
+            change("vertices", t.vertices());
+            change("face_offsets", t.face_offsets());
+            change("face_vertices", t.face_vertices());
+            change("cell_vertex_indptr", t.cell_vertex_indptr());
+            change("cell_vertex_indices", t.cell_vertex_indices());
+            CHECK(votess::verify(t, points).failure == "");
+        }
+        CHECK(tried > 500);
+    }
+
+    TEST_CASE("verify proves hulls, whose corners are seeds with many walls") {
+        for (const bool ball : {true, false}) {
+            test::Coordinates points;
+            test::Random random(112);
+            for (std::size_t i = 0; i < 120; ++i) {
+                const std::array x{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+                const double r = std::hypot(x[0], x[1], x[2]) / (ball ? std::cbrt(random.uniform()) : 1);
+                for (const double c : x) points.push_back(c / r);
+            }
+            votess::Options options;
+            options.walls = votess::hull_walls(points);
+            const auto t = votess::tessellate(std::span<const double>(points), options);
+            CHECK(votess::verify(t, points).proven);
+        }
+    }
+
     TEST_CASE("verify names what it skips") {
         const test::PointSet set = test::uniform(300, 95);
         votess::Options options;

@@ -549,6 +549,32 @@ TEST_SUITE("cases") {
                              doctest::Contains("beyond a mesh"), votess::Error);
     }
 
+    // Rounded vertices of so thin a piece say little about its volume.
+    TEST_CASE("in mesh: the grid of a mean holds a thin sheet") {
+        const std::vector<std::int32_t> triangles{0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                                  1, 2, 6, 1, 6, 5, 2, 3, 7, 2, 7, 6, 3, 0, 4, 3, 4, 7};
+        for (const double thickness : {1e-3, 1e-6, 1e-9, 1e-11, 1e-13})
+            for (const double offset : {0.0, 0.77}) {
+                CAPTURE(thickness);
+                Coordinates vertices{0, 0, 0, 1, 0, 0.3, 1, 1, 0.7, 0, 1, 0.4};
+                for (double& x : vertices) x += offset;
+                for (std::size_t k = 0; k < 12; ++k) vertices.push_back(vertices[k] + (k % 3 == 2 ? thickness : 0));
+                votess::Options options;
+                options.mesh = votess::TriangleMesh{vertices, triangles};
+                const Coordinates points{0.3 + offset, 0.5 + offset, 0.5 + offset,
+                                         0.8 + offset, 0.4 + offset, 0.1 + offset};
+                const double volume = votess::tessellate(points, options).stats().volume_sum;
+                const votess::Diagram diagram(points, options);
+                std::vector<double> field(64);
+                diagram.to_grid(std::vector<double>(2, 1.0), {{4, 4, 4}, votess::GridMethod::mean}, field);
+                const votess::Box box = votess::tessellate(points, options).box();
+                double cell = 1, sum = 0;
+                for (std::size_t k = 0; k < 3; ++k) cell *= (box.upper[k] - box.lower[k]) / 4;
+                for (const double x : field) sum += x * cell;
+                CHECK(std::abs(sum / volume - 1) < 1e-11);
+            }
+    }
+
     TEST_CASE("in mesh: refusals") {
         const Solid solid = test::cuboid(0, 1);
         const Coordinates points{0.5, 0.5, 0.5, 0.25, 0.5, 0.5};

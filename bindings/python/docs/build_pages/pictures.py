@@ -176,7 +176,7 @@ def signs() -> List[Panel]:
     count = 40
     p, a, c = np.array([0.1, 0.1]), np.array([12.3, 1.7]), np.array([3.1, 9.9])
     opposite = 2 * circle_center(p, a, c) - p
-    panels = [Panel(0), Panel(1)]
+    panels, found = [Panel(0), Panel(1)], np.empty((2, count, count), int)
     with vt.Tessellator(device="cpu", threads=1) as kept:
         for i in range(count):
             for j in range(count):
@@ -186,11 +186,14 @@ def signs() -> List[Panel]:
                 seeds = np.column_stack((np.array([p, a, c, d]), np.zeros(4)))
                 t = kept.tessellate(seeds, box=(-30, -30, -1, 40, 40, 1), want="neighbors")
                 exact = -1 if 3 in t.neighbors[0] else int(2 in t.neighbors[1])
-                for panel, sign in zip(panels, (rough, exact)):
-                    low, step = np.array([i, j]) / count, 1 / count
-                    square = (low, low + (step, 0), low + (step, step), low + (0, step))
-                    fill = {-1: CELL, 0: WRONG, 1: "#f4f4f0"}[int(sign)]
-                    panel.polygon(square, fill, fill)
+                found[:, i, j] = rough, exact
+    for panel, some in zip(panels, found):
+        for i, column in enumerate(some):
+            ends = [0, *(np.flatnonzero(np.diff(column)) + 1).tolist(), count]
+            for low, high in zip(ends, ends[1:]):  # a run of equal signs
+                fill = {-1: CELL, 0: WRONG, 1: "#f4f4f0"}[int(column[low])]
+                corners = np.array([(i, low), (i + 1, low), (i + 1, high), (i, high)]) / count
+                panel.polygon(corners, fill, fill)
     return panels
 
 

@@ -5,9 +5,11 @@ A line of its own in a page
     [[section README.md: Speed]]     that section of a Markdown file, without its heading
     [[header votess.hpp]]            that public header, in parts with headings
     [[help]]                         the output of `clvotess --help-all`
+    [[notebook materials]]           the cells of that notebook, with the output of each
 
-is replaced. The folder VOTESS_DOCS_MADE holds pictures, made/page/picture.png in links, and the output of each block of
-code, which appears below the block.
+is replaced. The folder VOTESS_DOCS_MADE holds pictures, made/page/picture.png in links, the output of each block of
+code, which appears below the block, and the notebooks as they ran. The folder pages/made has small copies of some
+pictures, for readers of the sources.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ from mkdocs.structure.files import File, Files
 ROOT = Path(__file__).resolve().parents[4]
 MADE = Path(os.environ.get("VOTESS_DOCS_MADE", ROOT / "build/docs/made"))
 PLACE = re.compile(r"^\[\[(\w+)(?: ([^\]:]+))?(?:: ([^\]]+))?\]\]$", re.MULTILINE)
+PICTURE = re.compile(r"^(!\[[^\]]*\]\([^)]+\))$", re.MULTILINE)
 LONGEST_OUTPUT = 16  # lines
 
 sys.path.insert(0, str(ROOT / "tests/readme"))
@@ -108,8 +111,39 @@ def _help() -> str:
     return f"```text\n{text}```"
 
 
+#: HTML of notebooks, which takes the place of a comment with its number.
+_HTML: List[str] = []
+
+
+def _output(output: Dict[str, Any]) -> str:
+    """Returns the output of a cell as Markdown."""
+    data = output.get("data", {})
+    html = "".join(data.get("text/html", ()))
+    if "image/png" in data:
+        html = f'<img alt="picture" src="data:image/png;base64,{"".join(data["image/png"]).strip()}">'
+    if html:
+        _HTML.append(f'<div class="notebook-output">{html}</div>')
+        return f"\n<!-- output {len(_HTML) - 1} -->\n"
+    text = "".join(output.get("text", data.get("text/plain", ())))
+    return f"\n```{{ .text .output }}\n{text.rstrip()}\n```\n" if text else ""
+
+
+def _notebook(name: str) -> str:
+    file = MADE / "notebooks" / f"{name}.ipynb"
+    if not file.exists():
+        raise PluginError(f"there is no {file}: run the notebooks by tools/docs.sh")
+    parts = [f"[Download this notebook](made/notebooks/{name}.ipynb)\n"]
+    for cell in json.loads(file.read_text("utf-8"))["cells"]:
+        source = "".join(cell["source"])
+        parts.append(source + "\n" if cell["cell_type"] == "markdown" else f"```python\n{source}\n```\n")
+        parts += map(_output, cell.get("outputs", ()))
+    return "\n".join(parts)
+
+
 def on_files(files: Files, config: Any) -> Files:
     """Pictures that were made, and those of the repository, become files of the site."""
+    for file in [file for file in files if file.src_uri.startswith("made/")]:
+        files.remove(file)
     for path in sorted(MADE.rglob("*.*")):
         if path.suffix != ".json":
             files.append(File.generated(config, f"made/{path.relative_to(MADE).as_posix()}", abs_src_path=str(path)))
@@ -126,10 +160,17 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
             return _header(place[2])
         if place[1] == "help":
             return _help()
+        if place[1] == "notebook":
+            return _notebook(place[2])
         raise PluginError(f"{page.file.src_uri}: {place[0]} is not known")
 
     if page.file.src_uri == "python.md":
-        _all_documented(markdown)
+        _all_documented("".join(file.content_string for file in files if re.fullmatch(r"python.*\.md", file.src_uri)))
+    if page.file.src_uri != "gallery.md":
+        # The picture before the first heading.
+        head, heading, rest = markdown.partition("\n## ")
+        look = "beside" if page.file.src_uri == "index.md" else "lead"
+        markdown = PICTURE.sub(rf"\1{{ .votess-{look} }}", head, count=1) + heading + rest
     return PLACE.sub(source, _with_outputs(markdown, Path(page.file.src_uri).stem))
 
 
@@ -139,9 +180,10 @@ def _all_documented(markdown: str) -> None:
     names = re.findall(r'"(\w+)"', init.split("__all__ = [", 1)[1].split("]", 1)[0])
     missing = [name for name in names if f"::: pyvotess.{name}\n" not in markdown and name != "__version__"]
     if missing:
-        raise PluginError(f"python.md lacks {', '.join(missing)}, which pyvotess.__all__ has")
+        raise PluginError(f"the pages of Python lack {', '.join(missing)}, which pyvotess.__all__ has")
 
 
 def on_page_content(html: str, page: Any, config: Any, files: Files) -> str:
-    """Roles of Sphinx in docstrings become plain code."""
+    """Roles of Sphinx in docstrings become plain code. Outputs of notebooks take their places."""
+    html = re.sub(r"<!-- output (\d+) -->", lambda place: _HTML[int(place[1])], html)
     return re.sub(r":(?:func|class|meth|attr):(<code)", r"\1", html)

@@ -51,6 +51,10 @@ def forward(
 
     ``domain``, or a short form in ``options``, is a box or cell of numbers: the default box and the hull move with the
     points. The other ``options`` are those of :func:`pyvotess.tessellate`. ``precision`` is "double" by default.
+
+    >>> measures = vt.autodiff.forward(points, box=box)
+    >>> round(float(measures.volumes.sum()), 6)
+    1.0
     """
     where = take_domain({"domain": domain, **options})
     if where.vectors is None and where.limits is None:
@@ -100,6 +104,11 @@ def vjp(
     ------
     ValueError : other shapes; results with ``only`` or ``min_face``, or with cells that reach infinity.
     AttributeError : ``t`` lacks an array, as in a mesh.
+
+    >>> cells = vt.tessellate(points, box=box, want="faces,volumes")
+    >>> gradients = vt.autodiff.vjp(cells, volumes=cells.volumes)
+    >>> gradients.points.shape
+    (100, 3)
     """
     if not isinstance(t, Tessellation):
         raise TypeError(f"t is {shown(t)}: give the result of forward() or tessellate()")

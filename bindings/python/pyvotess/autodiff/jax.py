@@ -6,9 +6,14 @@ import functools
 import pickle
 from typing import Any, Dict, List, Optional, Tuple
 
+import numpy as np
+
+from ..export.optional import imported
+
+imported("jax", "pyvotess.autodiff.jax")
+
 import jax
 import jax.numpy as jnp
-import numpy as np
 
 from .._arguments import as_count, shown
 from .._domain import Domain

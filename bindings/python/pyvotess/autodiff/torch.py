@@ -5,6 +5,11 @@ from __future__ import annotations
 from typing import Any, Optional
 
 import numpy as np
+
+from ..export.optional import imported
+
+imported("torch", "pyvotess.autodiff.torch")
+
 import torch
 from torch.autograd.function import once_differentiable
 

@@ -13,6 +13,7 @@ from .columns import VTU_NAMES, added_columns, named_columns, vtu_columns
 from .geometry import mesh_of
 from .mesh_file import write_mesh, write_pieces_of_cells
 from .optional import imported
+from .viewer import view
 from .whole_file import whole_file
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ _KINDS: Dict[str, _Kind] = {
     ".foam": _Kind(mesh=True, edges=True),
     ".tess": _Kind(mesh=True, edges=True),
     ".msh": _Kind(mesh=True, edges=True),
+    ".html": _Kind(mesh=True, columns=True, color=True),
 }
 
 
@@ -62,7 +64,7 @@ def _checked_kind(
         raise ValueError(f"{extension} keeps all edges, and min_edge is given: {_that(edges=True)} collapse short ones")
     if color is not None and not kind.color:
         raise ValueError(f"{extension} holds no colors: {_that(color=True)} do")
-    if kind.mesh and t.in_mesh and extension != ".vtu":
+    if kind.mesh and t.in_mesh and extension not in (".vtu", ".html"):
         raise ValueError(
             f"a {extension} file holds polygons of whole cells: write .vtu, or save t.pieces(), as .glb, .obj, .stl or .3mf"
         )
@@ -92,6 +94,9 @@ def save(
     extension = os.path.splitext(name)[1].lower()
     length = as_number(min_edge, "min_edge")
     kind = _checked_kind(t, name, extension, columns, color, open, length)
+    if extension == ".html":
+        view(t, columns, color, colormap, open).save(name)
+        return
     taken = VTU_NAMES if extension == ".vtu" else arrays.NAMES
     added = added_columns(t, columns, taken)
     if extension == ".glb" and color is None:

@@ -136,6 +136,10 @@ def lloyd(
     ------
     ValueError : bad input, a point outside of the domain, or a bad value of the density; the message names the first.
     MemoryError, VotessError : as for :func:`tessellate`.
+
+    >>> relaxed = vt.lloyd(points, steps=5, box=box)
+    >>> bool(relaxed.energies[-1] < relaxed.energies[0])
+    True
     """
     array = as_points(points, planar=True).astype(np.float64)
     steps = as_count(steps, "steps", 32)

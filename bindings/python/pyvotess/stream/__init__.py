@@ -1,12 +1,4 @@
-"""Seeds larger than memory: points are read in pieces, stored in temporary files, and rows are returned in pieces.
-
->>> pieces = [np.random.default_rng(k).random((1000, 3)) for k in range(5)]
->>> volumes = np.empty(5000)
->>> def take(rows):
-...     volumes[rows.first : rows.first + len(rows)] = rows.volumes
->>> vt.tessellate_stream(pieces, take, memory=1_000_000, box=(0, 0, 0, 1, 1, 1)).blocks
-4
-"""
+"""Seeds larger than memory: points are read in pieces, stored in temporary files, and rows are returned in pieces."""
 
 from __future__ import annotations
 
@@ -216,6 +208,13 @@ def tessellate_stream(
     ------
     ValueError : bad input; the message names the first offending index among all points, and the value.
     MemoryError, VotessError : the run failed; ``VotessError.code`` is STORAGE when temporary files cannot be written.
+
+    >>> pieces = [np.random.default_rng(k).random((1000, 3)) for k in range(5)]
+    >>> volumes = np.empty(5000)
+    >>> def take(rows):
+    ...     volumes[rows.first : rows.first + len(rows)] = rows.volumes
+    >>> vt.tessellate_stream(pieces, take, memory=1_000_000, box=(0, 0, 0, 1, 1, 1)).blocks
+    4
     """
     require_one_of(beside, "beside", ("weights", "radii"))
     if not callable(rows):

@@ -1,0 +1,100 @@
+#include "verify/same_arrays.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <span>
+#include <utility>
+
+#include "core/text.hpp"
+#include "input/settle.hpp"
+#include "result/arrays.hpp"
+
+namespace votess {
+namespace {
+
+using detail::Per;
+using detail::Result;
+
+// Whether offsets run from 0 up to the end of what they count. None: the array was not wanted.
+bool ascend_to(std::span<const std::int64_t> offsets, std::size_t count, std::size_t end) {
+    return offsets.empty() || (offsets.size() == count + 1 && offsets.front() == 0 && std::ranges::is_sorted(offsets) &&
+                               offsets.back() == static_cast<std::int64_t>(end));
+}
+
+template <class T>
+double size_of(T value) {
+    return std::isfinite(static_cast<double>(value)) ? std::abs(static_cast<double>(value)) : 0;
+}
+
+template <class T>
+bool same(T a, T b, double allowed) {
+    if constexpr (std::floating_point<T>)
+        return a == b || (std::isnan(a) && std::isnan(b)) || std::abs(a - b) <= allowed;
+    else
+        return a == b;
+}
+
+template <class T>
+std::string text_of(T value) {
+    if constexpr (std::floating_point<T>)
+        return number(value);
+    else
+        return std::to_string(static_cast<std::int64_t>(value));
+}
+
+}  // namespace
+
+std::string malformed(const Result& r) {
+    const std::size_t cells = r.status.size(), entries = r.indices.size();
+    const auto exist = [](std::span<const std::int32_t> ids, std::int64_t lowest, std::size_t count) {
+        return std::ranges::all_of(
+            ids, [&](std::int32_t id) { return id >= lowest && (id < 0 || static_cast<std::size_t>(id) < count); });
+    };
+    const std::size_t vertices = r.vertices.size() / (r.planar ? 2 : 3);
+    if (!ascend_to(r.indptr, cells, entries)) return "indptr does not ascend from 0 to the number of entries";
+    if (!ascend_to(r.face_offsets, entries, r.face_vertices.size()))
+        return "face_offsets does not ascend from 0 to the number of corners";
+    if (!ascend_to(r.cell_vertex_indptr, cells, r.cell_vertex_indices.size()))
+        return "cell_vertex_indptr does not ascend from 0 to the number of vertices of cells";
+    if (!exist(r.face_vertices, -1, vertices)) return "face_vertices names a vertex that does not exist";
+    if (!exist(r.cell_vertex_indices, 0, vertices)) return "cell_vertex_indices names a vertex that does not exist";
+    if (!exist(r.vertex_image_of, 0, vertices)) return "vertex_image_of names a vertex that does not exist";
+    const std::size_t seeds = r.is_subset ? r.all_seeds->count : cells;
+    if (!exist(r.duplicate_of, -1, seeds)) return "duplicate_of names a seed that does not exist";
+    for (std::size_t i = 0; i < cells; ++i)
+        if (r.status[i] != CellStatus::certified && r.status[i] < CellStatus::duplicate)
+            return "cell " + std::to_string(i) + " has no verdict";
+    return {};
+}
+
+std::string difference_from_second_run(const Result& result, Settled again, double tolerance) {
+    again.want = {.neighbors = false, .volumes = false};
+    detail::for_arrays([&](const auto& array) {
+        if (array.word != nullptr && !array.of(result).empty()) again.want.*array.word = true;
+    });
+    again.list_walls = result.lists_walls;
+    again.min_area = result.least_face;
+    const Result second = arrays_of(std::move(again));
+    const bool same_engine = result.stats.device == "cpu";  // others number vertices as they come
+    std::string text;
+    detail::for_arrays([&](const auto& array) {
+        const auto &given = array.of(result), &expected = array.of(second);
+        const bool of_rows = array.per == Per::cell || array.per == Per::entry || array.name == "indptr";
+        if (!text.empty() || given.empty() || array.name == "weights" || (!of_rows && !same_engine)) return;
+        const std::string name(array.name);
+        if (given.size() != expected.size()) {
+            text = name + " has another size than in a second run";
+            return;
+        }
+        double largest = 0;
+        for (const auto& value : expected) largest = std::max(largest, size_of(value));
+        for (std::size_t k = 0; k < given.size() && text.empty(); ++k)
+            if (!same(given[k], expected[k], tolerance * largest))
+                text = name + '[' + std::to_string(k) + "] is " + text_of(given[k]) + ", a second run gives " +
+                       text_of(expected[k]);
+    });
+    return text;
+}
+
+}  // namespace votess

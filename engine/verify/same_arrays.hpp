@@ -1,0 +1,19 @@
+// A result against a second run, array by array.
+#pragma once
+
+#include <string>
+
+#include "input/job.hpp"
+#include "result/result.hpp"
+
+namespace votess {
+
+// Returns a text on arrays that no result has: rows that do not follow each other, or numbers of entries, vertices or
+// corners that do not exist. "" if there are none.
+[[nodiscard]] std::string malformed(const detail::Result& result);
+
+// Runs the seeds again and returns a text on the first number that differs by more than the tolerance, which is
+// relative to the largest one of its array. "" if there is none. again: of the same seeds, domain and subset.
+[[nodiscard]] std::string difference_from_second_run(const detail::Result& result, Settled again, double tolerance);
+
+}  // namespace votess
