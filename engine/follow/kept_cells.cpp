@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t least_sample = 32, sample_share = 64, most_samples = 4096;
 // Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double most_wrong = 0.07, most_pending = 0.15;
+constexpr double most_wrong = 0.04, most_pending = 0.2;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr int max_shift = 2;  // of neighbors whose signs are tested
@@ -107,7 +107,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
     const double expected = most_wrong * static_cast<double>(tested);
-    if (static_cast<double>(wrong) > expected + 3 * std::sqrt(expected)) return Plan::sample;  // not by chance
+    if (static_cast<double>(wrong) > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
 
