@@ -34,7 +34,7 @@ struct Moving {
     void move(double by) {
         for (std::size_t c = 0; c < points.size(); ++c) {
             points[c] += by * spacing * random.uniform(-1, 1);
-            if (!options.periodic[c % 3]) points[c] = std::clamp(points[c], 0.0, 1.0);
+            if (!options.periodic[c % 3]) points[c] = 1 - std::abs(1 - std::abs(points[c]));  // none is on a wall
         }
     }
     // Returns the share of kept cells, or -1 if the result is not that of a fresh call.
