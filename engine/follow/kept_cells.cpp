@@ -12,9 +12,9 @@ namespace votess::cpu {
 namespace {
 
 constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
-constexpr std::size_t least_sample = 32, sample_share = 64, most_samples = 4096;
+constexpr std::size_t least_tested = 512, least_sample = 32, sample_share = 64, most_samples = 4096;
 // Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double most_wrong = 0.07, most_pending = 0.15;
+constexpr double most_wrong = 0.04, most_pending = 0.2;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr int max_shift = 2;  // of neighbors whose signs are tested
@@ -93,7 +93,10 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     };
     std::size_t tested = 0, wrong = 0;
     auto signs = std::make_unique<SignTest>();
-    for (std::size_t begin = 0; begin < count; begin += sample_block * sample_step_)
+    // There is no need to build more than the sample, but all stored cells can be tested.
+    const std::size_t step =
+        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count / least_tested)) : sample_step_;
+    for (std::size_t begin = 0; begin < count; begin += sample_block * step)
         for (std::size_t s = begin; s < std::min(count, begin + sample_block); ++s) {
             ++tested;
             const KeptCell cell = this->cell(s);
@@ -106,7 +109,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
                 if (id >= 0) place(static_cast<std::size_t>(id));
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
-    if (static_cast<double>(wrong) > most_wrong * static_cast<double>(tested)) return Plan::sample;
+    const double expected = most_wrong * static_cast<double>(tested);
+    if (static_cast<double>(wrong) > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
 

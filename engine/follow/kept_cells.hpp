@@ -4,22 +4,23 @@
 // A stored cell has planes and corners, but no places. After a call all stored cells match: a corner of four seeds or
 // walls is in the cells of all of them. At new places each sign is tested once, by the cell of the lowest seed around
 // it. A corner must have the right orientation, and an edge the right direction. A wrong or uncertain sign leaves all
-// cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has gained
-// or lost a corner, the other cells around the corner become pending too, until all match again.
+// cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has
+// gained or lost a corner, the other cells around the corner become pending too, until all match again.
 //
 // Why kept cells are right. Each is a convex polytope, because its signs are right. It shares whole faces with its
 // neighbors, kept or made, because corners match. So nearly all places of the domain have the same number of cells, and
-// covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off all
-// edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond the
-// face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has a
-// cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among all
-// seeds.
+// covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off
+// all edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond
+// the face. Such a function lies below the line of its last piece. So power_k(x) <= power_m(x) for each seed m that has
+// a cell: the cells are the diagram of these seeds. Seeds without a cell are always pending. So they are hidden among
+// all seeds.
 //
-// Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always pending,
-// and leaves its neighbors pending: only a search finds the other seeds of a tie.
+// Between equal seeds slopes would not fall, so no two kept cells have equal seeds. A cell with a tie is always
+// pending, and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
 // Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
-// because all corners are nearer to their seeds than half a period: at most the nearest image of a cell is over a place.
+// because all corners are nearer to their seeds than half a period: at most the nearest image of a cell is over a
+// place.
 #pragma once
 
 #include <array>
