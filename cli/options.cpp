@@ -32,7 +32,7 @@ POSCAR CONTCAR .vasp  of VASP
 .ply            element vertex: x y z, id
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
-         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - is stdin"}},
+         {.brief = "points: text, .xyz, .npy, .npz, .h5, .ply, LAMMPS, POSCAR, .tess; - stdin"}},
         {"--dataset NAME", R"(dataset of .h5, or its group such as PartType1, or array of .npz; default:
 the only one that fits. Velocities and forces do not)"},
         {"--frame N", R"(frame of a LAMMPS dump, .xyz or .h5, from 0; default: the first)"},
@@ -243,7 +243,7 @@ get an empty one, or the input is refused)",
 -      text on stdout
 Repeatable. A file is written whole or not at all. A device or a pipe
 without an extension, such as /dev/null, gets text)",
-         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, - for stdout",
+         {.brief = ".txt .csv .xyz .dump .npz .h5 .vtu .ply .obj .glb .foam .tess .msh, -",
           .repeats = true}},
         {"--format FMT",
          R"(a row of text, with the codes of Voro++; default "%i %n"

@@ -51,7 +51,7 @@ RIGHT = {
     **dict.fromkeys(("list_walls", "middles", "at_walls", "gradient", "verify", "maxima", "normalize"), _FLAG),
     **dict.fromkeys(("threads", "grid_resolution", "k_init", "chunk_size", "steps", "max_steps", "faces", "replicate", "shape"), _COUNT),
     "max_rows": {"None", *_COUNT},
-    **dict.fromkeys(("gap", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),
+    **dict.fromkeys(("gap", "min_edge", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),
     **dict.fromkeys(("progress", "density", "rows"), _FUNCTION),
     **dict.fromkeys(("domain", "within", "mesh", "mesh_repair", "repair", "box", "cell", "origin", "outside", "weights", "radii", "beside", "temporary", "ids"), {"None"}),
     "mesh_tolerance": {"None", "0"}, "want": {"[]", "()", "{}"}, "walls": {"None", "[]", "()"}, "only": {"None", "[]", "()", "[1, 2]"}, "fixed": {"[]", "()", "[1, 2]"},
