@@ -28,7 +28,7 @@ const std::vector<Option>& option_table() {
                 columns; without one their number does, in common styles.
                 Other words after # are a comment
 POSCAR CONTCAR .vasp  of VASP
-.tess           of Neper: seeds, domain, ids; its weights are --radii radius
+.tess           of Neper: seeds, domain, ids; weights: --radii radius
 .ply            element vertex: x y z, id
 NAME, -         text without an extension; on stdin
 Any text may be packed: .xyz.gz, .dump.gz, ...)",
@@ -233,7 +233,7 @@ get an empty one, or the input is refused)",
 .glb   glTF: the cells as solids in flat colors by --color, for Blender
        and browsers, about 830 bytes a cell, 4 GiB at most; the
        attribute _CELL is the row of the input
-.foam  a mesh of OpenFOAM: the folder constant/polyMesh beside the file, which
+.foam  a mesh of OpenFOAM: folder constant/polyMesh beside the file, which
        is empty, for ParaView. Walls are patches, periodic boundaries pairs
        of cyclic patches. Reports non-orthogonality and skewness on stderr
 .tess  Neper: polyhedra with shared faces, seeds and weights, not periodic

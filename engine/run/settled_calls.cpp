@@ -2,6 +2,7 @@
 #include "diagram/diagram_state.hpp"
 #include "distributed/stream/run_stream.hpp"
 #include "fit/fit_volumes.hpp"
+#include "input/hull_of_parts.hpp"
 #include "input/settle.hpp"
 #include "votess/diagram.hpp"
 
@@ -28,6 +29,7 @@ void StreamSink::begin(const StreamHead&) {}
 
 StreamResult tessellate_stream(StreamSource& source, StreamSink& sink, const Options& options,
                                const StreamOptions& stream) {
+    if (stream.hull) (void)HullOfParts(region_of(options));  // its refusal comes first
     return stream::run_stream(source, sink, settle(options), stream);
 }
 

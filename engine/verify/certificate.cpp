@@ -274,7 +274,7 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
         compare("a security radius of", result_.security_radii[i], 2 * m.reach * unscale,
                 (tolerance * m.reach + 4 * m.error) * unscale);
     const Vector3 place = planes_.place(i);
-    for (std::size_t k = 0; k < 3 && !result_.centroids.empty(); ++k) {
+    for (std::size_t k = 0; k < 3 && !result_.centroids.empty() && m.volume > 2 * doubt; ++k) {
         const double x = (place[k] + m.centroid[k] / polytope.unit()) * unscale_;
         compare("a coordinate of the centroid,", result_.centroids[3 * i + k], x,
                 (2 * doubt / m.volume + tolerance) * (wide + m.reach) * unscale + 0x1p-45 * std::abs(x));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <limits>
 #include <span>
 #include <utility>
 
@@ -51,7 +52,8 @@ std::string malformed(const Result& r) {
         return std::ranges::all_of(
             ids, [&](std::int32_t id) { return id >= lowest && (id < 0 || static_cast<std::size_t>(id) < count); });
     };
-    const std::size_t vertices = r.vertices.size() / (r.planar ? 2 : 3);
+    const std::size_t vertices =
+        r.vertices.empty() ? std::numeric_limits<std::size_t>::max() : r.vertices.size() / (r.planar ? 2 : 3);
     if (!ascend_to(r.indptr, cells, entries)) return "indptr does not ascend from 0 to the number of entries";
     if (!ascend_to(r.face_offsets, entries, r.face_vertices.size()))
         return "face_offsets does not ascend from 0 to the number of corners";

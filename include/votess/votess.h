@@ -121,6 +121,7 @@ typedef struct votess_options {
     uint32_t grid_resolution;
     uint32_t k_init;
     uint32_t chunk_size;
+    int32_t follow;                     // nonzero: true
     const char* instructions;           // NULL: default
     votess_progress_callback progress;  // may be NULL
     void* progress_user;
@@ -139,7 +140,6 @@ typedef struct votess_options {
     uint64_t mesh_triangle_count;
     const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
     double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
-    int32_t follow;                 // nonzero: true
 } votess_options;
 
 // The fields of Stats in votess.hpp.

@@ -211,7 +211,7 @@ TEST_SUITE("cases") {
             CHECK(text.find(word) != std::string::npos);
         };
         const Tessellation lists = votess::tessellate(set.points, test::all_options(set.box));
-        names(message(lists, bare()), "Want::faces");
+        names(message(lists, bare()), "Options::want.faces");
         votess::ProbeOptions of_probes;
         of_probes.want.faces = true;
         names(message(votess::Diagram(set.points).probe(set.points, of_probes), bare()), "cells of probes");

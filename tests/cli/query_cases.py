@@ -393,7 +393,7 @@ class ToGrid(CliTest):
                                 (["p.csv", "--shape", "3", *out], "--shape goes with --to-grid"),
                                 (["p.csv", "--project", "x", *out], "--project goes with --to-grid"),
                                 (["p.csv", "--cell", "9,0,0,1,9,0,0,0,9", "--to-grid", "dtfe", "--shape", "2", "-o", "g.vti"],
-                                 "of a triclinic box")]:
+                                 "of a skewed cell")]:
             self.refuse(*arguments, says=says)
         for shape in ("0", "1,2", "1,2,3,4", "2,,2", "x", "", "1,2,", "9999999"):
             self.refuse("p.csv", "--to-grid", "dtfe", "--shape", shape, *out, says="--shape ")

@@ -128,6 +128,7 @@ class Options(ctypes.Structure):
         ("grid_resolution", c_uint32),
         ("k_init", c_uint32),
         ("chunk_size", c_uint32),
+        ("follow", c_int32),
         ("instructions", c_char_p),
         ("progress", ProgressCallback),
         ("progress_user", c_void_p),
@@ -144,7 +145,6 @@ class Options(ctypes.Structure):
         ("mesh_triangle_count", c_uint64),
         ("mesh_triangles", c_void_p),
         ("mesh_tolerance", c_double),
-        ("follow", c_int32),
     ]
 
 

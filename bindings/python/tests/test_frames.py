@@ -212,7 +212,7 @@ class Files(Folder):
             ("a.csv", "x,y,m\n1,2,3\n", {"coordinates": ("x", "m", "z")}, "lacks 'z' of coordinates"),
             ("a.txt", "1 2 3 4 5\n", {}, 'name it with columns="5", or remove it'),
             ("a.txt", "0.5 2 3 4\n", {}, 'if the columns are x y z r, give columns="4"'),
-            ("a.txt", "1 2 3 4\n1 2 3 q\n", {"columns": "4"}, "the column 'column_4' has text, its first row"),
+            ("a.txt", "1 2 3 4\n1 2 3 q\n", {"columns": "4"}, "the column 'column_4' has text where numbers are needed"),
             ("a.csv", "x,y,z,--q\n1,2,3,4\n", {"columns": "r"}, "there are x y z --q"),
             ("a.npy", "", {"dataset": "q"}, "^dataset goes with"),
             ("a.xyz", xyz_of(0), {"frames": "1:0:"}, "frame"),

@@ -48,7 +48,7 @@ _LENGTH = {"0", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}
 _FUNCTION = {"None", "True", "function", "type"}
 #: Values that a parameter of this name takes, or that are right for the type and fail later.
 RIGHT = {
-    **dict.fromkeys(("list_walls", "middles", "at_walls", "gradient", "verify", "maxima", "normalize"), _FLAG),
+    **dict.fromkeys(("list_walls", "middles", "at_walls", "gradient", "verify", "maxima", "normalize", "follow"), _FLAG),
     **dict.fromkeys(("threads", "grid_resolution", "k_init", "chunk_size", "steps", "max_steps", "faces", "replicate", "shape"), _COUNT),
     "max_rows": {"None", *_COUNT},
     **dict.fromkeys(("gap", "min_edge", "min_face", "min_area", "tolerance", "radius", "angle", "over_relaxation"), _LENGTH),

@@ -64,7 +64,7 @@ void run(const MadeUp& cells, unsigned threads) {
     Job job;
     job.domain = std::make_shared<const Domain>();
     job.points.f64 = cells.points;
-    job.options.want = {.neighbors = true, .volumes = true, .centroids = true};
+    job.want = {.neighbors = true, .volumes = true, .centroids = true};
     const std::vector<std::int32_t> row_of_left(16, 0);
     const std::span<const std::uint32_t> lengths = cells.lengths;
 

@@ -75,7 +75,7 @@ class Energy(unittest.TestCase):
         points = uniform(SEEDS)
         for density in (None, lambda x: 1 + x[:, 0]):
             expected = vt.lloyd(points, steps=1, density=density, box=UNIT_BOX)
-            with mock.patch("pyvotess.fields.moments._FACES", 7):
+            with mock.patch("pyvotess.fields.simplices._FACES", 7):
                 pieces = vt.lloyd(points, steps=1, density=density, box=UNIT_BOX)
             np.testing.assert_allclose(pieces.energies, expected.energies, rtol=1e-13)
             np.testing.assert_allclose(pieces.points, expected.points, rtol=1e-12)
@@ -236,7 +236,7 @@ class Meshes(unittest.TestCase):
     def test_blocks(self):
         points = uniform(SEEDS)
         expected = vt.lloyd(points, steps=1, mesh=CUBE)
-        with mock.patch("pyvotess.fields.moments._TRIANGLES", 7):
+        with mock.patch("pyvotess.fields.simplices._TRIANGLES", 7):
             np.testing.assert_allclose(vt.lloyd(points, steps=1, mesh=CUBE).energies, expected.energies, rtol=1e-13)
 
 
