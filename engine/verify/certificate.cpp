@@ -267,6 +267,11 @@ void Certificate::check_numbers(Worker& w, std::size_t i) {
     for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_areas.empty(); ++e)
         compare("a face of area", result_.face_areas[e], m.areas[e - rows_.begin(i)] * square,
                 (tolerance * m.surface + 4 * m.error * wide) * square);
+    for (std::size_t e = rows_.begin(i); e < rows_.end(i) && !result_.face_normals.empty(); ++e) {
+        const Vector3 normal = polytope.unit_normal(static_cast<int>(e - rows_.begin(i)));
+        for (std::size_t k = 0; k < 3; ++k)
+            compare("a normal with a component", result_.face_normals[3 * e + k], normal[k], tolerance);
+    }
     if (!result_.surface_areas.empty())
         compare("surface", result_.surface_areas[i], m.surface * square,
                 (tolerance * m.surface + 4 * m.error * wide * polytope.planes()) * square);

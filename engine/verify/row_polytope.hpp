@@ -88,6 +88,11 @@ public:
     [[nodiscard]] std::span<const int> through(int corner) const {
         return tight_.empty() ? std::span<const int>(corners_[at(corner)].planes) : tight_[at(corner)];
     }
+    // Returns the outward normal of a plane, of length 1.
+    [[nodiscard]] Vector3 unit_normal(int plane) const {
+        const double length = length_[at(plane)];
+        return {nx_[at(plane)] / length, ny_[at(plane)] / length, nz_[at(plane)] / length};
+    }
     // The planes of Shape::repeated.
     [[nodiscard]] std::array<int, 2> repeated() const { return repeated_; }
     // Returns +1 if the corner lies strictly outside a plane, -1 if strictly inside, 0 if on it.
