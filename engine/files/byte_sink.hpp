@@ -54,4 +54,11 @@ private:
     std::uint64_t total_ = 0;
 };
 
+// Writes a space and a number.
+template <class Number>
+void put_next(ByteSink& out, Number number) {
+    out.put(" ");
+    out.put_number(number);
+}
+
 }  // namespace votess::files

@@ -9,12 +9,6 @@
 namespace votess::files {
 namespace {
 
-template <class Number>
-void put_next(ByteSink& out, Number number) {
-    out.put(" ");
-    out.put_number(number);
-}
-
 struct Bounds {
     Vector3 lower, upper;
 

@@ -28,10 +28,6 @@ struct Sides {
     std::vector<Side> fronts, backs;
 };
 
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
 std::string text_of(std::size_t number) {
     return std::to_string(number);
 }

@@ -11,23 +11,13 @@
 namespace votess::files {
 namespace {
 
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
-
-template <class Number>
-void put_next(ByteSink& out, Number number) {
-    out.put(" ");
-    out.put_number(number);
-}
-
 // Writes how many there are, then each, counted from 1.
 void put_list(ByteSink& out, const std::vector<std::size_t>& list) {
     put_next(out, list.size());
     for (const std::size_t k : list) put_next(out, k + 1);
 }
 
-void put_vector(ByteSink& out, const Vector3& vector) {
+void put_numbers(ByteSink& out, const Vector3& vector) {
     for (const double x : vector) put_next(out, x);
 }
 
@@ -38,7 +28,7 @@ void put_plane(ByteSink& out, const SharedMesh& mesh, std::size_t face, double s
     Vector3 normal{};
     for (std::size_t k = 0; k < 3; ++k) normal[k] = area > 0 ? sign * measure.area[k] / area + 0.0 : 0;  // + 0: no -0
     put_next(out, dot(normal, measure.center));
-    put_vector(out, normal);
+    put_numbers(out, normal);
 }
 
 // A polygon of the polyhedron around all cells: its corners, and the edge after each.
@@ -145,7 +135,7 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
         Vector3 corner = mesh.vertex(domain.corners[k]);
         if (cube)  // as given, without rounding
             for (const std::size_t p : domain.patches_of_corners[k]) corner[p / 2] = given.bounds[p % 2][p / 2];
-        put_vector(out, corner);
+        put_numbers(out, corner);
         out.put(" ");
         out.put(label(domain.patches_of_corners[k]));
         out.put("\n     ");
@@ -180,7 +170,7 @@ void put_domain(const Mesh& given, const SharedMesh& mesh, const SharedEdges& ed
             Vector3 normal{};
             normal[p / 2] = p % 2 == 0 ? 1 : -1;
             put_next(out, normal[p / 2] * given.bounds[p % 2][p / 2] + 0.0);
-            put_vector(out, normal);
+            put_numbers(out, normal);
         } else {
             put_plane(out, mesh, *std::ranges::max_element(faces, {}, area2), -1);
         }
@@ -223,7 +213,7 @@ void write_tess(const Mesh& given, ByteSink& out) {
     for (std::size_t v = 0; v < vertices; ++v) {
         out.put("\n  ");
         put_next(out, v + 1);
-        put_vector(out, mesh.vertex(static_cast<std::int32_t>(v)));
+        put_numbers(out, mesh.vertex(static_cast<std::int32_t>(v)));
         out.put(mesh.moved[v] != 0 ? " 1" : " 0");
     }
     out.put("\n **edge\n ");
@@ -252,7 +242,7 @@ void write_tess(const Mesh& given, ByteSink& out) {
         const bool moved =
             std::ranges::any_of(polygon, [&](std::int32_t v) { return mesh.moved[static_cast<std::size_t>(v)] != 0; });
         out.put(moved ? "\n     1 0" : "\n     0 0");
-        put_vector(out, moved ? measure_face(mesh, f).center : Vector3{});
+        put_numbers(out, moved ? measure_face(mesh, f).center : Vector3{});
     }
     out.put("\n **polyhedron\n ");
     put_next(out, mesh.cells());

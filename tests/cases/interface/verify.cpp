@@ -722,7 +722,7 @@ TEST_SUITE("cases") {
                             old == T::certified ? std::array{T::empty, T::needs_exact}[random.below(2)] : T::certified;
                     else if constexpr (std::is_floating_point_v<T>)
                         value =
-                            std::isfinite(old) ? (random.chance(0.3) ? static_cast<T>(NAN) : old * 1.001 + 1e-3) : 1;
+                            std::isfinite(old) ? (random.chance(0.3) ? static_cast<T>(NAN) : old * 1.001 + 1.1e-3) : 1;
                     else
                         value = static_cast<T>(old + (random.chance(0.5) ? 1 : -1));
                     CHECK_FALSE(votess::verify(t, points).passed);
