@@ -51,6 +51,7 @@ public:
     Run& operator=(const Run&) = delete;
 
     Result operator()(const std::function<Settled()>& settle, Cells where) {
+        ranks_.agree("tessellate", {});  // before other ranks are awaited here
         ranks_.together([&] { whole_ = settle(); });
         ranks_.agree("tessellate", common_arguments(whole_, where));
         dimensions_ = whole_.region.planar ? 2 : 3;
