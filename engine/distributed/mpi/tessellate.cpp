@@ -21,28 +21,6 @@ namespace {
 
 constexpr std::size_t sample_of_all = 1000000, min_sample = 64, max_sample = 2048;  // places: in all, in each block
 
-// Returns the arguments that must be the same on all ranks.
-std::vector<CommonArgument> common_arguments(const Settled& run, Cells where) {
-    const Region& region = run.region;
-    Hash box, cell, walls;
-    if (region.box) box.mix(*region.box);
-    if (const auto& edges = region.cell) cell.mix(edges->origin, edges->a, edges->b, edges->c, edges->periodic);
-    for (const Wall& wall : region.walls) walls.mix(wall);
-    const auto of = [](const auto& value) { return Hash().mix(value).value(); };
-    return {{"cells", of(where)},
-            {"box", box.value()},
-            {"cell", cell.value()},
-            {"periodic", of(region.periodic)},
-            {"walls", walls.value()},
-            {"outside", of(region.outside)},
-            {"duplicates", of(run.duplicates)},
-            {"want", of(run.want)},
-            {"list_walls", of(run.list_walls)},
-            {"min_face", of(run.min_face)},
-            {"min_area", of(run.min_area)},
-            {"the number of dimensions", of(region.planar)}};
-}
-
 class Run {
 public:
     Run(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids)
@@ -50,10 +28,9 @@ public:
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
 
-    Result operator()(const std::function<Settled()>& settle, Cells where) {
-        ranks_.agree("tessellate", {});  // before other ranks are awaited here
+    Result operator()(std::span<const CommonArgument> common, const std::function<Settled()>& settle, Cells where) {
+        ranks_.agree("tessellate", common);
         ranks_.together([&] { whole_ = settle(); });
-        ranks_.agree("tessellate", common_arguments(whole_, where));
         dimensions_ = whole_.region.planar ? 2 : 3;
         first_ = ranks_.maximum(std::uint64_t{ids_.size()}) > 0
                      ? 0
@@ -346,8 +323,8 @@ std::vector<Wall> hull_of_ranks(MPI_Comm comm, std::span<const double> points, c
 }
 
 Result run_on_ranks(MPI_Comm comm, std::span<const double> points, std::span<const std::int64_t> ids,
-                    const std::function<Settled()>& settle, Cells cells) {
-    return Run(comm, points, ids)(settle, cells);
+                    std::span<const CommonArgument> common, const std::function<Settled()>& settle, Cells cells) {
+    return Run(comm, points, ids)(common, settle, cells);
 }
 
 }  // namespace votess::mpi
