@@ -12,9 +12,9 @@ namespace votess::cpu {
 namespace {
 
 constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
-constexpr std::size_t least_tested = 512, least_sample = 32, sample_share = 64, most_samples = 4096;
+constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_sample = 4096;
 // Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double most_wrong = 0.04, most_pending = 0.2;
+constexpr double max_wrong = 0.04, max_pending = 0.2;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr int max_shift = 2;  // of neighbors whose signs are tested
@@ -95,7 +95,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step =
-        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count / least_tested)) : sample_step_;
+        complete_ ? std::min(sample_step_, std::max<std::size_t>(1, count / min_tested)) : sample_step_;
     for (std::size_t begin = 0; begin < count; begin += sample_block * step)
         for (std::size_t s = begin; s < std::min(count, begin + sample_block); ++s) {
             ++tested;
@@ -109,7 +109,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
                 if (id >= 0) place(static_cast<std::size_t>(id));
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
-    const double expected = most_wrong * static_cast<double>(tested);
+    const double expected = max_wrong * static_cast<double>(tested);
     if (static_cast<double>(wrong) > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
@@ -136,7 +136,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     }
     periodic_ = job.domain->periodic;
     made_ = 0;
-    const std::size_t sample = std::clamp(count_ / sample_share, least_sample, most_samples);
+    const std::size_t sample = std::clamp(count_ / sample_share, min_sample, max_sample);
     sample_step_ = std::max<std::size_t>(1, count_ / sample);
     order_.resize_uninitialized(count_);
     places_.resize_uninitialized(count_);
@@ -373,7 +373,7 @@ void KeptCells::take_pending(std::vector<std::int32_t>& out) {
 }
 
 bool KeptCells::pays(std::size_t pending) const {
-    return static_cast<double>(pending) <= most_pending * static_cast<double>(count_);
+    return static_cast<double>(pending) <= max_pending * static_cast<double>(count_);
 }
 
 // Seeds that share a bucket are compared.

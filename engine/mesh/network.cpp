@@ -54,7 +54,7 @@ double distance_to_segment(const Vector& a, const Vector& b) {
 // Whether places lie outside of a domain, which keeps seeds there. Places at its walls may count.
 class OutsideTest {
 public:
-    explicit OutsideTest(const Tessellation& t) : everywhere_(t.in_mesh()), walls_(t.walls()) {
+    explicit OutsideTest(const Tessellation& t) : walls_(t.walls()) {
         const std::size_t dimensions = t.planar() ? 2 : 3;
         std::array<Vector, 3> edges{};
         Vector origin{};
@@ -86,7 +86,7 @@ public:
             const double along = dot(place, wall.normal);
             return !(along < wall.offset - slack * (std::abs(along) + std::abs(wall.offset)));
         };
-        return everywhere_ || std::ranges::any_of(slabs_, is_out) || std::ranges::any_of(walls_, is_cut);
+        return std::ranges::any_of(slabs_, is_out) || std::ranges::any_of(walls_, is_cut);
     }
 
 private:
@@ -101,7 +101,6 @@ private:
         for (std::size_t k = 0; k < 3; ++k) from[k] -= turn * along[k];
     }
 
-    bool everywhere_;
     std::span<const Wall> walls_;
     std::vector<Slab> slabs_;
 };

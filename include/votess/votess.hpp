@@ -494,8 +494,7 @@ struct VerifyReport {
 //   - without a sample, all cells are proven on all threads: the bisectors that a row lists, and the walls, bound a
 //     polytope. Corners and faces of these fit together, and their volumes sum to that of the domain; so they are the
 //     diagram. Seeds without a cell are outside, duplicates, or excluded by a few others. Signs are exact, and numbers
-//     that stand for corners miss a fault with a probability of 2^-64. Volumes, areas, counts and polygons are those of
-//     the polytopes
+//     that stand for corners miss a fault with a probability of 2^-64. All other arrays are those of the polytopes
 //   - else a sample of cells equals cells clipped again by every seed, without a search structure
 //   - with polygons each cell is watertight: every edge occurs twice, in opposite directions, and both cells of a face
 //     have the same polygon
@@ -503,7 +502,8 @@ struct VerifyReport {
 // In two dimensions and in a domain without end this holds for the cells of a thin sheet and of a box that ends far
 // away, and rows, shifts, volumes, counts, areas and normals equal those.
 // In a mesh this holds for the whole cells. Their parts equal those of a second run on the CPU, have the volumes of
-// their pieces, and sum to the volume of the mesh. Skips checks whose arrays the result lacks, and names them in
+// their pieces, and sum to the volume of the mesh. Wherever there is no such proof, all arrays equal those of a second
+// run too, unless a sample is given. Skips checks whose arrays the result lacks, and names them in
 // `skipped`. After min_face or min_area it checks neither Euler's formula nor that cells are watertight or closed.
 // With Options::only all seeds clip the cells of the sample, rows are symmetric among those that are there, and the
 // check "volumes" is skipped. There is no proof without neighbors, with Options::only, in a mesh, and after min_face or
