@@ -219,7 +219,7 @@ class AllFrames(CliTest):
         self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "out.npy", says=["'out.npy'", "{frame}"])
         self.refuse("a.xyz", "-o", "out-{frame}.vtu", says=["'out-{frame}.vtu'", "--frames all"])
         self.refuse("a.xyz", "--frames", "all", "--only", "-", says="--only -")
-        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.h5", says="--frames")
+        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.h5", says="{frame}")
         self.refuse("--random", 5, "--frames", "all", says="--frames")
         self.refuse("a.xyz", "--points", says="--frames")
         # A failure in a later frame leaves no file. Frames before it can be read.
