@@ -22,24 +22,6 @@ namespace {
 static_assert(same(VOTESS_MPI_HANDED_IN, votess::mpi::Cells::handed_in));
 static_assert(same(VOTESS_MPI_MADE, votess::mpi::Cells::made));
 
-struct Given {
-    std::span<const double> points;
-    votess::Options options;
-};
-// Checks the arguments on all ranks together: one that is wrong on one rank is an error on all. check: others.
-template <class Check>
-Given given_on_ranks(MPI_Comm comm, const double* points, std::size_t count, const votess_options* options,
-                     const void* out, const Check& check) {
-    Given given;
-    votess::mpi::Ranks(comm).together([&] {
-        require(out, "out");
-        given.options = convert_options(options, count);
-        given.points = coordinates(points, count, "points", "count", dimensions_of(given.options));
-        check();
-    });
-    return given;
-}
-
 constexpr std::size_t first_size = offsetof(votess_mpi_counts, volume_sum) + sizeof(votess_mpi_counts::volume_sum);
 
 }  // namespace
@@ -52,9 +34,15 @@ votess_status votess_mpi_hull_new(MPI_Comm comm, const double* points, size_t co
                                   votess_hull** out) {
     return guarded([&] {
         if (out != nullptr) *out = nullptr;
-        const Given given = given_on_ranks(comm, points, count, options, out, [] {});
+        std::span<const double> input;
+        votess::Options converted;
+        votess::mpi::Ranks(comm).together([&] {
+            require(out, "out");
+            converted = convert_options(options, count);
+            input = coordinates(points, count, "points", "count", dimensions_of(converted));
+        });
         std::vector<double> rows;
-        for (const votess::Wall& wall : votess::mpi::hull_walls(comm, given.points, given.options)) {
+        for (const votess::Wall& wall : votess::mpi::hull_walls(comm, input, converted)) {
             rows.insert(rows.end(), wall.normal.begin(), wall.normal.end());
             rows.push_back(wall.offset);
         }
@@ -66,13 +54,19 @@ votess_status votess_mpi_tessellate(MPI_Comm comm, const double* points, size_t 
                                     const votess_options* options, int32_t cells, votess_mpi_result** out) {
     return guarded([&] {
         if (out != nullptr) *out = nullptr;
-        const Given given = given_on_ranks(comm, points, count, options, out, [&] {
+        // An argument that is wrong on one rank is an error on all.
+        std::span<const double> input;
+        votess::Options converted;
+        votess::mpi::Ranks(comm).together([&] {
+            require(out, "out");
+            converted = convert_options(options, count);
+            input = coordinates(points, count, "points", "count", dimensions_of(converted));
             if (cells != VOTESS_MPI_HANDED_IN && cells != VOTESS_MPI_MADE)
                 refuse("cells is " + std::to_string(cells) + ": use one of VOTESS_MPI_*");
         });
         const std::span<const std::int64_t> numbers(ids, ids == nullptr ? 0 : count);
-        *out = new votess_mpi_result{votess::mpi::tessellate(comm, given.points, numbers, given.options,
-                                                             static_cast<votess::mpi::Cells>(cells))};
+        *out = new votess_mpi_result{
+            votess::mpi::tessellate(comm, input, numbers, converted, static_cast<votess::mpi::Cells>(cells))};
     });
 }
 
