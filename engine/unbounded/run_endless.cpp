@@ -120,8 +120,8 @@ private:
         return run(std::move(part), std::move(region), want, share);
     }
 
-    // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end,
-    // since the others take long to measure in so large a box.
+    // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end. The
+    // others take long to measure in so large a box, and have only faces to measure.
     Result far_cells(Settled part, const Share& share) {
         Want rows = whole_.want;
         rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
@@ -132,7 +132,8 @@ private:
             std::vector<std::int64_t> ids;
             std::vector<std::size_t> closed;
             for (std::size_t i = 0; i < result.status.size(); ++i) {
-                if (lists_end(result, i, [&](std::int32_t id) { return sides_.has(id); })) continue;
+                if (!whole_.want.areas && lists_end(result, i, [&](std::int32_t id) { return sides_.has(id); }))
+                    continue;
                 closed.push_back(i);
                 ids.push_back(part.subset ? (*part.subset)[i] : static_cast<std::int64_t>(i));
             }
