@@ -5,18 +5,20 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "core/arithmetic.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
+constexpr std::size_t task_seeds = 4096, task_flips = 64, chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_sample = 4096;
 // Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
 constexpr double max_wrong = 0.04, max_pending = 0.2;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
+constexpr std::uint8_t max_rounds = 32;  // of flips
 constexpr int max_shift = 2;  // of neighbors whose signs are tested
 
 double determinant(const double* a, const double* b, const double* c) {
@@ -118,7 +120,11 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     plan_ = plan;
     complete_ = sampled_ = false;  // until commit()
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
-    for (Worker& worker : workers_) worker.over_point.clear();
+    for (Worker& worker : workers_) {
+        worker.over_point.clear();
+        worker.flips.clear();
+        worker.unmended.clear();
+    }
     if (plan == Plan::repair) {
         set_frame(job);
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -140,6 +146,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     sample_step_ = std::max<std::size_t>(1, count_ / sample);
     order_.resize_uninitialized(count_);
     places_.resize_uninitialized(count_);
+    flipped_.resize(count_);
     cells_.assign(count_, nullptr);
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
     pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -154,6 +161,10 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
 void KeptCells::commit() {
     complete_ = plan_ != Plan::sample;
     sampled_ = !complete_;
+}
+
+std::size_t KeptCells::room_of(const std::byte* record) {
+    return record == nullptr ? 0 : 8 * std::size_t{KeptCell(record).head().room};
 }
 
 std::byte* KeptCells::allocate(std::size_t bytes, Worker& worker) {
@@ -174,89 +185,36 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
     Worker& worker = workers_[index];
     const auto faces = ids.size(), corners = static_cast<std::size_t>(shape.corners);
     if (shape.corners > CellShape::max_corners) return store_large(seed, ids);
-    KeptCell::Head head{0, static_cast<std::uint8_t>(faces), static_cast<std::uint8_t>(corners), 0, 0, false, tied};
     for (const exact::Shift& shift : shifts)
-        for (const auto by : shift) {
-            head.shifted |= by != 0;
+        for (const auto by : shift)
             if (std::abs(by) > max_shift) return store_large(seed, ids);
-        }
-    std::array<std::int32_t, CellShape::max_planes> id;
-    std::array<std::array<std::int8_t, 3>, CellShape::max_planes> by;
+    LooseCell& loose = worker.loose;
+    loose.faces = faces;
+    loose.corners = corners;
+    loose.tied = tied;
     for (std::size_t f = 0; f < faces; ++f) {
-        id[ranks[f]] = ids[f];
-        if (head.shifted)
-            for (std::size_t j = 0; j < 3; ++j) by[ranks[f]][j] = static_cast<std::int8_t>(shifts[f][j]);
+        loose.id[ranks[f]] = ids[f];
+        NearShift& by = loose.shift[ranks[f]] = {};
+        for (std::size_t j = 0; j < 3 && !shifts.empty(); ++j) by[j] = static_cast<std::int8_t>(shifts[f][j]);
     }
-    // A sign belongs to the lowest seed around it.
-    std::array<bool, CellShape::max_planes> later;
-    for (std::size_t f = 0; f < faces; ++f) later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed);
-    std::array<KeptCell::Corner, CellShape::max_corners> corner;
-    auto& corner_of = worker.corner_of;
     bool turned = false;  // the corners of a clipped cell may be clockwise
     for (std::size_t v = 0; v < corners; ++v) {
         auto a = shape.rank[shape.a[v]], b = shape.rank[shape.b[v]], c = shape.rank[shape.c[v]];
         if (v == 0) turned = determinant(shape.plane[a].n, shape.plane[b].n, shape.plane[c].n) < 0;
         if (turned) std::swap(b, c);
-        corner[v] = {a, b, c};
-        corner_of[a][b] = corner_of[b][c] = corner_of[c][a] = static_cast<std::uint8_t>(v);
+        loose.corner[v] = {a, b, c};
     }
-    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
-    constexpr std::uint8_t unused = 255;
-    std::array<std::uint8_t, CellShape::max_corners> order;
-    number.fill(unused);
-    std::size_t used = 0, tests = 0;
-    const auto use = [&](std::size_t v) {
-        if (number[v] == unused) order[number[v] = static_cast<std::uint8_t>(used++)] = static_cast<std::uint8_t>(v);
-        return number[v];
-    };
-    for (std::size_t v = 0; v < corners; ++v)
-        if (const auto& [a, b, c] = corner[v]; later[a] && later[b] && later[c]) use(v);
-    std::array<KeptCell::Test, SignTest::max_tests> test;
-    for (std::size_t v = 0; v < corners && !head.tied; ++v)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint8_t a = corner[v][k], b = corner[v][(k + 1) % 3];
-            const std::size_t w = corner_of[b][a];
-            std::size_t third = CellShape::max_planes;
-            for (std::size_t j = 0; w < corners && j < 3; ++j)
-                if (corner[w][j] == b && corner[w][(j + 1) % 3] == a) third = corner[w][(j + 2) % 3];
-            head.tied |= third == CellShape::max_planes || tests == test.size();  // not a simple polytope
-            if (head.tied) break;
-            if (w < v || !later[a] || !later[b]) continue;
-            // From either end; the corner that is used anyway.
-            const std::uint8_t end = corner[v][(k + 2) % 3];
-            test[tests++] = number[v] == unused && number[w] != unused
-                                ? KeptCell::Test{use(w), end}
-                                : KeptCell::Test{use(v), static_cast<std::uint8_t>(third)};
-        }
-    if (head.tied) tests = 0;
-    head.used = static_cast<std::uint8_t>(used);
-    head.tests = static_cast<std::uint8_t>(tests);
-    for (std::size_t v = 0, next = used; v < corners; ++v)
-        if (number[v] == unused) order[next++] = static_cast<std::uint8_t>(v);
-
-    alignas(8) std::byte scratch[sizeof(KeptCell::Head) + 7 * CellShape::max_planes + 3 * CellShape::max_corners +
-                                 2 * SignTest::max_tests + 8];
-    const std::size_t bytes = round_up(KeptCell::bytes(head), 8);
-    std::byte* to = scratch;
-    const auto put = [&](const void* from, std::size_t size) {
-        std::memcpy(to, from, size);
-        to += size;
-    };
+    alignas(8) std::byte scratch[LooseCell::most_bytes];
     std::byte*& at = cells_[seed];
-    const std::size_t room = at == nullptr ? 0 : 8 * std::size_t{KeptCell(at).head().room};
-    head.room = static_cast<std::uint16_t>((room >= bytes ? room : bytes) / 8);
-    put(&head, sizeof head);
-    put(id.data(), 4 * faces);
-    if (head.shifted) put(by.data(), 3 * faces);
-    for (std::size_t v = 0; v < corners; ++v) put(&corner[order[v]], sizeof(KeptCell::Corner));
-    put(test.data(), 2 * tests);
+    const std::size_t room = room_of(at), bytes = loose.pack(seed, worker.corner_of, room, scratch);
+    const bool now_tied = KeptCell(scratch).head().tied;
     if (plan_ == Plan::repair) {
         const KeptCell now(scratch);
         mark_changes(KeptCell(at), now, worker);
-        if (head.tied)
+        if (now_tied)
             for (const std::int32_t other : now.ids()) mark(other);
         // A kept cell may have corners that only this cell compares with half a period.
-        if (!head.tied && frame_.reach_squared < std::numeric_limits<double>::infinity() &&
+        if (!now_tied && frame_.reach_squared < std::numeric_limits<double>::infinity() &&
             !test_(frame_, seed, now, worker.signs))
             mark_wrong(now, seed, worker.signs);
     }
@@ -290,7 +248,7 @@ void KeptCells::mark_wrong(const KeptCell& cell, std::size_t seed, const SignTes
     const auto corners = cell.corners();
     const auto tests = cell.tests();
     mark(static_cast<std::int32_t>(seed));
-    if (!signs.tested) {
+    if (head.tied || !signs.tested) {
         for (const std::int32_t id : cell.ids()) mark(id);
         return;
     }
@@ -340,24 +298,120 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
-void KeptCells::test(ThreadPool& pool) {
-    const auto task = [&](std::size_t begin, std::size_t end, Worker& worker) {
-        for (std::size_t s = begin; s < end; ++s) {
-            if (state_[s].load(std::memory_order_relaxed) != kept) continue;
-            const KeptCell cell = this->cell(s);
-            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0) {
-                mark(static_cast<std::int32_t>(s));
-                continue;
-            }
-            if (!test_(frame_, s, cell, worker.signs))
-                mark_wrong(cell, s, worker.signs);
-            else if (worker.signs.may_hold)
-                worker.over_point.push_back(s);
-        }
+void KeptCells::check(std::size_t seed, Worker& worker) {
+    const KeptCell cell = this->cell(seed);
+    if (cell.head().tied) {  // by a flip
+        worker.unmended.push_back(seed);
+        return;
+    }
+    SignTest& signs = worker.signs;
+    if (test_(frame_, seed, cell, signs)) {
+        if (signs.may_hold) worker.over_point.push_back(seed);
+        return;
+    }
+    const std::size_t before = worker.flips.size();
+    const auto may_change = [&](const Flip& flip) {
+        return std::ranges::all_of(flip.id, [&](std::int32_t id) {
+            return id < 0 || always_[static_cast<std::size_t>(id)].load(std::memory_order_relaxed) == 0;
+        });
     };
+    const auto find = [&](std::size_t corner, std::size_t plane) {
+        Flip& flip = worker.flips.emplace_back();
+        if (!find_flip(cells_, seed, signs, corner, plane, flip) || !may_change(flip)) worker.flips.pop_back();
+    };
+    if (signs.tested) {
+        const auto corners = cell.corners();
+        const auto tests = cell.tests();
+        for (std::size_t t = 0; t < tests.size(); ++t)
+            if (!(signs.test_margin[t] > 0)) find(tests[t].corner, tests[t].plane);
+        for (std::size_t v = 0; v < cell.head().used; ++v) {
+            if (signs.corner_margin[v] > 0) continue;
+            for (const KeptCell::Corner& next : corners) {  // across an edge
+                std::size_t common = 0, plane = 0;
+                for (const std::uint8_t f : next)
+                    if (std::ranges::find(corners[v], f) != corners[v].end())
+                        ++common;
+                    else
+                        plane = f;
+                if (common == 2) find(v, plane);
+            }
+        }
+    }
+    if (worker.flips.size() == before) worker.unmended.push_back(seed);
+}
+
+void KeptCells::flip(const Flip& flip, Worker& worker) {
+    alignas(8) std::byte scratch[LooseCell::most_bytes];
+    for (std::size_t k = 0; k < flip.id.size(); ++k) {
+        if (flip.id[k] < 0) continue;
+        const auto seed = static_cast<std::size_t>(flip.id[k]);
+        worker.loose.read(cell(seed));
+        if (!flip.apply(k, order_, worker.loose)) worker.loose.tied = true;
+        std::byte*& at = cells_[seed];
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(seed, worker.corner_of, room, scratch);
+        if (room < bytes) at = allocate(bytes, worker);
+        std::memcpy(at, scratch, bytes);
+        check(seed, worker);
+    }
+}
+
+// Flips in rounds. Those of a round share no seeds, so that threads need no locks.
+void KeptCells::flip_wrong(ThreadPool& pool) {
+    std::vector<Flip> flips;
+    std::vector<std::size_t> again;  // the seeds of flips that do not fit to those of the round
+    for (std::uint8_t round = 0; round < max_rounds; ++round) {
+        const auto taken = [&](std::int32_t id) { return id >= 0 && flipped_[static_cast<std::size_t>(id)] == round; };
+        flips.clear();
+        again.clear();
+        for (Worker& worker : workers_) {
+            for (const Flip& flip : worker.flips) {
+                if (std::ranges::any_of(flip.id, taken)) {
+                    again.push_back(static_cast<std::size_t>(flip.id[0]));
+                    continue;
+                }
+                for (const std::int32_t id : flip.id)
+                    if (id >= 0) flipped_[static_cast<std::size_t>(id)] = round;
+                flips.push_back(flip);
+            }
+            worker.flips.clear();
+        }
+        if (flips.empty()) return;
+        made_ += 2 * flips.size();  // cells that grow
+        std::ranges::sort(again);
+        const auto repeated = std::ranges::unique(again);
+        again.erase(repeated.begin(), repeated.end());
+        const std::size_t first = ceil_div(flips.size(), task_flips);
+        pool.run(first + ceil_div(again.size(), task_flips), [&](std::size_t index, unsigned worker) {
+            const std::size_t begin = (index < first ? index : index - first) * task_flips;
+            const std::size_t end = std::min(index < first ? flips.size() : again.size(), begin + task_flips);
+            for (std::size_t k = begin; k < end; ++k)
+                if (index < first)
+                    flip(flips[k], workers_[worker]);
+                else if (flipped_[again[k]] != round)
+                    check(again[k], workers_[worker]);
+        });
+    }
+    for (Worker& worker : workers_)
+        for (const Flip& flip : worker.flips) worker.unmended.push_back(static_cast<std::size_t>(flip.id[0]));
+}
+
+void KeptCells::test(ThreadPool& pool) {
+    std::ranges::fill(flipped_, max_rounds);
     pool.run(ceil_div(count_, task_seeds), [&](std::size_t index, unsigned worker) {
-        task(index * task_seeds, std::min(count_, (index + 1) * task_seeds), workers_[worker]);
+        for (std::size_t s = index * task_seeds; s < std::min(count_, (index + 1) * task_seeds); ++s) {
+            const KeptCell cell = this->cell(s);
+            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
+                mark(static_cast<std::int32_t>(s));
+            else
+                check(s, workers_[worker]);
+        }
     });
+    flip_wrong(pool);
+    for (Worker& worker : workers_)
+        for (const std::size_t s : worker.unmended) {
+            const KeptCell cell = this->cell(s);
+            if (cell.head().tied || !test_(frame_, s, cell, worker.signs)) mark_wrong(cell, s, worker.signs);
+        }
     // What large cells of this call are next to is not known yet.
     for (std::size_t s = 0; s < count_; ++s) always_[s].store(0, std::memory_order_relaxed);
 }
@@ -411,11 +465,16 @@ std::array<double, 3> KeptCells::way_to_point(const SeedPlace& from) const {
 
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their
 // seeds.
-bool KeptCells::covers_once() const {
+bool KeptCells::covers_once() {
     std::vector<std::size_t> over;
-    for (const Worker& worker : workers_)
-        for (const std::size_t s : worker.over_point)
-            if (is_kept(s)) over.push_back(s);
+    for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());
+    std::ranges::sort(over);
+    const auto repeated = std::ranges::unique(over);
+    over.erase(repeated.begin(), repeated.end());
+    SignTest& signs = workers_.front().signs;
+    std::erase_if(over, [&](std::size_t s) {  // a flip may have changed it
+        return !is_kept(s) || !test_(frame_, s, cell(s), signs) || !signs.may_hold;
+    });
     if (over.size() > 1) return false;
     const auto power = [&](std::size_t s) {
         const auto [x, y, z] = way_to_point(places_[s]);
