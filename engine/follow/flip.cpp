@@ -1,7 +1,5 @@
 #include "follow/flip.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <utility>
 
 namespace votess::cpu {
@@ -60,7 +58,7 @@ bool Flip::apply(std::size_t member, std::span<const std::int32_t> order, LooseC
         const NearShift by = from(*this, member, k);
         face[k] = cell.find(id[k], by);
         if (face[k] < cell.faces) continue;
-        if (!joins() || !is_end(member) || !is_end(k) || cell.faces == CellShape::max_planes) return false;
+        if (!joins || !is_end(member) || !is_end(k) || cell.faces == CellShape::max_planes) return false;
         std::size_t at = 0;
         while (at < cell.faces && key(cell.id[at], cell.shift[at]) < key(id[k], by)) ++at;
         cell.insert_face(at, id[k], by);
@@ -86,18 +84,17 @@ bool Flip::apply(std::size_t member, std::span<const std::int32_t> order, LooseC
                    c = static_cast<std::uint8_t>(face[three[2]]);
         cell.corner[cell.corners++] = turned ? KeptCell::Corner{a, c, b} : KeptCell::Corner{a, b, c};
     }
-    if (!joins() && is_end(member))
+    if (!joins && is_end(member))
         for (std::size_t k = 0; k < 5; ++k)
             if (k != member && is_end(k)) cell.remove_face(face[k]);
     return true;
 }
 
-// With O(k) the volume of the tetrahedron of all but the k-th, (-1)^k O(k) > 0 holds for the corners of one way to place
-// them, and < 0 for those of the other.
-bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTest& signs, std::size_t corner,
+// With O(k) the volume of the tetrahedron of all but the k-th, (-1)^k O(k) > 0 holds for the corners of one way to
+// place them, and < 0 for those of the other.
+bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTest& signs, const KeptCell::Corner& at,
                std::size_t plane, Flip& out) {
     const KeptCell cell(cells[seed]);
-    const KeptCell::Corner& at = cell.corners()[corner];
     const std::array<std::size_t, 5> face{0, at[0], at[1], at[2], plane};  // of the members but the first
     const auto ids = cell.ids();
     out.id[0] = static_cast<std::int32_t>(seed);
@@ -109,15 +106,16 @@ bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTe
             if (out.id[j] == out.id[k]) return false;
     }
     // Corners that exist.
-    out.old = 1 << 4;
-    for (const KeptCell::Corner& v : cell.corners()) {
-        unsigned has = 0;
-        for (const std::uint8_t f : v)
-            for (std::size_t k = 1; k < 5; ++k) has |= f == face[k] ? 1u << k : 0;
-        if (std::popcount(has) == 3) out.old |= static_cast<std::uint8_t>(0x1e & ~has);
+    out.old = 0;
+    std::array<std::uint8_t, CellShape::max_planes> bit{};
+    for (std::size_t k = 1; k < 5; ++k) bit[face[k]] = static_cast<std::uint8_t>(1u << k);
+    int corners = 0;
+    for (const auto [a, b, c] : cell.corners()) {
+        if (bit[a] == 0 || bit[b] == 0 || bit[c] == 0) continue;
+        out.old |= static_cast<std::uint8_t>(0x1e & ~(bit[a] | bit[b] | bit[c]));
+        ++corners;
     }
-    const int own = std::popcount(out.old);
-    if (own != 2 && own != 3) return false;
+    if (corners != 2 && corners != 3) return false;
     std::array<KeptCell, 5> member;
     std::size_t of_last = 5;  // a seed other than the first
     for (std::size_t k = 0; k < 5; ++k) {
@@ -132,9 +130,10 @@ bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTe
         for (std::size_t j = 0; j < 3; ++j)
             planes[j] = find_face(member[of_last], out.id[three[j]], from(out, of_last, three[j]));
         if (std::ranges::any_of(member[of_last].corners(), [&](const auto& v) { return same_planes(v, planes); }))
-            out.old |= 1;
+            out.old |= 1, ++corners;
     }
-    if (std::popcount(out.old) > 3) return false;
+    if (corners > 3) return false;
+    out.joins = corners == 2;
     // Signs.
     const auto normal = [&](std::size_t k) { return signs.plane[face[k]]; };
     double volume[5];  // of the tetrahedra of all members but one
@@ -152,7 +151,7 @@ bool find_flip(std::span<std::byte* const> cells, std::size_t seed, const SignTe
     if (!(side > 0)) return false;
     for (std::size_t k = 0; k < 5; ++k)
         if ((out.old >> k & 1) == 0 && !((k % 2 != 0 ? volume[k] : -volume[k]) > 0)) return false;
-    if (!out.joins()) return true;
+    if (!out.joins) return true;
     // The two are not neighbors yet.
     std::array<std::size_t, 2> ends;
     for (std::size_t k = 0, next = 0; k < 5; ++k)

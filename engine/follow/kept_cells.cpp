@@ -8,18 +8,21 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t task_seeds = 4096, task_flips = 64, chunk_bytes = std::size_t{1} << 20;
+constexpr std::size_t task_seeds = 4096, tasks_per_thread = 2, cells_per_check = 4096,
+                      chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_sample = 4096;
-// Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double max_wrong = 0.04, max_pending = 0.2;
+// Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
+// be made again, and all pending ones.
+constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
-constexpr std::uint8_t max_rounds = 32;  // of flips
-constexpr int max_shift = 2;  // of neighbors whose signs are tested
+constexpr std::size_t max_flips = 256;  // for one cell and those that it changes
+constexpr int max_shift = 2;            // of neighbors whose signs are tested
 
 double determinant(const double* a, const double* b, const double* c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -93,7 +96,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
         }
         at.weight = frame_.weighted ? domain.weights[i] : 0;
     };
-    std::size_t tested = 0, wrong = 0;
+    std::size_t tested = 0, wrong = 0, made = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step =
@@ -103,7 +106,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
             ++tested;
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied) {
-                ++wrong;
+                ++made;
                 continue;
             }
             place(s);
@@ -112,7 +115,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
     const double expected = max_wrong * static_cast<double>(tested);
-    if (static_cast<double>(wrong) > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
+    const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (max_wrong / max_made);
+    if (cost > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
 
@@ -122,7 +126,7 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
     for (Worker& worker : workers_) {
         worker.over_point.clear();
-        worker.flips.clear();
+        worker.later.clear();
         worker.unmended.clear();
     }
     if (plan == Plan::repair) {
@@ -146,7 +150,6 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     sample_step_ = std::max<std::size_t>(1, count_ / sample);
     order_.resize_uninitialized(count_);
     places_.resize_uninitialized(count_);
-    flipped_.resize(count_);
     cells_.assign(count_, nullptr);
     for (Worker& worker : workers_) worker.chunk = worker.used = 0;
     pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -206,7 +209,7 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
     }
     alignas(8) std::byte scratch[LooseCell::most_bytes];
     std::byte*& at = cells_[seed];
-    const std::size_t room = room_of(at), bytes = loose.pack(seed, worker.corner_of, room, scratch);
+    const std::size_t room = room_of(at), bytes = loose.pack(seed, worker.edges, room, scratch);
     const bool now_tied = KeptCell(scratch).head().tied;
     if (plan_ == Plan::repair) {
         const KeptCell now(scratch);
@@ -278,18 +281,18 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         }
         if (old_face[f] != none) hint = old_face[f] + 1 < faces ? old_face[f] + 1 : 0;
     }
-    auto& corner_of = worker.corner_of;
+    Edges& edges = worker.edges;
+    edges.begin();
     const auto old = before.corners();
     for (std::size_t v = 0; v < old.size(); ++v)
-        for (std::size_t k = 0; k < 3; ++k) corner_of[old[v][k]][old[v][(k + 1) % 3]] = static_cast<std::uint8_t>(v);
+        for (std::size_t k = 0; k < 3; ++k) edges.add(old[v][k], old[v][(k + 1) % 3], v, old[v][(k + 2) % 3]);
     std::array<bool, CellShape::max_corners> found{};
     for (const KeptCell::Corner& corner : now.corners()) {
         const std::size_t a = old_face[corner[0]], b = old_face[corner[1]], c = old_face[corner[2]];
         bool same = false;
-        if (a != none && b != none && c != none) {
-            const std::size_t v = corner_of[a][b];
-            for (std::size_t k = 0; v < old.size() && k < 3 && !same; ++k)
-                same = old[v][k] == a && old[v][(k + 1) % 3] == b && old[v][(k + 2) % 3] == c;
+        if (a != none && b != none && c != none && edges.has(a, b)) {
+            const auto [v, third] = edges.end(a, b);
+            same = third == c;
             if (same) found[v] = true;
         }
         if (!same) mark_around(now, corner);
@@ -298,32 +301,33 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
-void KeptCells::check(std::size_t seed, Worker& worker) {
+// Returns whether there is a flip that the worker may do now. Notes the cell otherwise.
+bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
     const KeptCell cell = this->cell(seed);
-    if (cell.head().tied) {  // by a flip
-        worker.unmended.push_back(seed);
-        return;
-    }
     SignTest& signs = worker.signs;
-    if (test_(frame_, seed, cell, signs)) {
+    if (!cell.head().tied && test_(frame_, seed, cell, signs)) {
         if (signs.may_hold) worker.over_point.push_back(seed);
-        return;
+        return false;
     }
-    const std::size_t before = worker.flips.size();
-    const auto may_change = [&](const Flip& flip) {
-        return std::ranges::all_of(flip.id, [&](std::int32_t id) {
-            return id < 0 || always_[static_cast<std::size_t>(id)].load(std::memory_order_relaxed) == 0;
-        });
+    bool elsewhere = false;  // some flip changes cells of another worker
+    const auto find = [&](const KeptCell::Corner& corner, std::size_t plane) {
+        for (const std::size_t f : {std::size_t{corner[0]}, std::size_t{corner[1]}, std::size_t{corner[2]}, plane}) {
+            const std::int32_t id = cell.ids()[f];
+            if (id < 0) continue;
+            const auto s = static_cast<std::size_t>(id);
+            if (always_[s].load(std::memory_order_relaxed) != 0) return false;
+            if (s < range.begin || s >= range.end) {
+                elsewhere = true;
+                return false;
+            }
+        }
+        return find_flip(cells_, seed, signs, corner, plane, worker.flip);
     };
-    const auto find = [&](std::size_t corner, std::size_t plane) {
-        Flip& flip = worker.flips.emplace_back();
-        if (!find_flip(cells_, seed, signs, corner, plane, flip) || !may_change(flip)) worker.flips.pop_back();
-    };
-    if (signs.tested) {
+    if (!cell.head().tied && signs.tested) {
         const auto corners = cell.corners();
         const auto tests = cell.tests();
         for (std::size_t t = 0; t < tests.size(); ++t)
-            if (!(signs.test_margin[t] > 0)) find(tests[t].corner, tests[t].plane);
+            if (!(signs.test_margin[t] > 0) && find(corners[tests[t].corner], tests[t].plane)) return true;
         for (std::size_t v = 0; v < cell.head().used; ++v) {
             if (signs.corner_margin[v] > 0) continue;
             for (const KeptCell::Corner& next : corners) {  // across an edge
@@ -333,11 +337,12 @@ void KeptCells::check(std::size_t seed, Worker& worker) {
                         ++common;
                     else
                         plane = f;
-                if (common == 2) find(v, plane);
+                if (common == 2 && find(corners[v], plane)) return true;
             }
         }
     }
-    if (worker.flips.size() == before) worker.unmended.push_back(seed);
+    (elsewhere ? worker.later : worker.unmended).push_back(seed);
+    return false;
 }
 
 void KeptCells::flip(const Flip& flip, Worker& worker) {
@@ -348,65 +353,89 @@ void KeptCells::flip(const Flip& flip, Worker& worker) {
         worker.loose.read(cell(seed));
         if (!flip.apply(k, order_, worker.loose)) worker.loose.tied = true;
         std::byte*& at = cells_[seed];
-        const std::size_t room = room_of(at), bytes = worker.loose.pack(seed, worker.corner_of, room, scratch);
-        if (room < bytes) at = allocate(bytes, worker);
-        std::memcpy(at, scratch, bytes);
-        check(seed, worker);
-    }
-}
-
-// Flips in rounds. Those of a round share no seeds, so that threads need no locks.
-void KeptCells::flip_wrong(ThreadPool& pool) {
-    std::vector<Flip> flips;
-    std::vector<std::size_t> again;  // the seeds of flips that do not fit to those of the round
-    for (std::uint8_t round = 0; round < max_rounds; ++round) {
-        const auto taken = [&](std::int32_t id) { return id >= 0 && flipped_[static_cast<std::size_t>(id)] == round; };
-        flips.clear();
-        again.clear();
-        for (Worker& worker : workers_) {
-            for (const Flip& flip : worker.flips) {
-                if (std::ranges::any_of(flip.id, taken)) {
-                    again.push_back(static_cast<std::size_t>(flip.id[0]));
-                    continue;
-                }
-                for (const std::int32_t id : flip.id)
-                    if (id >= 0) flipped_[static_cast<std::size_t>(id)] = round;
-                flips.push_back(flip);
-            }
-            worker.flips.clear();
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(seed, worker.edges, room, scratch);
+        if (room < bytes) {
+            at = allocate(bytes, worker);
+            ++worker.grown;
         }
-        if (flips.empty()) return;
-        made_ += 2 * flips.size();  // cells that grow
-        std::ranges::sort(again);
-        const auto repeated = std::ranges::unique(again);
-        again.erase(repeated.begin(), repeated.end());
-        const std::size_t first = ceil_div(flips.size(), task_flips);
-        pool.run(first + ceil_div(again.size(), task_flips), [&](std::size_t index, unsigned worker) {
-            const std::size_t begin = (index < first ? index : index - first) * task_flips;
-            const std::size_t end = std::min(index < first ? flips.size() : again.size(), begin + task_flips);
-            for (std::size_t k = begin; k < end; ++k)
-                if (index < first)
-                    flip(flips[k], workers_[worker]);
-                else if (flipped_[again[k]] != round)
-                    check(again[k], workers_[worker]);
-        });
+        std::memcpy(at, scratch, bytes);
+        if (flip.has_sign(k))
+            worker.wrong.push_back(seed);
+        else if (may_hold(seed))
+            worker.over_point.push_back(seed);
     }
-    for (Worker& worker : workers_)
-        for (const Flip& flip : worker.flips) worker.unmended.push_back(static_cast<std::size_t>(flip.id[0]));
 }
 
+// Flips until the cell is right, and all that flips have changed.
+void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
+    worker.wrong.assign(1, seed);
+    for (std::size_t flips = 0; !worker.wrong.empty();) {
+        const std::size_t s = worker.wrong.back();
+        worker.wrong.pop_back();
+        if (!check(s, range, worker)) continue;
+        if (++flips > max_flips) {
+            worker.unmended.push_back(s);
+            worker.unmended.insert(worker.unmended.end(), worker.wrong.begin(), worker.wrong.end());
+            return;
+        }
+        flip(worker.flip, worker);
+    }
+}
+
+bool KeptCells::may_hold(std::size_t seed) const {
+    const KeptCell cell = this->cell(seed);
+    const auto [x, y, z] = way_to_point(places_[seed]);
+    const double own = x * x + y * y + z * z, weight = places_[seed].weight;
+    for (std::size_t f = 0; f < cell.faces(); ++f) {
+        const std::int32_t id = cell.ids()[f];
+        if (id < 0) continue;
+        const SeedPlace& other = places_[static_cast<std::size_t>(id)];
+        const NearShift shift = cell.near_shift(f);
+        double way[3] = {x, y, z};
+        for (std::size_t k = 0; k < 3; ++k) way[k] -= other.x[k] + shift[k] * frame_.period[k] - places_[seed].x[k];
+        const double square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+        const double tolerance = 0x1p-40 * (own + square + std::abs(weight) + std::abs(other.weight)) +
+                                 8 * frame_.slack * (std::sqrt(own) + std::sqrt(square));
+        if (square - other.weight + tolerance < own - weight) return false;
+    }
+    return true;
+}
+
+// Each task has a range of seeds and flips where all five are in it, so that threads need no locks. The second time
+// ranges begin at the middles of the first ones. One thread does the rest.
 void KeptCells::test(ThreadPool& pool) {
-    std::ranges::fill(flipped_, max_rounds);
-    pool.run(ceil_div(count_, task_seeds), [&](std::size_t index, unsigned worker) {
-        for (std::size_t s = index * task_seeds; s < std::min(count_, (index + 1) * task_seeds); ++s) {
+    const std::size_t length =
+        pool.size() == 1 ? count_ : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
+    pool.run(ceil_div(count_, length), [&](std::size_t task, unsigned index) {
+        Worker& worker = workers_[index];
+        const Range range{task * length, std::min(count_, (task + 1) * length)};
+        for (std::size_t s = range.begin; s < range.end; ++s) {
+            if (s % cells_per_check == 0) check_stop();
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
                 mark(static_cast<std::int32_t>(s));
             else
-                check(s, workers_[worker]);
+                mend(s, range, worker);
         }
     });
-    flip_wrong(pool);
+    std::vector<std::size_t> later;
+    const auto gather = [&] {
+        later.clear();
+        for (Worker& worker : workers_) {
+            later.insert(later.end(), worker.later.begin(), worker.later.end());
+            worker.later.clear();
+        }
+        std::ranges::sort(later);
+    };
+    gather();
+    pool.run(later.empty() ? 0 : ceil_div(count_, length) + 1, [&](std::size_t task, unsigned index) {
+        const Range range{task == 0 ? 0 : task * length - length / 2, std::min(count_, task * length + length / 2)};
+        for (auto s = std::ranges::lower_bound(later, range.begin); s != later.end() && *s < range.end; ++s)
+            mend(*s, range, workers_[index]);
+    });
+    gather();
+    for (const std::size_t s : later) mend(s, {0, count_}, workers_.front());
+    for (Worker& worker : workers_) made_ += std::exchange(worker.grown, 0);
     for (Worker& worker : workers_)
         for (const std::size_t s : worker.unmended) {
             const KeptCell cell = this->cell(s);

@@ -100,12 +100,19 @@ private:
     struct Worker {  // of one thread
         std::vector<std::unique_ptr<std::byte[]>> chunks;
         std::size_t chunk = 0, used = 0;  // of chunks
-        CornerOfEdge corner_of{};
+        Edges edges;
         LooseCell loose;
         SignTest signs;
-        std::vector<Flip> flips;               // proposed in this round
-        std::vector<std::size_t> unmended;     // wrong, without a flip
-        std::vector<std::size_t> over_point;   // right, and over the frame's point
+        Flip flip;
+        std::vector<std::size_t> wrong;       // changed and not tested yet
+        std::vector<std::size_t> later;       // wrong, and flips would change cells of other workers
+        std::vector<std::size_t> unmended;    // wrong, without a flip
+        std::vector<std::size_t> over_point;  // right, and over the frame's point
+        std::size_t grown = 0;                // cells that got new memory
+    };
+
+    struct Range {  // of seeds
+        std::size_t begin, end;
     };
 
     void set_frame(const Job& job);
@@ -114,10 +121,11 @@ private:
         std::uint8_t expected = kept;
         state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
     }
-    // Tests a cell, and proposes flips if it is wrong.
-    void check(std::size_t seed, Worker& worker);
+    bool check(std::size_t seed, Range range, Worker& worker);
     void flip(const Flip& flip, Worker& worker);
-    void flip_wrong(ThreadPool& pool);
+    void mend(std::size_t seed, Range range, Worker& worker);
+    // Whether the cell may be over the frame's point.
+    [[nodiscard]] bool may_hold(std::size_t seed) const;
     void mark_around(const KeptCell& cell, const KeptCell::Corner& corner);
     void mark_wrong(const KeptCell& cell, std::size_t seed, const SignTest& signs);
     void mark_changes(const KeptCell& before, const KeptCell& now, Worker& worker);
@@ -134,7 +142,6 @@ private:
     std::vector<std::byte*> cells_;  // by sorted seed
     std::deque<Worker> workers_;
     Flags state_, always_;  // by sorted seed. always_: next to a cell that is not stored
-    std::vector<std::uint8_t> flipped_;  // by sorted seed: the last round that flipped its cell
     Buffer<SeedPlace> places_;
     SignFrame frame_{};
     SignTester test_ = nullptr;

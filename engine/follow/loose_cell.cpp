@@ -13,7 +13,10 @@ void LooseCell::read(const KeptCell& cell) {
     tied = cell.head().tied;
     std::ranges::copy(cell.ids(), id.begin());
     std::ranges::copy(cell.corners(), corner.begin());
-    for (std::size_t f = 0; f < faces; ++f) shift[f] = cell.near_shift(f);
+    if (!cell.head().shifted)
+        std::fill_n(shift.begin(), faces, NearShift{});
+    else
+        for (std::size_t f = 0; f < faces; ++f) shift[f] = cell.near_shift(f);
 }
 
 std::size_t LooseCell::find(std::int32_t of, const NearShift& by) const {
@@ -40,20 +43,27 @@ void LooseCell::remove_face(std::size_t at) {
         for (std::uint8_t& f : corner[v]) f -= f > at ? 1 : 0;
 }
 
-std::size_t LooseCell::pack(std::size_t seed, CornerOfEdge& corner_of, std::size_t room,
-                            std::span<std::byte> to) const {
+std::size_t LooseCell::pack(std::size_t seed, Edges& edges, std::size_t room, std::span<std::byte> to) const {
     KeptCell::Head head{0, static_cast<std::uint8_t>(faces), static_cast<std::uint8_t>(corners), 0, 0, false, tied};
-    std::array<bool, CellShape::max_planes> later;
+    std::array<std::uint8_t, CellShape::max_planes> later;
     for (std::size_t f = 0; f < faces; ++f) {
-        later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed);
+        later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed) ? 1 : 0;
         head.shifted |= shift[f] != NearShift{};
     }
-    for (std::size_t v = 0; v < corners; ++v)
-        for (std::size_t k = 0; k < 3; ++k)
-            corner_of[corner[v][k]][corner[v][(k + 1) % 3]] = static_cast<std::uint8_t>(v);
-    head.tied |= corners + 4 != 2 * faces;  // Euler
-    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
+    // A closed surface has each edge once in either direction.
+    bool closed = corners + 4 == 2 * faces;  // Euler
+    edges.begin();
+    for (std::size_t v = 0; v < corners; ++v) {
+        const auto [a, b, c] = corner[v];
+        closed &= edges.add(a, b, v, c) && edges.add(b, c, v, a) && edges.add(c, a, v, b);
+    }
+    for (std::size_t v = 0; v < corners; ++v) {
+        const auto [a, b, c] = corner[v];
+        closed &= edges.has(b, a) & edges.has(c, b) & edges.has(a, c);
+    }
+    head.tied |= !closed;
     constexpr std::uint8_t unused = 255;
+    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
     std::array<std::uint8_t, CellShape::max_corners> order;
     std::fill_n(number.begin(), corners, unused);
     std::size_t used = 0, tests = 0;
@@ -62,26 +72,22 @@ std::size_t LooseCell::pack(std::size_t seed, CornerOfEdge& corner_of, std::size
         return number[v];
     };
     for (std::size_t v = 0; v < corners; ++v)
-        if (const auto& [a, b, c] = corner[v]; later[a] && later[b] && later[c]) use(v);
+        if (const auto& [a, b, c] = corner[v]; (later[a] & later[b] & later[c]) != 0) use(v);
     std::array<KeptCell::Test, SignTest::max_tests> test;
-    for (std::size_t v = 0; v < corners && !head.tied; ++v)
+    for (std::size_t v = 0; v < corners && !head.tied; ++v) {
+        const KeptCell::Corner& at = corner[v];
+        if (later[at[0]] + later[at[1]] + later[at[2]] < 2) continue;
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint8_t a = corner[v][k], b = corner[v][(k + 1) % 3];
-            const std::size_t w = corner_of[b][a];
-            std::size_t third = CellShape::max_planes;
-            for (std::size_t j = 0; w < corners && j < 3; ++j)
-                if (corner[w][j] == b && corner[w][(j + 1) % 3] == a) third = corner[w][(j + 2) % 3];
-            // Otherwise not a simple polytope: an edge without another end, or two edges on the same planes.
-            head.tied |= third == CellShape::max_planes || corner_of[a][b] != v || tests == test.size();
-            if (head.tied) break;
-            if (w < v || !later[a] || !later[b]) continue;
+            const std::uint8_t a = at[k], b = at[(k + 1) % 3];
+            if ((later[a] & later[b]) == 0) continue;
+            const auto [w, third] = edges.end(b, a);
+            if (w < v) continue;
             // From either end; the corner that is used anyway.
-            const std::uint8_t end = corner[v][(k + 2) % 3];
-            test[tests++] = number[v] == unused && number[w] != unused
-                                ? KeptCell::Test{use(w), end}
-                                : KeptCell::Test{use(v), static_cast<std::uint8_t>(third)};
+            const std::uint8_t end = at[(k + 2) % 3];
+            test[tests++] = number[v] == unused && number[w] != unused ? KeptCell::Test{use(w), end}
+                                                                       : KeptCell::Test{use(v), third};
         }
-    if (head.tied) tests = 0;
+    }
     head.used = static_cast<std::uint8_t>(used);
     head.tests = static_cast<std::uint8_t>(tests);
     for (std::size_t v = 0, next = used; v < corners; ++v)
