@@ -71,10 +71,8 @@ TEST_SUITE("cases") {
                 m.move(1e-3);
                 CHECK(m.call() > 0.8);
                 m.move(1e-3);
-                const double share = m.call();
-                CHECK(share > 0.9);
-                CHECK(share < 1);
-                m.move(5e-3);
+                CHECK(m.call() > 0.9);
+                m.move(5e-3);  // cells around wrong signs are changed, not made
                 CHECK(m.call() > 0.9);
                 m.move(0.5);  // far: all cells are made, and a sample is stored
                 CHECK(m.call() == 0);
@@ -91,7 +89,7 @@ TEST_SUITE("cases") {
 
     // Threads flip in ranges of seeds, which begin elsewhere the second time.
     TEST_CASE("follow: threads change cells together") {
-        Moving m(test::by_size(20000, 9000));
+        Moving m(test::by_size(12000, 9000));
         m.options.threads = 2;
         m.options.want = {};
         m.options.periodic = {true, false, true};
