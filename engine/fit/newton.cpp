@@ -38,6 +38,7 @@ Newton::Newton(Problem problem, const FitOptions& options, VolumeFit& out)
     problem_.run.want = {};
     problem_.run.want.areas = problem_.run.want.centroids = true;
     problem_.run.precision = Precision::double_;
+    problem_.run.follow = true;  // the last steps change weights a little
 }
 
 Weighted Newton::tessellate(Vector weights) {

@@ -19,6 +19,7 @@ public:
         std::uint8_t faces, corners, used, tests;
         bool shifted, tied;  // some neighbor is an image; some sign was 0
     };
+    using NearShift = std::array<std::int8_t, 3>;
     using Corner = std::array<std::uint8_t, 3>;  // planes, counterclockwise seen from outside
     // An edge: a corner at one end, and the plane that ends it at the other, outside of which the corner must not lie.
     struct Test {
@@ -36,6 +37,10 @@ public:
         return {reinterpret_cast<const std::int32_t*>(at_ + sizeof(Head)), faces()};
     }
     [[nodiscard]] exact::Shift shift(std::size_t face) const {
+        const auto [x, y, z] = near_shift(face);
+        return {x, y, z};
+    }
+    [[nodiscard]] NearShift near_shift(std::size_t face) const {
         if (!head().shifted) return {};
         const std::int8_t* s = shifts() + 3 * face;
         return {s[0], s[1], s[2]};

@@ -5,19 +5,24 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/progress.hpp"
 
 namespace votess::cpu {
 namespace {
 
-constexpr std::size_t task_seeds = 4096, chunk_bytes = std::size_t{1} << 20;
+constexpr std::size_t task_seeds = 4096, tasks_per_thread = 2, cells_per_check = 4096,
+                      chunk_bytes = std::size_t{1} << 20;
 constexpr std::size_t min_tested = 512, min_sample = 32, sample_share = 64, max_sample = 4096;
-// Shares of cells, from which on a fresh call is faster: of the sample, and of all pending ones.
-constexpr double max_wrong = 0.04, max_pending = 0.2;
+// Shares of cells, from which on a fresh call is faster: those of a sample that have wrong signs, those of it that must
+// be made again, and all pending ones.
+constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
-constexpr int max_shift = 2;  // of neighbors whose signs are tested
+constexpr std::size_t max_flips = 256;  // for one cell and those that it changes
+constexpr int max_shift = 2;            // of neighbors whose signs are tested
 
 double determinant(const double* a, const double* b, const double* c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
@@ -91,7 +96,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
         }
         at.weight = frame_.weighted ? domain.weights[i] : 0;
     };
-    std::size_t tested = 0, wrong = 0;
+    std::size_t tested = 0, wrong = 0, made = 0;
     auto signs = std::make_unique<SignTest>();
     // There is no need to build more than the sample, but all stored cells can be tested.
     const std::size_t step =
@@ -101,7 +106,7 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
             ++tested;
             const KeptCell cell = this->cell(s);
             if (!cell.exists() || cell.head().tied) {
-                ++wrong;
+                ++made;
                 continue;
             }
             place(s);
@@ -110,7 +115,8 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
             wrong += test_(frame_, s, cell, *signs) ? 0 : 1;
         }
     const double expected = max_wrong * static_cast<double>(tested);
-    if (static_cast<double>(wrong) > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
+    const double cost = static_cast<double>(wrong) + static_cast<double>(made) * (max_wrong / max_made);
+    if (cost > expected + std::sqrt(expected)) return Plan::sample;  // not by chance
     return complete_ ? Plan::repair : Plan::record;
 }
 
@@ -118,7 +124,11 @@ void KeptCells::begin(Plan plan, const Job& job, const SortedSeeds& seeds, Threa
     plan_ = plan;
     complete_ = sampled_ = false;  // until commit()
     workers_.resize(std::max<std::size_t>(workers_.size(), pool.size()));
-    for (Worker& worker : workers_) worker.over_point.clear();
+    for (Worker& worker : workers_) {
+        worker.over_point.clear();
+        worker.later.clear();
+        worker.unmended.clear();
+    }
     if (plan == Plan::repair) {
         set_frame(job);
         pool.run(ceil_div(count_, task_seeds), [&](std::size_t task, unsigned) {
@@ -156,6 +166,10 @@ void KeptCells::commit() {
     sampled_ = !complete_;
 }
 
+std::size_t KeptCells::room_of(const std::byte* record) {
+    return record == nullptr ? 0 : 8 * std::size_t{KeptCell(record).head().room};
+}
+
 std::byte* KeptCells::allocate(std::size_t bytes, Worker& worker) {
     if (worker.chunk < worker.chunks.size() && worker.used + bytes > chunk_bytes) {
         ++worker.chunk;
@@ -174,89 +188,36 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
     Worker& worker = workers_[index];
     const auto faces = ids.size(), corners = static_cast<std::size_t>(shape.corners);
     if (shape.corners > CellShape::max_corners) return store_large(seed, ids);
-    KeptCell::Head head{0, static_cast<std::uint8_t>(faces), static_cast<std::uint8_t>(corners), 0, 0, false, tied};
     for (const exact::Shift& shift : shifts)
-        for (const auto by : shift) {
-            head.shifted |= by != 0;
+        for (const auto by : shift)
             if (std::abs(by) > max_shift) return store_large(seed, ids);
-        }
-    std::array<std::int32_t, CellShape::max_planes> id;
-    std::array<std::array<std::int8_t, 3>, CellShape::max_planes> by;
+    LooseCell& loose = worker.loose;
+    loose.faces = faces;
+    loose.corners = corners;
+    loose.tied = tied;
     for (std::size_t f = 0; f < faces; ++f) {
-        id[ranks[f]] = ids[f];
-        if (head.shifted)
-            for (std::size_t j = 0; j < 3; ++j) by[ranks[f]][j] = static_cast<std::int8_t>(shifts[f][j]);
+        loose.id[ranks[f]] = ids[f];
+        NearShift& by = loose.shift[ranks[f]] = {};
+        for (std::size_t j = 0; j < 3 && !shifts.empty(); ++j) by[j] = static_cast<std::int8_t>(shifts[f][j]);
     }
-    // A sign belongs to the lowest seed around it.
-    std::array<bool, CellShape::max_planes> later;
-    for (std::size_t f = 0; f < faces; ++f) later[f] = id[f] < 0 || id[f] >= static_cast<std::int32_t>(seed);
-    std::array<KeptCell::Corner, CellShape::max_corners> corner;
-    auto& corner_of = worker.corner_of;
     bool turned = false;  // the corners of a clipped cell may be clockwise
     for (std::size_t v = 0; v < corners; ++v) {
         auto a = shape.rank[shape.a[v]], b = shape.rank[shape.b[v]], c = shape.rank[shape.c[v]];
         if (v == 0) turned = determinant(shape.plane[a].n, shape.plane[b].n, shape.plane[c].n) < 0;
         if (turned) std::swap(b, c);
-        corner[v] = {a, b, c};
-        corner_of[a][b] = corner_of[b][c] = corner_of[c][a] = static_cast<std::uint8_t>(v);
+        loose.corner[v] = {a, b, c};
     }
-    std::array<std::uint8_t, CellShape::max_corners> number;  // among the used ones
-    constexpr std::uint8_t unused = 255;
-    std::array<std::uint8_t, CellShape::max_corners> order;
-    number.fill(unused);
-    std::size_t used = 0, tests = 0;
-    const auto use = [&](std::size_t v) {
-        if (number[v] == unused) order[number[v] = static_cast<std::uint8_t>(used++)] = static_cast<std::uint8_t>(v);
-        return number[v];
-    };
-    for (std::size_t v = 0; v < corners; ++v)
-        if (const auto& [a, b, c] = corner[v]; later[a] && later[b] && later[c]) use(v);
-    std::array<KeptCell::Test, SignTest::max_tests> test;
-    for (std::size_t v = 0; v < corners && !head.tied; ++v)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint8_t a = corner[v][k], b = corner[v][(k + 1) % 3];
-            const std::size_t w = corner_of[b][a];
-            std::size_t third = CellShape::max_planes;
-            for (std::size_t j = 0; w < corners && j < 3; ++j)
-                if (corner[w][j] == b && corner[w][(j + 1) % 3] == a) third = corner[w][(j + 2) % 3];
-            head.tied |= third == CellShape::max_planes || tests == test.size();  // not a simple polytope
-            if (head.tied) break;
-            if (w < v || !later[a] || !later[b]) continue;
-            // From either end; the corner that is used anyway.
-            const std::uint8_t end = corner[v][(k + 2) % 3];
-            test[tests++] = number[v] == unused && number[w] != unused
-                                ? KeptCell::Test{use(w), end}
-                                : KeptCell::Test{use(v), static_cast<std::uint8_t>(third)};
-        }
-    if (head.tied) tests = 0;
-    head.used = static_cast<std::uint8_t>(used);
-    head.tests = static_cast<std::uint8_t>(tests);
-    for (std::size_t v = 0, next = used; v < corners; ++v)
-        if (number[v] == unused) order[next++] = static_cast<std::uint8_t>(v);
-
-    alignas(8) std::byte scratch[sizeof(KeptCell::Head) + 7 * CellShape::max_planes + 3 * CellShape::max_corners +
-                                 2 * SignTest::max_tests + 8];
-    const std::size_t bytes = round_up(KeptCell::bytes(head), 8);
-    std::byte* to = scratch;
-    const auto put = [&](const void* from, std::size_t size) {
-        std::memcpy(to, from, size);
-        to += size;
-    };
+    alignas(8) std::byte scratch[LooseCell::most_bytes];
     std::byte*& at = cells_[seed];
-    const std::size_t room = at == nullptr ? 0 : 8 * std::size_t{KeptCell(at).head().room};
-    head.room = static_cast<std::uint16_t>((room >= bytes ? room : bytes) / 8);
-    put(&head, sizeof head);
-    put(id.data(), 4 * faces);
-    if (head.shifted) put(by.data(), 3 * faces);
-    for (std::size_t v = 0; v < corners; ++v) put(&corner[order[v]], sizeof(KeptCell::Corner));
-    put(test.data(), 2 * tests);
+    const std::size_t room = room_of(at), bytes = loose.pack(seed, worker.edges, room, scratch);
+    const bool now_tied = KeptCell(scratch).head().tied;
     if (plan_ == Plan::repair) {
         const KeptCell now(scratch);
         mark_changes(KeptCell(at), now, worker);
-        if (head.tied)
+        if (now_tied)
             for (const std::int32_t other : now.ids()) mark(other);
         // A kept cell may have corners that only this cell compares with half a period.
-        if (!head.tied && frame_.reach_squared < std::numeric_limits<double>::infinity() &&
+        if (!now_tied && frame_.reach_squared < std::numeric_limits<double>::infinity() &&
             !test_(frame_, seed, now, worker.signs))
             mark_wrong(now, seed, worker.signs);
     }
@@ -290,7 +251,7 @@ void KeptCells::mark_wrong(const KeptCell& cell, std::size_t seed, const SignTes
     const auto corners = cell.corners();
     const auto tests = cell.tests();
     mark(static_cast<std::int32_t>(seed));
-    if (!signs.tested) {
+    if (head.tied || !signs.tested) {
         for (const std::int32_t id : cell.ids()) mark(id);
         return;
     }
@@ -320,18 +281,18 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         }
         if (old_face[f] != none) hint = old_face[f] + 1 < faces ? old_face[f] + 1 : 0;
     }
-    auto& corner_of = worker.corner_of;
+    Edges& edges = worker.edges;
+    edges.begin();
     const auto old = before.corners();
     for (std::size_t v = 0; v < old.size(); ++v)
-        for (std::size_t k = 0; k < 3; ++k) corner_of[old[v][k]][old[v][(k + 1) % 3]] = static_cast<std::uint8_t>(v);
+        for (std::size_t k = 0; k < 3; ++k) edges.add(old[v][k], old[v][(k + 1) % 3], v, old[v][(k + 2) % 3]);
     std::array<bool, CellShape::max_corners> found{};
     for (const KeptCell::Corner& corner : now.corners()) {
         const std::size_t a = old_face[corner[0]], b = old_face[corner[1]], c = old_face[corner[2]];
         bool same = false;
-        if (a != none && b != none && c != none) {
-            const std::size_t v = corner_of[a][b];
-            for (std::size_t k = 0; v < old.size() && k < 3 && !same; ++k)
-                same = old[v][k] == a && old[v][(k + 1) % 3] == b && old[v][(k + 2) % 3] == c;
+        if (a != none && b != none && c != none && edges.has(a, b)) {
+            const auto [v, third] = edges.end(a, b);
+            same = third == c;
             if (same) found[v] = true;
         }
         if (!same) mark_around(now, corner);
@@ -340,24 +301,146 @@ void KeptCells::mark_changes(const KeptCell& before, const KeptCell& now, Worker
         if (!found[v]) mark_around(before, old[v]);
 }
 
-void KeptCells::test(ThreadPool& pool) {
-    const auto task = [&](std::size_t begin, std::size_t end, Worker& worker) {
-        for (std::size_t s = begin; s < end; ++s) {
-            if (state_[s].load(std::memory_order_relaxed) != kept) continue;
-            const KeptCell cell = this->cell(s);
-            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0) {
-                mark(static_cast<std::int32_t>(s));
-                continue;
+// Returns whether there is a flip that the worker may do now. Notes the cell otherwise.
+bool KeptCells::check(std::size_t seed, Range range, Worker& worker) {
+    const KeptCell cell = this->cell(seed);
+    SignTest& signs = worker.signs;
+    if (!cell.head().tied && test_(frame_, seed, cell, signs)) {
+        if (signs.may_hold) worker.over_point.push_back(seed);
+        return false;
+    }
+    bool elsewhere = false;  // some flip changes cells of another worker
+    const auto find = [&](const KeptCell::Corner& corner, std::size_t plane) {
+        for (const std::size_t f : {std::size_t{corner[0]}, std::size_t{corner[1]}, std::size_t{corner[2]}, plane}) {
+            const std::int32_t id = cell.ids()[f];
+            if (id < 0) continue;
+            const auto s = static_cast<std::size_t>(id);
+            if (always_[s].load(std::memory_order_relaxed) != 0) return false;
+            if (s < range.begin || s >= range.end) {
+                elsewhere = true;
+                return false;
             }
-            if (!test_(frame_, s, cell, worker.signs))
-                mark_wrong(cell, s, worker.signs);
-            else if (worker.signs.may_hold)
-                worker.over_point.push_back(s);
         }
+        return find_flip(cells_, seed, signs, corner, plane, worker.flip);
     };
-    pool.run(ceil_div(count_, task_seeds), [&](std::size_t index, unsigned worker) {
-        task(index * task_seeds, std::min(count_, (index + 1) * task_seeds), workers_[worker]);
+    if (!cell.head().tied && signs.tested) {
+        const auto corners = cell.corners();
+        const auto tests = cell.tests();
+        for (std::size_t t = 0; t < tests.size(); ++t)
+            if (!(signs.test_margin[t] > 0) && find(corners[tests[t].corner], tests[t].plane)) return true;
+        for (std::size_t v = 0; v < cell.head().used; ++v) {
+            if (signs.corner_margin[v] > 0) continue;
+            for (const KeptCell::Corner& next : corners) {  // across an edge
+                std::size_t common = 0, plane = 0;
+                for (const std::uint8_t f : next)
+                    if (std::ranges::find(corners[v], f) != corners[v].end())
+                        ++common;
+                    else
+                        plane = f;
+                if (common == 2 && find(corners[v], plane)) return true;
+            }
+        }
+    }
+    (elsewhere ? worker.later : worker.unmended).push_back(seed);
+    return false;
+}
+
+void KeptCells::flip(const Flip& flip, Worker& worker) {
+    alignas(8) std::byte scratch[LooseCell::most_bytes];
+    for (std::size_t k = 0; k < flip.id.size(); ++k) {
+        if (flip.id[k] < 0) continue;
+        const auto seed = static_cast<std::size_t>(flip.id[k]);
+        worker.loose.read(cell(seed));
+        if (!flip.apply(k, order_, worker.loose)) worker.loose.tied = true;
+        std::byte*& at = cells_[seed];
+        const std::size_t room = room_of(at), bytes = worker.loose.pack(seed, worker.edges, room, scratch);
+        if (room < bytes) {
+            at = allocate(bytes, worker);
+            ++worker.grown;
+        }
+        std::memcpy(at, scratch, bytes);
+        if (flip.has_sign(k))
+            worker.wrong.push_back(seed);
+        else if (may_hold(seed))
+            worker.over_point.push_back(seed);
+    }
+}
+
+// Flips until the cell is right, and all that flips have changed.
+void KeptCells::mend(std::size_t seed, Range range, Worker& worker) {
+    worker.wrong.assign(1, seed);
+    for (std::size_t flips = 0; !worker.wrong.empty();) {
+        const std::size_t s = worker.wrong.back();
+        worker.wrong.pop_back();
+        if (!check(s, range, worker)) continue;
+        if (++flips > max_flips) {
+            worker.unmended.push_back(s);
+            worker.unmended.insert(worker.unmended.end(), worker.wrong.begin(), worker.wrong.end());
+            return;
+        }
+        flip(worker.flip, worker);
+    }
+}
+
+bool KeptCells::may_hold(std::size_t seed) const {
+    const KeptCell cell = this->cell(seed);
+    const auto [x, y, z] = way_to_point(places_[seed]);
+    const double own = x * x + y * y + z * z, weight = places_[seed].weight;
+    for (std::size_t f = 0; f < cell.faces(); ++f) {
+        const std::int32_t id = cell.ids()[f];
+        if (id < 0) continue;
+        const SeedPlace& other = places_[static_cast<std::size_t>(id)];
+        const NearShift shift = cell.near_shift(f);
+        double way[3] = {x, y, z};
+        for (std::size_t k = 0; k < 3; ++k) way[k] -= other.x[k] + shift[k] * frame_.period[k] - places_[seed].x[k];
+        const double square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
+        const double tolerance = 0x1p-40 * (own + square + std::abs(weight) + std::abs(other.weight)) +
+                                 8 * frame_.slack * (std::sqrt(own) + std::sqrt(square));
+        if (square - other.weight + tolerance < own - weight) return false;
+    }
+    return true;
+}
+
+// Each task has a range of seeds and flips where all five are in it, so that threads need no locks. The second time
+// ranges begin at the middles of the first ones. One thread does the rest.
+void KeptCells::test(ThreadPool& pool) {
+    const std::size_t length =
+        pool.size() == 1 ? count_ : std::max(task_seeds, ceil_div(count_, tasks_per_thread * pool.size()));
+    pool.run(ceil_div(count_, length), [&](std::size_t task, unsigned index) {
+        Worker& worker = workers_[index];
+        const Range range{task * length, std::min(count_, (task + 1) * length)};
+        for (std::size_t s = range.begin; s < range.end; ++s) {
+            if (s % cells_per_check == 0) check_stop();
+            const KeptCell cell = this->cell(s);
+            if (!cell.exists() || cell.head().tied || always_[s].load(std::memory_order_relaxed) != 0)
+                mark(static_cast<std::int32_t>(s));
+            else
+                mend(s, range, worker);
+        }
     });
+    std::vector<std::size_t> later;
+    const auto gather = [&] {
+        later.clear();
+        for (Worker& worker : workers_) {
+            later.insert(later.end(), worker.later.begin(), worker.later.end());
+            worker.later.clear();
+        }
+        std::ranges::sort(later);
+    };
+    gather();
+    pool.run(later.empty() ? 0 : ceil_div(count_, length) + 1, [&](std::size_t task, unsigned index) {
+        const Range range{task == 0 ? 0 : task * length - length / 2, std::min(count_, task * length + length / 2)};
+        for (auto s = std::ranges::lower_bound(later, range.begin); s != later.end() && *s < range.end; ++s)
+            mend(*s, range, workers_[index]);
+    });
+    gather();
+    for (const std::size_t s : later) mend(s, {0, count_}, workers_.front());
+    for (Worker& worker : workers_) made_ += std::exchange(worker.grown, 0);
+    for (Worker& worker : workers_)
+        for (const std::size_t s : worker.unmended) {
+            const KeptCell cell = this->cell(s);
+            if (cell.head().tied || !test_(frame_, s, cell, worker.signs)) mark_wrong(cell, s, worker.signs);
+        }
     // What large cells of this call are next to is not known yet.
     for (std::size_t s = 0; s < count_; ++s) always_[s].store(0, std::memory_order_relaxed);
 }
@@ -411,11 +494,16 @@ std::array<double, 3> KeptCells::way_to_point(const SeedPlace& from) const {
 
 // Made cells are right, so none of them is over the point if a kept one is and has less power there than all their
 // seeds.
-bool KeptCells::covers_once() const {
+bool KeptCells::covers_once() {
     std::vector<std::size_t> over;
-    for (const Worker& worker : workers_)
-        for (const std::size_t s : worker.over_point)
-            if (is_kept(s)) over.push_back(s);
+    for (const Worker& worker : workers_) over.insert(over.end(), worker.over_point.begin(), worker.over_point.end());
+    std::ranges::sort(over);
+    const auto repeated = std::ranges::unique(over);
+    over.erase(repeated.begin(), repeated.end());
+    SignTest& signs = workers_.front().signs;
+    std::erase_if(over, [&](std::size_t s) {  // a flip may have changed it
+        return !is_kept(s) || !test_(frame_, s, cell(s), signs) || !signs.may_hold;
+    });
     if (over.size() > 1) return false;
     const auto power = [&](std::size_t s) {
         const auto [x, y, z] = way_to_point(places_[s]);

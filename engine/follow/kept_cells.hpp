@@ -3,11 +3,13 @@
 //
 // A stored cell has planes and corners, but no places. After a call all stored cells match: a corner of four seeds or
 // walls is in the cells of all of them. At new places each sign is tested once, by the cell of the lowest seed around
-// it. A corner must have the right orientation, and an edge the right direction. A wrong or uncertain sign leaves all
-// cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has
+// it. A corner must have the right orientation, and an edge the right direction. Where a sign is wrong, flips
+// (follow/flip.hpp) change the cells around it, and these are tested again. A sign that stays wrong or uncertain leaves
+// all cells around it pending. The walk makes pending cells among all seeds, so they are right. Where such a cell has
 // gained or lost a corner, the other cells around the corner become pending too, until all match again.
 //
-// Why kept cells are right. Each is a convex polytope, because its signs are right. It shares whole faces with its
+// Why kept cells are right. Each is a closed surface, as it was made or flipped, and a convex polytope, because its
+// signs are right. It shares whole faces with its
 // neighbors, kept or made, because corners match. So nearly all places of the domain have the same number of cells, and
 // covers_once() finds that it is 1. Let power_i(x) = |x - p_i|^2 - w_i, and let k be the cell at x. Along a line off
 // all edges, power_k(x) - |x|^2 is linear in each cell. Its slope falls at each face, because the neighbor lies beyond
@@ -35,7 +37,9 @@
 
 #include "core/buffer.hpp"
 #include "core/thread_pool.hpp"
+#include "follow/flip.hpp"
 #include "follow/kept_cell.hpp"
+#include "follow/loose_cell.hpp"
 #include "follow/sign_test.hpp"
 #include "index/sorted_seeds.hpp"
 #include "input/job.hpp"
@@ -76,7 +80,7 @@ public:
     // Call when all cells are stored.
     void commit();
 
-    // Tests all cells; after begin(Plan::repair).
+    // Tests all cells and flips; after begin(Plan::repair).
     void test(ThreadPool& pool);
     // Takes the pending cells, ascending. None: all match.
     void take_pending(std::vector<std::int32_t>& out);
@@ -84,7 +88,7 @@ public:
     [[nodiscard]] bool pays(std::size_t pending) const;
     // Whether two seeds are at the same place.
     [[nodiscard]] bool any_equal() const;
-    [[nodiscard]] bool covers_once() const;
+    [[nodiscard]] bool covers_once();
     [[nodiscard]] bool is_kept(std::size_t seed) const { return state_[seed].load(std::memory_order_relaxed) == kept; }
     // Lets a kept cell be made again.
     void drop(std::size_t seed) { state_[seed].store(made, std::memory_order_relaxed); }
@@ -95,10 +99,20 @@ private:
     using Flags = std::unique_ptr<std::atomic<std::uint8_t>[]>;
     struct Worker {  // of one thread
         std::vector<std::unique_ptr<std::byte[]>> chunks;
-        std::size_t chunk = 0, used = 0;                                                                 // of chunks
-        std::array<std::array<std::uint8_t, CellShape::max_planes>, CellShape::max_planes> corner_of{};  // of edges
+        std::size_t chunk = 0, used = 0;  // of chunks
+        Edges edges;
+        LooseCell loose;
         SignTest signs;
-        std::vector<std::size_t> over_point;
+        Flip flip;
+        std::vector<std::size_t> wrong;       // changed and not tested yet
+        std::vector<std::size_t> later;       // wrong, and flips would change cells of other workers
+        std::vector<std::size_t> unmended;    // wrong, without a flip
+        std::vector<std::size_t> over_point;  // right, and over the frame's point
+        std::size_t grown = 0;                // cells that got new memory
+    };
+
+    struct Range {  // of seeds
+        std::size_t begin, end;
     };
 
     void set_frame(const Job& job);
@@ -107,16 +121,21 @@ private:
         std::uint8_t expected = kept;
         state_[static_cast<std::size_t>(id)].compare_exchange_strong(expected, pending, std::memory_order_relaxed);
     }
+    bool check(std::size_t seed, Range range, Worker& worker);
+    void flip(const Flip& flip, Worker& worker);
+    void mend(std::size_t seed, Range range, Worker& worker);
+    // Whether the cell may be over the frame's point.
+    [[nodiscard]] bool may_hold(std::size_t seed) const;
     void mark_around(const KeptCell& cell, const KeptCell::Corner& corner);
     void mark_wrong(const KeptCell& cell, std::size_t seed, const SignTest& signs);
     void mark_changes(const KeptCell& before, const KeptCell& now, Worker& worker);
+    [[nodiscard]] static std::size_t room_of(const std::byte* record);
     [[nodiscard]] std::byte* allocate(std::size_t bytes, Worker& worker);
     [[nodiscard]] std::array<double, 3> way_to_point(const SeedPlace& from) const;
 
     bool complete_ = false, sampled_ = false;  // cells_ has all cells, or those of the sample
     std::size_t count_ = 0, made_ = 0;         // made_: since the sort
     std::array<bool, 3> periodic_{};
-    bool weighted_ = false;
     std::size_t sample_step_ = 1;
     Plan plan_ = Plan::record;
     Buffer<std::int32_t> order_;
