@@ -181,9 +181,10 @@ file is written and the exit code is 1)",
          {.needs = Needs::all_cells, .with = "--volumes"}},
         {"--copy COLS",
          R"(columns of the input to copy into the output, with commas between them, or
-`all` that hold numbers; "a, b" in quotes is one name. Text gets them at the
-end of the row, other files as arrays. Names and `all` need a header line, as in .csv. A named column
-may hold words; `species` is that of elements or types, whatever its name)",
+`all` that hold numbers; "a, b" in quotes is one name. Text gets them at
+the end of the row, other files as arrays. Names and `all` need a header
+line, as in .csv. A named column may hold words; `species` is that of
+elements or types, whatever its name)",
          {.needs = Needs::cells}},
         {"--density COL",
          R"(write the array `density`: COL divided by the volume. A duplicate adds its
@@ -392,8 +393,8 @@ The CPU always reaches 1e-10; the neighbors are exact either way)",
 points larger than memory. The CPU clips one block after the other; the
 rest waits in temporary files. From .npy, .h5 (snapshots too) and rows of
 text into .h5, the same file as without --memory; frames of .h5 into a file
-each, as out-{frame}.h5. Not with vertices and faces, --min-face, --min-area,
---duplicates error, pictures and queries)",
+each, as out-{frame}.h5. Not with vertices and faces, --min-face,
+--min-area, --duplicates error, pictures and queries)",
          {.needs = Needs::one_machine}},
         {"--temporary DIR",
          R"(folder for the files of --memory; default: that of the first output. The
