@@ -19,6 +19,7 @@ constexpr std::size_t first_window = 160;        // seeds loaded around a group 
 constexpr std::size_t max_window = 768;          // beyond this the far search is cheaper
 constexpr std::size_t max_tests_by_reach = 512;  // of images; then each is tested against the vertices themselves
 constexpr std::size_t tests_of_owner = 64;       // of boxes; a seed that owns a place nearly is good enough
+constexpr std::size_t tests_of_unowned = 1024;   // while none is found
 constexpr int owners_of_hidden = 24;             // that clip a cell before it counts as not empty
 constexpr double first_band = 0.8;               // of the squared reach expected
 constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
@@ -167,8 +168,9 @@ std::int32_t CellBuilder::owner_of(const std::array<double, 3>& x) {
     std::int32_t owner = -1;
     double least = x[0] * x[0] + x[1] * x[1] + x[2] * x[2] - weight_;
     owner_queue_.assign(1, {-infinity, hierarchy_.top_level(), 0});
-    const std::size_t last = tests_ + tests_of_owner;
-    while (!owner_queue_.empty() && owner_queue_.front().distance_squared < least && tests_ < last) {
+    const std::size_t first = tests_;
+    while (!owner_queue_.empty() && owner_queue_.front().distance_squared < least &&
+           tests_ - first < (owner < 0 ? tests_of_unowned : tests_of_owner)) {
         std::pop_heap(owner_queue_.begin(), owner_queue_.end(), farther);
         const QueueEntry entry = owner_queue_.back();
         owner_queue_.pop_back();
@@ -209,12 +211,13 @@ std::array<double, 3> CellBuilder::way_into_domain() const {
 }
 
 void CellBuilder::clip_if_hidden(bool beyond) {
+    if (cell_.empty()) return;
     std::array<double, 3> x = beyond || seeds_.lift.exists() ? way_into_domain() : std::array<double, 3>{};
     // The nearest seeds clip a cell that begins among them.
     if (seeds_.weights.empty() && x[0] * x[0] + x[1] * x[1] + x[2] * x[2] < covered_) return;
     for (int owners = 0; owners < owners_of_hidden; ++owners) {
         const std::int32_t owner = owner_of(x);
-        if (owner < 0) return;
+        if (owner < 0) break;
         clipped_by_owner_ = true;
         clip_by(owner, seeds_.x[owner], seeds_.y[owner], seeds_.z[owner]);
         if (cell_.empty()) return;

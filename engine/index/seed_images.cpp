@@ -14,7 +14,7 @@ namespace votess::cpu {
 namespace {
 
 // Margin around the box in units of the mean spacing. Most cells of uniform seeds need less, long ones more.
-constexpr double margin_spacings = 2.5, wide_margin_spacings = 4;
+constexpr double margin_spacings = 2.5, weighted_margin_spacings = 3, wide_margin_spacings = 4;
 constexpr std::size_t task_points = 32768;
 constexpr double fraction_slack = 1e-9;
 // Thin or long boxes would have too many images. Cells search for images beyond the margin.
@@ -294,7 +294,9 @@ void SeedImages::choose_margin(const SortedSeeds& seeds, ThreadPool& pool) {
     }
     const double spacing = mean_spacing(filled, count);
     const bool sheet = std::ranges::any_of(filled, [&](double side) { return side < spacing; });
-    const double spacings = sheet || domain_->has_weights() ? wide_margin_spacings : margin_spacings;
+    const double spacings = sheet                    ? wide_margin_spacings
+                            : domain_->has_weights() ? weighted_margin_spacings
+                                                     : margin_spacings;
     double margin =
         std::min(spacings * spacing + distance_of_cells(seeds, domain_->weights), 2 * domain_->covering_radius);
     const auto images = [&] {

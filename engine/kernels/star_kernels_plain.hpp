@@ -1,7 +1,9 @@
 // The loops of StarKernels for any processor, in the compiler's vectors of four.
 #pragma once
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -84,8 +86,11 @@ VOTESS_INLINE void absolute(const Double4& v, Double4& out) {
     out = v < 0 ? -v : v;
 }
 
+// Of `length` to the root of `square` in heavier_at_place().
+constexpr double short_length = 0x1p-20;
+
 // Squares of areas below it may have underflowed. Seeds that near count as near.
-constexpr double smallest_fourth_power = 1e-280;
+constexpr double smallest_fourth_power = 1e-280, smallest_area = 1e-140;
 
 // The test of near_heavier() for four seeds or boxes. gaps2: D^2.
 VOTESS_INLINE void within_length(const Double4& gaps2, const Double4& excess, double length, double square,
@@ -96,13 +101,86 @@ VOTESS_INLINE void within_length(const Double4& gaps2, const Double4& excess, do
           (~(lighter > 0) | (lighter * lighter < 4 * length * length * gaps2 + smallest_fourth_power));
 }
 
+// Returns the square roots.
+VOTESS_INLINE void square_roots(const Double4& v, Double4& out) {
+    for (int i = 0; i < 4; ++i) out[i] = std::sqrt(v[i]);
+}
+
+// The test of near_heavier() at one place of each of four boxes, where D and the excess are balanced. near2: the least
+// D^2. excess: the largest of each box, and that of its seeds changes by `apart` along its axes.
+//
+// As 2 D <= D^2 / far + far for any `far`, no seed passes where s D^2 - excess >= square + length far, with s = 1 -
+// length / far. Each axis adds a convex function of the place to the left side. It is least where the way from home is
+// apart / 2 s, or at an end of the box. Rounding of that way changes it in second order.
+VOTESS_INLINE void balanced(const BoxBlock& b, const Box& home, int first, const Double4& near2, const Double4& excess,
+                            const Double4 (&apart)[3], const HeavierTest& test, Long4& out) {
+    using Lanes = Double4;
+    const double least2 = std::max(4 * test.length * test.length, test.nearest * test.nearest);
+    Lanes far;
+    square_roots(near2 < least2 ? Lanes{} + least2 : near2, far);
+    const Lanes s = test.length > 0 ? 1 - test.length / far : Lanes{} + 1, turn = 0.5 / s;
+    Lanes gaps2{}, more = excess;
+    for (int k = 0; k < 3; ++k) {
+        const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + first),
+                    upper = *reinterpret_cast<const Lanes*>(b.upper[k] + first);
+        Lanes steep;
+        absolute(apart[k], steep);
+        const Long4 up = apart[k] > 0;
+        const Lanes begin = up ? lower - home.upper[k] : home.lower[k] - upper,
+                    end = up ? upper - home.upper[k] : home.lower[k] - lower,
+                    behind = up ? home.lower[k] - upper : lower - home.upper[k];
+        Lanes way = steep * turn;
+        way = way < begin ? begin : way;
+        way = way > end ? end : way;
+        more -= steep * (end - way);
+        way = way < behind ? behind : way;
+        way = way > 0 ? way : Lanes{};
+        gaps2 += way * way;
+    }
+    out &= ~(s * gaps2 * (1 - 1e-12) - more - test.square - test.length * far * (1 + 1e-12) > smallest_area);
+}
+
+// The same for a home that is a place, where `length` is far shorter than the root of `square`.
+VOTESS_INLINE void heavier_at_place(const BoxBlock& b, const WeightBlock& w, const std::array<double, 3>& place,
+                                    const WeightTilt& t, const HeavierTest& test, Long4 (&out)[2]) {
+    using Lanes = Double4;
+    constexpr double s = 1 - short_length, turn = 0.5 / s;
+    const double square = test.square + test.length * test.length / short_length * (1 + 1e-12);
+    for (int i = 0; i < box_fan; i += 4) {
+        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
+        absolute(excess, size);
+        for (int k = 0; k < 3; ++k) {
+            const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
+                        upper = *reinterpret_cast<const Lanes*>(b.upper[k] + i),
+                        slope = *reinterpret_cast<const Lanes*>(w.slope[k] + i);
+            const Lanes begin = lower - place[k], end = upper - place[k], apart = slope - t.slope[k];
+            const Lanes half = 0.5 * (upper - lower), by = t.slope[k] * (0.5 * (upper + lower) - t.origin[k]);
+            Lanes steep_apart, length_by, steep, way = turn * apart;
+            way = way < begin ? begin : way;
+            way = way > end ? end : way;
+            absolute(apart, steep_apart);
+            absolute(by, length_by);
+            absolute(slope, steep);
+            gaps2 += way * way;
+            excess += steep_apart * (half - (apart > 0 ? end - way : way - begin)) - by;
+            size += length_by + (steep_apart + steep) * half;
+        }
+        const Lanes most = excess - t.least + residual_slack * size;
+        out[i / 4] = (gaps2 < std::numeric_limits<double>::infinity()) &
+                     ~(s * gaps2 * (1 - 1e-12) - most - square > smallest_area);
+    }
+}
+
 // Writes -1 for boxes that pass the test of near_heavier(), 0 for others.
 VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, const Box& home, const WeightTilt& t,
                                       const HeavierTest& test, Long4 (&out)[2]) {
     using Lanes = Double4;
+    if (test.nearest == 0 && test.length * test.length < short_length * short_length * test.square &&
+        home.lower == home.upper)
+        return heavier_at_place(b, w, home.lower, t, test, out);
     const Lanes nearest2 = Lanes{} + test.nearest * test.nearest;
     for (int i = 0; i < box_fan; i += 4) {
-        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size;
+        Lanes gaps2{}, excess = *reinterpret_cast<const Lanes*>(w.top + i) - t.base, size, apart[3];
         absolute(excess, size);
         for (int k = 0; k < 3; ++k) {
             const Lanes lower = *reinterpret_cast<const Lanes*>(b.lower[k] + i),
@@ -113,15 +191,20 @@ VOTESS_INLINE void near_heavier_boxes(const BoxBlock& b, const WeightBlock& w, c
             gap = gap > 0 ? gap : Lanes{};
             gaps2 += gap * gap;
             const Lanes half = 0.5 * (upper - lower), by = t.slope[k] * (0.5 * (upper + lower) - t.origin[k]);
-            Lanes apart, length_by, steep;
-            absolute(slope - t.slope[k], apart);
+            apart[k] = slope - t.slope[k];
+            Lanes steep_apart, length_by, steep;
+            absolute(apart[k], steep_apart);
             absolute(by, length_by);
             absolute(slope, steep);
-            excess += apart * half - by;
-            size += length_by + (apart + steep) * half;
+            excess += steep_apart * half - by;
+            size += length_by + (steep_apart + steep) * half;
         }
         gaps2 = gaps2 < nearest2 ? nearest2 : gaps2;
-        within_length(gaps2, excess - t.least + residual_slack * size, test.length, test.square, out[i / 4]);
+        const Lanes most = excess - t.least + residual_slack * size;
+        within_length(gaps2, most, test.length, test.square, out[i / 4]);
+        const Long4 tilted = out[i / 4] & ((apart[0] != 0) | (apart[1] != 0) | (apart[2] != 0));
+        if ((tilted[0] | tilted[1] | tilted[2] | tilted[3]) != 0)
+            balanced(b, home, i, gaps2, most, apart, test, out[i / 4]);
     }
 }
 

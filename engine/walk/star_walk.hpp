@@ -33,16 +33,18 @@ private:
     static constexpr double longest_normal = 1e12;  // in window units: products of three stay floats
     // The squared reach is a multiple of the typical squared security radius. It grows where vertices often lie a
     // little beyond, because a search costs more time than candidates.
-    static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002;
-    static constexpr double missed_share = 2.5;     // of the squared reach: a little beyond
-    static constexpr double far_share = 16;         // of the squared reach: far beyond
-    static constexpr double allowed_misses = 0.35;  // searches for a cell
-    static constexpr int max_candidates = 160;      // at first; leaves room for others
+    static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002,
+                            max_weighted_margin = 6;  // cells may be long
+    static constexpr double missed_share = 2.5;       // of the squared reach: a little beyond
+    static constexpr double far_share = 16;           // of the squared reach: far beyond
+    static constexpr double allowed_misses = 0.35;    // searches for a cell
+    static constexpr int max_candidates = 160;        // at first; leaves room for others
     static constexpr int enough_candidates = 80;
     static constexpr double near_share = 0.6;         // of the squared reach
     static constexpr double closest_moved = 0x1p-40;  // of the largest coordinate: nearer seeds may cancel
     static constexpr int max_picks = 256;             // planes tried for one vertex
     static constexpr int max_starts = 8;
+    static constexpr int max_owners = 64;        // of places of a cell beside its seed
     static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
     static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
@@ -193,8 +195,13 @@ private:
         images_within2_ = reach * reach * scale_ * scale_ * (1 - 4 * margin);
         images_beyond2_ = window_open_ ? bounds::min_image_vertex2 : -1;
     }
-    [[nodiscard, gnu::noinline]] double power_of(const Four& x, const Third& third) const;
+    [[nodiscard]] double power_within(double distance2, double length2) const;
+    [[nodiscard]] double distance_squared(const Four& x) const {  // of a vertex from the seed
+        const Wide from_seed = wide(x) - wide(move_);
+        return dot(from_seed, from_seed);
+    }
     [[nodiscard, gnu::noinline]] bool images_known(const Four& x, double x2, double reach2, double length2);
+    void find_sure_images();
     [[nodiscard, gnu::noinline]] double sure_without_images(const Box& home, double length);
     [[nodiscard]] bool any_missing_image(const Ball& ball, double length);
     template <class Visit>
@@ -241,9 +248,16 @@ private:
     void open_window(std::size_t home, double reach2);
     [[nodiscard]] bool may_coincide() const;
     bool gather_candidates();
+    [[nodiscard]] bool is_buried(const std::array<std::int32_t, 3>& p, float slack);
     bool begin_anywhere();
     bool begin_at_face(int candidate);
     bool begin_outside();
+    [[nodiscard]] int nearest_vertex(std::array<double, 3>& place) const;
+    [[nodiscard]] std::int32_t owner_of(const std::array<double, 3>& place,
+                                        const std::array<const CellPlane*, 3>& skipped);
+    [[nodiscard]] std::int32_t done_owner_of(const std::array<double, 3>& place);
+    template <class Visit>
+    bool for_done_seeds(const Ball& ball, Visit visit);
     [[gnu::noinline]] bool is_hidden(const std::int32_t* three, const Third& third, const Four& x);
     [[nodiscard]] int side_of(std::int32_t id, const std::int32_t* three, const Third& third, const Four& x);
     bool add_candidate(std::int32_t id);
@@ -355,8 +369,10 @@ private:
     Four move_{};              // a, in window units
     double tilt_length_ = 0;   // |a|
     double sure_images_ = 0;   // no missing image cuts off a vertex of the home that is nearer to its moved seed
-    float own_weight_ = 0;     // in the window
-    bool empty_ = false;       // the cell
+    bool sure_images_known_ = false;
+    Box sure_box_{};        // of the home, for which it is found when a vertex needs it
+    float own_weight_ = 0;  // in the window
+    bool empty_ = false;    // the cell
     bool have_candidates_ = false;
     bool start_failed_ = false;  // the starting edge has no end
     std::int32_t own_x_ = 0;     // in the window
@@ -368,9 +384,9 @@ private:
     double longest_ = 0;          // bound on the length of candidate normals
     double weight_rounding_ = 0;  // of h, by the residuals of the window
     double rounding_ = 0,
-           rounding_by_square_ = 0;   // margin of a vertex: rounding_by_square_ times its square, plus rounding_
-    double reached_ = 0;              // largest squared security radius of the vertices found
-    double largest_power_ = 0;        // of theirs, in a power diagram
+           rounding_by_square_ = 0;  // margin of a vertex: rounding_by_square_ times its square, plus rounding_
+    double reached_ = 0;             // largest squared security radius of the vertices found
+    double largest_distance2_ = 0, largest_length2_ = 0;  // of theirs, in a power diagram
     double scale_ = 1, unscale_ = 1;  // planes and vertices times this: window units, or 1 without a window
 
     // The planes of the cell by slot. Bit b of out_[a]: some vertex of face a has the edge a -> b. The vertex at its
@@ -413,9 +429,9 @@ private:
     std::array<Pending, Hierarchy::max_levels> pending_;
     std::array<std::uint32_t, max_found> groups_;
     bool image_shifts_known_ = false;
-    std::vector<std::array<int, 3>> image_shifts_;             // by which missing images come near to the home
-    Cell probe_;                                               // clips for a seed outside of its cell
-    std::array<float, CandidatePlanes::capacity> distance_{};  // of the candidates of a power diagram from the seed
+    std::vector<std::array<int, 3>> image_shifts_;          // by which missing images come near to the home
+    Cell probe_;                                            // clips for a seed outside of its cell
+    std::array<float, CandidatePlanes::capacity> value_{};  // of the candidates of a power diagram
 
     // For shape(): the corners of vertices on three planes, by vertex.
     CellShape shape_;

@@ -68,7 +68,8 @@ void StarWalk<Isa>::open_window(std::size_t home, double reach2) {
     }
     if (!window_open_) return;
     collect_near_walls(box, window_.reach());
-    if (weighted_ && seeds_.images != nullptr) sure_images_ = sure_without_images(box, 0.5 * window_.reach());
+    sure_images_known_ = !weighted_ || seeds_.images == nullptr;
+    sure_box_ = box;
     for (std::size_t s = home * Window::home_seeds; s < seed_ && !probing_; ++s)
         if (cells_.holds(static_cast<std::int64_t>(s)) && cells_.done(s)) window_.hide(s);
 }
@@ -151,7 +152,8 @@ bool StarWalk<Isa>::gather_candidates() {
     own_x_ = p[0];
     scale_ = scale;
     unscale_ = 1 / scale;
-    if (seeds_.images != nullptr) set_image_reach(weighted_ ? 2 * sure_images_ : seeds_.images->min_reach());
+    if (seeds_.images != nullptr)
+        set_image_reach(!weighted_ ? seeds_.images->min_reach() : sure_images_known_ ? 2 * sure_images_ : 0);
     planes_known_ = facings_known_ = 0;
     for (int tries = 0;; ++tries) {
         const double reach = std::sqrt(reach2) * scale;
@@ -167,14 +169,24 @@ bool StarWalk<Isa>::gather_candidates() {
             const double complete = window_.covered() * window_.covered() * scale * scale;
             covered_ = covered_by_search(std::min(square, complete));
             near_covered_ = covered_by_search(std::min(near_square, complete));
-            if (tries > 0 && !weighted_) typical_reach_ = reach2 / reach_margin_;  // seeds are denser than they were
+            // Seeds are denser than they were. Heavy seeds may crowd one cell only.
+            if (weighted_ ? tries == 1 : tries > 0) typical_reach_ = reach2 / reach_margin_;
             break;
         }
-        if (tries == 8) return false;
+        if (tries == 8 || (weighted_ && tries == 0 && is_buried(p, limits.slack))) return false;
         reach2 *= 0.5;
     }
     if (weighted_) find_longest();
     return true;
+}
+
+// Whether very many seeds of the window own the place of the moved seed. The clipper soon finds its cell, if it has
+// one.
+template <class Isa>
+bool StarWalk<Isa>::is_buried(const std::array<std::int32_t, 3>& p, float slack) {
+    candidates_.count = candidates_.near = 0;
+    return !Isa::select(window_.seeds(), p.data(), own_weight_, {0, 0, slack}, candidates_) ||
+           candidates_.count > max_candidates;
 }
 
 // Sets the length and the margin that depends on it.
@@ -191,9 +203,10 @@ void StarWalk<Isa>::set_longest(double length) {
 template <class Isa>
 void StarWalk<Isa>::find_longest() {
     const CandidatePlanes& c = candidates_;
-    float most = 0;
-    for (int i = 0; i < c.count; ++i) most = std::max(most, c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
-    set_longest(std::max(longest_, std::sqrt(double{most}) * (1 + 0x1p-20) + quantum));
+    std::int32_t most = 0;  // floats of 0 or more are ordered as their bits, which compilers compare in vectors
+    for (int i = 0; i < c.count; ++i)
+        most = std::max(most, std::bit_cast<std::int32_t>(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]));
+    set_longest(std::max(longest_, std::sqrt(double{std::bit_cast<float>(most)}) * (1 + 0x1p-20) + quantum));
 }
 
 // Returns the squared security radius within which all vertices are cut off by candidates only, after a search within
@@ -242,43 +255,107 @@ bool StarWalk<Isa>::begin_anywhere() {
     const CandidatePlanes& c = candidates_;
     if (!weighted_) return begin_at_face(static_cast<int>(std::min_element(c.h, c.h + c.count) - c.h));
     for (int i = 0; i < c.count; ++i)
-        distance_[i] = c.h[i] / std::sqrt(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
-    const auto nearest = std::min_element(distance_.begin(), distance_.begin() + c.count);
+        value_[i] = c.h[i] / std::sqrt(c.nx[i] * c.nx[i] + c.ny[i] * c.ny[i] + c.nz[i] * c.nz[i]);
+    const auto nearest = std::min_element(value_.begin(), value_.begin() + c.count);
     if (*nearest < parallel * static_cast<float>(longest_)) return begin_outside();
-    return begin_at_face(static_cast<int>(nearest - distance_.begin()));
+    return begin_at_face(static_cast<int>(nearest - value_.begin()));
 }
 
-// The seed lies outside of its cell, or nearly. The clipper finds an edge, or that the cell is empty, for which a few
-// of the nearest planes are usually enough.
+// The seed lies outside of its cell, or nearly. The clipper finds an edge, or that the cell is empty. It takes the
+// candidate that owns the middle of what is left, until none does, then those that own a vertex. A few are enough.
 template <class Isa>
 bool StarWalk<Isa>::begin_outside() {
-    constexpr int nearest_first = 8;
-    constexpr float taken = std::numeric_limits<float>::infinity();
     const std::int32_t own = own_id_;
     probe_.start(base_.point, *domain_, own);
-    const auto begin = distance_.begin(), end = begin + candidates_.count;
-    auto next = begin;
-    for (int tries = 0; tries < nearest_first || next != end; ++tries) {
-        const auto at = tries < nearest_first ? std::min_element(begin, end) : next++;
-        const std::int32_t id = candidates_.id[at - begin];
-        if (*at == taken || id < 0) continue;
-        *at = taken;
-        probe_.clip(id, exact_plane(id));
+    bool at_vertex = false;
+    for (int tries = 0; tries < max_owners; ++tries) {
+        std::array<double, 3> at = probe_.middle();
+        std::array<const CellPlane*, 3> planes{};
+        if (at_vertex) planes = probe_.corner_planes(nearest_vertex(at));
+        std::int32_t owner = owner_of(at, planes);
+        if (owner < 0 && !at_vertex) owner = done_owner_of(at);
+        if (owner >= 0 && probe_.clip(owner, exact_plane(owner))) {
+            if (!probe_.empty()) continue;
+        } else if (at_vertex && owner >= 0) {
+            return false;  // rounding hides which planes meet there
+        } else if (!at_vertex) {
+            probe_.drop_if_flat();
+        }
         if (probe_.empty()) {
             used_exact_ = probe_.used_exact();
             return empty_ = true;
         }
-    }
-    for (int slot = 0; slot < probe_.slots(); ++slot) {
-        if (!probe_.alive(slot)) continue;
-        const auto planes = probe_.corner_planes(slot);
+        if (!std::exchange(at_vertex, true)) continue;
         // In a periodic box the cell begins with images of the seed, which are not candidates.
-        if (std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; })) continue;
+        // The clipper decides ties.
+        if (probe_.met_tie() || std::ranges::any_of(planes, [own](const CellPlane* plane) { return plane->id == own; }))
+            return false;
         const int a = new_slot(planes[0]->id), b = new_slot(planes[1]->id);
         stack(a, b);
         return true;
     }
     return false;
+}
+
+// Returns the vertex of probe_ that is nearest to a place, and moves the place there. Those on images of the seed come
+// last.
+template <class Isa>
+int StarWalk<Isa>::nearest_vertex(std::array<double, 3>& place) const {
+    int nearest = -1;
+    double least = std::numeric_limits<double>::infinity();
+    bool inner = false;
+    for (int slot = 0; slot < probe_.slots(); ++slot) {
+        if (!probe_.alive(slot)) continue;
+        const auto planes = probe_.corner_planes(slot);
+        const bool own = std::ranges::any_of(planes, [this](const CellPlane* plane) { return plane->id == own_id_; });
+        const auto x = probe_.position(slot);
+        double square = 0;
+        for (std::size_t k = 0; k < 3; ++k) square += (x[k] - place[k]) * (x[k] - place[k]);
+        if (nearest >= 0 && (own == inner ? own : square >= least)) continue;
+        nearest = slot;
+        least = square;
+        inner = !own;
+    }
+    place = probe_.position(nearest);
+    return nearest;
+}
+
+// Returns a done seed whose power at a place relative to the seed is less than that of the seed, about, or -1.
+template <class Isa>
+std::int32_t StarWalk<Isa>::done_owner_of(const std::array<double, 3>& place) {
+    Four x = move_;
+    for (std::size_t k = 0; k < 3; ++k) x.x[k] += place[k] * scale_;
+    std::int32_t owner = -1;
+    for_done_seeds(ball_around(x, dot(wide(x), wide(x))), [&](std::int32_t id) {
+        Four n;
+        double h, square;
+        plane_through(id, n, h, square);
+        if (dot(wide(n), wide(x)) > h) owner = id;
+        return owner >= 0;
+    });
+    return owner;
+}
+
+// Returns the seed among the candidates with the least power at a place relative to the seed, about, if that is less
+// than the power of the seed, or -1. Skips some planes.
+template <class Isa>
+std::int32_t StarWalk<Isa>::owner_of(const std::array<double, 3>& place,
+                                     const std::array<const CellPlane*, 3>& skipped) {
+    const CandidatePlanes& c = candidates_;
+    float x[3];
+    for (std::size_t k = 0; k < 3; ++k) x[k] = static_cast<float>(place[k] * scale_ + move_.x[k]);
+    for (int i = 0; i < c.count; ++i) {
+        const float value = c.h[i] - (c.nx[i] * x[0] + c.ny[i] * x[1] + c.nz[i] * x[2]);
+        value_[i] = c.id[i] >= 0 ? value : 0;
+    }
+    for (;;) {
+        const auto owner = std::min_element(value_.begin(), value_.begin() + c.count) - value_.begin();
+        if (!(value_[owner] < 0)) return -1;
+        const std::int32_t id = c.id[owner];
+        const auto is_skipped = [&](const CellPlane* plane) { return plane != nullptr && plane->id == id; };
+        if (std::ranges::none_of(skipped, is_skipped)) return id;
+        value_[owner] = 0;
+    }
 }
 
 template <class Isa>
@@ -341,12 +418,10 @@ unsigned StarWalk<Isa>::find_inside_weighted(std::size_t begin, const GroupTest&
     return inside;
 }
 
-// In a power diagram done seeds matter to a cell that has no vertex yet. If the cell is not empty, none of them is its
-// neighbor and none cuts off its first vertex. If it is empty, some of them cover all of space. Returns true when the
-// cell is empty or the clipper must decide.
+// Calls visit(id) for the done seeds in groups near a ball, until it returns true. Returns whether it has.
 template <class Isa>
-bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
-    const Ball ball = ball_around(x, third.length2);
+template <class Visit>
+bool StarWalk<Isa>::for_done_seeds(const Ball& ball, Visit visit) {
     std::size_t nodes = 1;
     nodes_[0] = {hierarchy_.top_level(), 0};
     while (nodes > 0) {
@@ -361,15 +436,24 @@ bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, con
                 nodes_[nodes++] = {level - 1, child};
                 continue;
             }
-            for (std::size_t i = begin; i < end; ++i) {
-                if (!cells_.holds(static_cast<std::int64_t>(i)) || !cells_.done(i)) continue;
-                const int side = side_of(static_cast<std::int32_t>(i), three, third, x);
-                empty_ = side > 0;
-                if (side >= 0) return true;
-            }
+            for (std::size_t i = begin; i < end; ++i)
+                if (cells_.holds(static_cast<std::int64_t>(i)) && cells_.done(i) && visit(static_cast<std::int32_t>(i)))
+                    return true;
         }
     }
     return false;
+}
+
+// In a power diagram done seeds matter to a cell that has no vertex yet. If the cell is not empty, none of them is its
+// neighbor and none cuts off its first vertex. If it is empty, some of them cover all of space. Returns true when the
+// cell is empty or the clipper must decide.
+template <class Isa>
+bool StarWalk<Isa>::is_hidden(const std::int32_t* three, const Third& third, const Four& x) {
+    return for_done_seeds(ball_around(x, third.length2), [&](std::int32_t id) {
+        const int side = side_of(id, three, third, x);
+        empty_ = side > 0;
+        return side >= 0;
+    });
 }
 
 template <class Isa>
@@ -527,7 +611,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
             weighted_ ? 8 * margin * length2 + bounds::image_step * tilt_length_ * scale_ : 2 * margin * length2;
     };
     look_around(length2);
-    near_misses_ += 4 * length2 < missed_share * covered_ ? 1 : 0;
+    near_misses_ += 4 * dot(wide(x), wide(x)) < missed_share * covered_ ? 1 : 0;
     bool room = true;
     const auto visit = [&](std::span<const std::uint32_t> groups) {
         Found found[max_found];
@@ -708,7 +792,7 @@ bool StarWalk<Isa>::complete() {
     empty_ = false;
     reached_ = 0;
     near_misses_ = 0;
-    largest_power_ = min_power;
+    largest_distance2_ = largest_length2_ = 0;
     if (vertices_ == 0 && !find_first<Kept>()) {
         if (empty_) faces_ = edges_ = 0;
         return empty_;
@@ -735,8 +819,8 @@ bool StarWalk<Isa>::complete() {
     const double needed = reached_ * unscale_ * unscale_;
     if (needed > 0) {
         adapt_reach(needed);
-        power_found_ = std::max(power_found_,
-                                weighted_ ? largest_power_ : bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
+        power_found_ = std::max(power_found_, weighted_ ? power_within(largest_distance2_, largest_length2_)
+                                                        : bounds::power((1 + 4 * margin) * 0.25 * needed, weight_));
     }
     return collect_faces();
 }
@@ -745,8 +829,8 @@ bool StarWalk<Isa>::complete() {
 // complete() registers.
 template <class Isa>
 void StarWalk<Isa>::adapt_reach(double needed) {
-    reach_margin_ =
-        std::clamp(reach_margin_ + margin_step * (near_misses_ - allowed_misses), min_reach_margin, max_reach_margin);
+    reach_margin_ = std::clamp(reach_margin_ + margin_step * (near_misses_ - allowed_misses), min_reach_margin,
+                               weighted_ ? max_weighted_margin : max_reach_margin);
     // Long cells may reach farther than seeds are worth a search.
     if (needed < typical_reach_ || candidates_.count < enough_candidates)
         typical_reach_ += (std::min(needed, 4 * typical_reach_) - typical_reach_) / 16;
@@ -960,7 +1044,10 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
                 !images_known(x, x2, reach2, third.length2))
                 return false;
             if (weighted_ && vertices_ == 0 && is_hidden(three, third, x)) return false;
-            if (weighted_) largest_power_ = std::max(largest_power_, power_of(x, third));
+            if (weighted_) {
+                largest_distance2_ = std::max(largest_distance2_, distance_squared(x));
+                largest_length2_ = std::max(largest_length2_, third.length2);
+            }
         }
         reached_ = std::max(reached_, 4 * x2);
         if (tied_.empty()) return add_vertex<Kept>(edge, id, third, x);
@@ -969,21 +1056,31 @@ bool StarWalk<Isa>::close(const OpenEdge& edge, const Ray& ray, int lane) {
     return false;
 }
 
-// Returns the power of a vertex, rounded up.
+// Returns an upper bound on the power of vertices from the squares of their distance from the seed and of their length.
 template <class Isa>
-double StarWalk<Isa>::power_of(const Four& x, const Third& third) const {
-    const Wide from_seed = wide(x) - wide(move_);
-    const double distance =
-        bounds::max_distance(std::sqrt(dot(from_seed, from_seed)), std::sqrt(third.length2)) * unscale_;
+double StarWalk<Isa>::power_within(double distance2, double length2) const {
+    const double distance = bounds::max_distance(std::sqrt(distance2), std::sqrt(length2)) * unscale_;
     return bounds::power((1 + 4 * margin) * distance * distance, weight_);
 }
 
 // ---- Images that are not among the sorted ones ----
 
+// Where heavy seeds far away are not in the window, each vertex is tested by itself.
+template <class Isa>
+void StarWalk<Isa>::find_sure_images() {
+    image_shifts_known_ = false;
+    sure_images_ = window_.covered() > 0 ? sure_without_images(sure_box_, 0.5 * window_.reach()) : 0;
+    sure_images_known_ = true;
+    set_image_reach(2 * sure_images_);
+}
+
 // Whether all images near the vertex are present, with rounding small enough to decide.
 template <class Isa>
 bool StarWalk<Isa>::images_known(const Four& x, double x2, double reach2, double length2) {
-    if (!weighted_) set_image_reach(seeds_.images->reach(p_));
+    if (!weighted_)
+        set_image_reach(seeds_.images->reach(p_));
+    else if (!sure_images_known_)
+        find_sure_images();
     if (!(x2 > images_beyond2_)) return false;
     if (reach2 < images_within2_) return true;
     return reach2 * unscale_ * unscale_ < own_images_ * own_images_ * (1 - 4 * margin) &&
@@ -1077,6 +1174,7 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
     if (distance < near) return length;
     double sure = length;
     const bool few = for_shifts_around(home, distance, [&](const std::array<int, 3>& shift) {
+        if (sure == 0) return;
         const std::array<double, 3> by = translation(shift);
         const Box around = seen_from_images(home, by);
         WeightTilt tilt = tilt_;
@@ -1085,20 +1183,22 @@ double StarWalk<Isa>::sure_without_images(const Box& home, double length) {
         bool any = false;
         for_groups(around, tilt, test, [&](std::size_t begin) {
             for (std::size_t s = begin; s < seeds_.group_end(begin); ++s) {
-                if (seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}))
-                    continue;
-                any = true;
                 const double apart = std::max(near, distance_to_seed(around, s)),
                              square = apart * apart * (1 - 8 * unit);
                 const double most = std::max(0.0, largest_residual(tilt, s) - tilt.least);
-                sure = std::max(0.0, std::min(sure, apart == 0 ? 0 : 0.5 * (square - most) / apart * (1 - 8 * unit)));
+                const double within = apart == 0 ? 0 : std::max(0.0, 0.5 * (square - most) / apart * (1 - 8 * unit));
+                if (within >= length ||
+                    seeds_.images->is_present({seeds_.x[s] + by[0], seeds_.y[s] + by[1], seeds_.z[s] + by[2]}))
+                    continue;
+                any = true;
+                sure = std::min(sure, within);
             }
             if (any) test.length = sure;
             return !any || sure > 0;
         });
         if (any) image_shifts_.push_back(shift);
     });
-    image_shifts_known_ = few;
+    image_shifts_known_ = few && sure > 0;
     return few ? sure : 0;
 }
 
@@ -1271,7 +1371,7 @@ bool StarWalk<Isa>::add_tie(const OpenEdge& edge, std::int32_t id, const Third& 
     if (keep_ == Keep::places) store_position(third, x);
     tied_cells_.assign({own_local_, local_[edge.a], local_[edge.b], cells_.local(id)});
     for (const std::int32_t other : tied_) tied_cells_.push_back(cells_.local(other));
-    const double power = power_of(x, third);
+    const double power = power_within(distance_squared(x), third.length2);
     if (give_polygons(power)) return link_ring(ring_, vertices_++, true);
     cells_.give_tie(tied_cells_, numbers_[vertices_], power);
     return link_polygon(std::span(tied_cells_).subspan(1), vertices_++, true);

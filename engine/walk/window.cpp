@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t min_groups = 4;  // fewer say nothing about the surroundings
 constexpr int max_tries = 12;
-constexpr int max_heavier_tries = 1;
+constexpr int max_heavier_tries = 4;
 constexpr double widest_span = 1e28;        // of weights in squared units, which are floats
 constexpr double smallest_extent = 1e-280;  // units would overflow
 

@@ -178,20 +178,58 @@ TEST_SUITE("cases") {
     // 8 seconds when searches went by the heaviest weight of the domain.
     TEST_CASE("weights: waves in a periodic box") {
         test::Random random(9);
-        const std::size_t n = test::by_size(20000, 4000);
-        const double pi = 3.14159265358979, displaced = 2 / std::cbrt(static_cast<double>(n));
+        for (const double displaced : {2, 6}) {  // spacings; the farther waves break, so that some cells are empty
+            CAPTURE(displaced);
+            const std::size_t n = displaced == 2 ? test::by_size(20000, 4000) : 4000;
+            const double pi = 3.14159265358979, height = displaced / std::cbrt(static_cast<double>(n)) / pi;
+            Coordinates points(3 * n);
+            std::vector<double> weights(n);
+            for (double& x : points) x = random.uniform();
+            for (std::size_t i = 0; i < n; ++i)
+                weights[i] = height * std::sin(2 * pi * points[3 * i]) * std::cos(2 * pi * points[3 * i + 1]);
+            Options options;
+            options.box = test::unit_box();
+            options.periodic = {true, true, true};
+            options.weights = weights;
+            const auto t = votess::tessellate(points, options);
+            CHECK(votess::verify(t, points).failure == "");
+            CHECK((t.stats().empty_cells == 0) == (displaced == 2));
+        }
+    }
+
+    TEST_CASE("weights: most seeds of a periodic box have no cell") {
+        test::Random random(10);
+        const std::size_t n = test::by_size(5000, 1000);
         Coordinates points(3 * n);
         std::vector<double> weights(n);
         for (double& x : points) x = random.uniform();
-        for (std::size_t i = 0; i < n; ++i)
-            weights[i] = displaced / pi * std::sin(2 * pi * points[3 * i]) * std::cos(2 * pi * points[3 * i + 1]);
+        for (double& w : weights) w = random.uniform();
         Options options;
         options.box = test::unit_box();
         options.periodic = {true, true, true};
         options.weights = weights;
         const auto t = votess::tessellate(points, options);
-        const auto report = votess::verify(t, points);
-        CHECK(report.failure == "");
-        CHECK(t.stats().empty_cells == 0);
+        CHECK(votess::verify(t, points).failure == "");
+        CHECK(t.stats().empty_cells > n / 2);
+    }
+
+    // All planes pass through 0, so that only seeds on the convex hull have cells, with a corner there.
+    TEST_CASE("weights: the squared distance to 0, in a corner of the box or inside of it") {
+        test::Random random(11);
+        const std::size_t n = test::by_size(2000, 400);
+        Coordinates points(3 * n);
+        std::vector<double> weights;
+        for (double& x : points) x = std::ldexp(static_cast<double>(random.below(1 << 20)), -20);
+        for (std::size_t i = 0; i < points.size(); i += 3)
+            weights.push_back(points[i] * points[i] + points[i + 1] * points[i + 1] + points[i + 2] * points[i + 2]);
+        Options options;
+        options.weights = weights;
+        for (const double lower : {0., -1.}) {
+            CAPTURE(lower);
+            options.box = votess::Box{{lower, lower, lower}, {1, 1, 1}};
+            const auto t = votess::tessellate(points, options);
+            CHECK(votess::verify(t, points).failure == "");
+            CHECK(t.stats().empty_cells > n - n / 5);
+        }
     }
 }

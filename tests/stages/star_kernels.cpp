@@ -53,6 +53,25 @@ float small_integer(Random& random, int largest = 4) {
     return static_cast<float>(random.integer(-largest, largest));
 }
 
+// Returns the least of D^2 less the excess that the bound of box i allows, at places along each axis.
+double least_in_box(const BoxBlock& block, const WeightBlock& bounds, int i, const votess::Box& home,
+                    const WeightTilt& tilt) {
+    constexpr int steps = 200;
+    double sum = tilt.base + tilt.least - bounds.top[i];
+    for (int k = 0; k < 3; ++k) {
+        const double lower = block.lower[k][i], upper = block.upper[k][i], center = 0.5 * (lower + upper);
+        double least = infinity;
+        for (int step = 0; step <= steps; ++step) {
+            const double x = lower + (upper - lower) * step / steps;
+            const double gap = std::max({0.0, home.lower[k] - x, x - home.upper[k]});
+            least =
+                std::min(least, gap * gap - bounds.slope[k][i] * (x - center) + tilt.slope[k] * (x - tilt.origin[k]));
+        }
+        sum += least;
+    }
+    return sum;
+}
+
 }  // namespace
 
 TEST_SUITE("stages") {
@@ -140,7 +159,8 @@ TEST_SUITE("stages") {
         }
     }
 
-    // Seeds in boxes, with weights that are nearly linear in each, and a home with another slope.
+    // Seeds in boxes, with weights that are nearly linear in each, and a home with another slope. For a
+    // home that is a place the test is sharp: no place in a box that passes it has less D^2 than the bound allows.
     TEST_CASE("star kernels: near_heavier and to_window keep all seeds that may cut") {
         Random random(2);
         int passed = 0, dropped = 0;
@@ -159,6 +179,7 @@ TEST_SUITE("stages") {
                 home.lower[k] = random.uniform(-1, 0), home.upper[k] = random.uniform(0, 1);
                 tilt.slope[k] = random.uniform(-3, 3), tilt.origin[k] = random.uniform(-1, 1);
             }
+            if (random.chance(0.5)) home.upper = home.lower;
             tilt.base = random.uniform(-3, 3), tilt.least = random.uniform(-3, 3);
             for (int i = 0; i < box_fan; ++i) {
                 const double top = random.uniform(-9, 9);
@@ -180,7 +201,8 @@ TEST_SUITE("stages") {
                     bounds.top[i] = std::max(bounds.top[i], weights[box_fan * i + j] - along);
                 }
             }
-            const auto excess_over = [&](std::size_t s, double square, double nearest) {
+            // least: of the excess.
+            const auto excess_over = [&](std::size_t s, double square, double nearest, double least) {
                 double distance2 = 0, more = weights[s] - tilt.base - tilt.least;
                 for (int k = 0; k < 3; ++k) {
                     const double x = seeds[k][s];
@@ -188,7 +210,7 @@ TEST_SUITE("stages") {
                     more -= tilt.slope[k] * (x - tilt.origin[k]);
                 }
                 const double distance = std::max(std::sqrt(distance2), nearest);
-                return square + std::max(0.0, more) - distance * distance + 2 * test.length * distance;
+                return square + std::max(least, more) - distance * distance + 2 * test.length * distance;
             };
             const WindowFrame frame{home, 0, {}, 1024, &tilt, test.length};
             std::vector<std::uint32_t> groups(box_fan);
@@ -196,12 +218,16 @@ TEST_SUITE("stages") {
             test::for_each_set([&](const StarKernels& kernels) {
                 const unsigned near = kernels.near_heavier(block, bounds, home, tilt, test);
                 for (int i = 0; i < box_fan; ++i) {
-                    double most = -infinity;
-                    for (int j = 0; j < box_fan; ++j)
-                        most = std::max(
-                            most, excess_over(static_cast<std::size_t>(box_fan * i + j), test.square, test.nearest));
-                    if (most > 1e-9) REQUIRE((near >> i & 1) == 1);
+                    double most = -infinity, at_least = -infinity;
+                    for (int j = 0; j < box_fan; ++j) {
+                        const auto s = static_cast<std::size_t>(box_fan * i + j);
+                        most = std::max(most, excess_over(s, test.square, test.nearest, 0));
+                        at_least = std::max(at_least, excess_over(s, test.square, test.nearest, -infinity));
+                    }
+                    if (at_least > 1e-9) REQUIRE((near >> i & 1) == 1);
                     if (spread == 0 && most < -1e-9) REQUIRE((near >> i & 1) == 0);
+                    if (test.length == 0 && test.nearest == 0 && home.lower == home.upper && (near >> i & 1) == 1)
+                        CHECK(least_in_box(block, bounds, i, home, tilt) < test.square + 1e-3);
                     (most > 0 ? passed : dropped) += 1;
                 }
                 std::array<std::vector<std::int32_t>, 3> out;
@@ -221,7 +247,7 @@ TEST_SUITE("stages") {
                     REQUIRE(std::abs(residuals[w] / (1024.0 * 1024) - rest) < 1e-5);
                 }
                 for (std::size_t s = 0; s < kept.size(); ++s)
-                    if (const double excess = excess_over(s, 0, 0); std::abs(excess) > 1e-9)
+                    if (const double excess = excess_over(s, 0, 0, 0); std::abs(excess) > 1e-9)
                         REQUIRE(kept[s] == (excess > 0));
             });
         }
