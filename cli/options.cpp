@@ -39,7 +39,7 @@ the only one that fits. Velocities and forces do not)"},
         {"--frames all|last|a:b:c",
          R"(all frames, the last, or frames a to b - 1 in steps of c, in one pass. The
 output holds one after the other: .h5 has a group frame_NUMBER for each,
-text a header line, .csv a column `frame`; text of queries has all lines.
+text a header line, .csv a column `frame`.
 A file that holds one frame needs {frame} in its name for the number, as in
 cells-{frame}.vtu; it is complete when the frame is. Summary and --json
 have sums)",
@@ -181,8 +181,8 @@ file is written and the exit code is 1)",
          {.needs = Needs::all_cells, .with = "--volumes"}},
         {"--copy COLS",
          R"(columns of the input to copy into the output, with commas between them, or
-`all` that hold numbers. Text gets them at the end of the row, other files
-as arrays. Names and `all` need a header line, as in .csv. A named column
+`all` that hold numbers; "a, b" in quotes is one name. Text gets them at the
+end of the row, other files as arrays. Names and `all` need a header line, as in .csv. A named column
 may hold words; `species` is that of elements or types, whatever its name)",
          {.needs = Needs::cells}},
         {"--density COL",
@@ -391,8 +391,9 @@ The CPU always reaches 1e-10; the neighbors are exact either way)",
          R"(limit memory to SIZE bytes, such as 500M, 4G or (powers of 1024) 4Gi, for
 points larger than memory. The CPU clips one block after the other; the
 rest waits in temporary files. From .npy, .h5 (snapshots too) and rows of
-text into .h5, the same file as without --memory. Not with vertices and
-faces, --min-face, --min-area, --duplicates error, pictures and queries)",
+text into .h5, the same file as without --memory; frames of .h5 into a file
+each, as out-{frame}.h5. Not with vertices and faces, --min-face, --min-area,
+--duplicates error, pictures and queries)",
          {.needs = Needs::one_machine}},
         {"--temporary DIR",
          R"(folder for the files of --memory; default: that of the first output. The

@@ -68,6 +68,9 @@ std::string json_number(double value) {
 
 }  // namespace
 
+namespace {
+
+// Add the numbers of another frame.
 void add(const votess::Stats& one, votess::Stats& sum) {
     sum.device = one.device;
     sum.threads = one.threads;
@@ -103,6 +106,37 @@ void add(const votess::VerifyReport& one, votess::VerifyReport& sum) {
     sum.sampled += one.sampled;
     sum.proven &= one.proven;
     if (one.tiny_faces) sum.tiny_faces = sum.tiny_faces.value_or(0) + *one.tiny_faces;
+}
+
+}  // namespace
+
+void Summary::add(const Summary& one, std::uint64_t number, std::uint64_t points) {
+    if (domain.empty()) {
+        stats = one.stats;
+        domain = one.domain;
+        domain_json = one.domain_json;
+        plane_from = one.plane_from;
+        fit = one.fit;
+        verified = one.verified;
+        streamed = one.streamed;
+        if (frames) frames = {0, number, number, points, points, false};
+    } else {
+        clvotess::add(one.stats, stats);
+        if (fit) fit = {fit->steps + one.fit->steps, std::max(fit->residual, one.fit->residual)};
+        if (verified) clvotess::add(*one.verified, *verified);
+        if (streamed) {
+            streamed->blocks += one.streamed->blocks;
+            streamed->largest_block = std::max(streamed->largest_block, one.streamed->largest_block);
+            streamed->asked_cells += one.streamed->asked_cells;
+            streamed->temporary_bytes = std::max(streamed->temporary_bytes, one.streamed->temporary_bytes);
+        }
+    }
+    if (!frames) return;
+    frames->moving_domain |= one.domain != domain;
+    ++frames->count;
+    frames->last = number;
+    frames->min_points = std::min(frames->min_points, points);
+    frames->max_points = std::max(frames->max_points, points);
 }
 
 std::string json_string(const std::string& text) {

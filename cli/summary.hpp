@@ -47,15 +47,13 @@ struct Summary {
     std::optional<Streamed> streamed;     // with --memory
     std::optional<FramesSummary> frames;  // with --frames; the other numbers are sums
 
+    // Adds the numbers of a frame, or takes those of the only one.
+    void add(const Summary& one, std::uint64_t number, std::uint64_t points);
     void set_mesh(const std::string& file, const Surface& surface);
     void set_dimensions(bool planar, Dimensions requested);
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;
 };
-
-// Adds the numbers of another frame.
-void add(const votess::Stats& one, votess::Stats& sum);
-void add(const votess::VerifyReport& one, votess::VerifyReport& sum);
 
 // Returns a text as JSON, in quotes.
 [[nodiscard]] std::string json_string(const std::string& text);

@@ -36,6 +36,27 @@ double read_number(const std::string& option, const std::string& text, std::stri
     return *number;
 }
 
+// Splits names of columns at commas. Quotes may hold commas and doubled quotes, as in .csv.
+std::vector<std::string> split_names(const std::string& option, const std::string& text) {
+    std::vector<std::string> names;
+    for (std::size_t at = 0;; ++at) {
+        std::string& name = names.emplace_back();
+        bool quoted = at < text.size() && text[at] == '"';
+        if (quoted) ++at;
+        for (; at < text.size() && (quoted || text[at] != ','); ++at) {
+            const bool quote = quoted && text[at] == '"';
+            if (quote && text.compare(at, 2, "\"\"") != 0) {
+                quoted = false;
+                continue;
+            }
+            name += text[at];
+            if (quote) ++at;
+        }
+        if (quoted) throw bad_input(option + " " + in_quotes(text) + ": a quote does not end");
+        if (at >= text.size()) return names;
+    }
+}
+
 // Marks the run as one in three dimensions. Throws Failure if another option says two.
 void need_space(const std::string& what, Arguments& arguments) {
     if (!arguments.flat.empty())
@@ -189,10 +210,11 @@ void read_domain(const Typed& typed, Arguments& arguments) {
 void read_dimensions(const Typed& typed, Arguments& arguments) {
     arguments.read.dimensions = typed.has("--random") ? Dimensions::three : Dimensions::either;
     const std::string* columns = typed.value("--columns");
-    if (columns && std::ranges::count(*columns, ',') == 1) arguments.flat = "--columns " + *columns;
+    const std::size_t axes = columns ? split_names("--columns", *columns).size() : 0;
+    if (axes == 2) arguments.flat = "--columns " + *columns;
     if (typed.has("--2d")) arguments.flat = "--2d";
     if (!arguments.flat.empty()) arguments.read.dimensions = Dimensions::two;
-    if (columns && std::ranges::count(*columns, ',') == 2) need_space("--columns " + *columns, arguments);
+    if (axes == 3) need_space("--columns " + *columns, arguments);
     for (const Option* option : arguments.given)
         if (const std::string name = long_name(*option);
             option->traits.solid && !(typed.has("--to-grid") && (name == "--image" || name == "--colormap")))
@@ -229,7 +251,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
         if (random) throw bad_input(option + " goes with INPUT, not with --random");
         const bool list = option == "--values" || option == "--copy";
-        for (const std::string_view column : list ? split(*columns, ',') : std::vector<std::string_view>{*columns}) {
+        for (const std::string& column : list ? split_names(option, *columns) : std::vector<std::string>{*columns}) {
             if (column.empty()) throw bad_input(option + " is empty: give the name or number of a column");
             if (option == "--radii" && column == "covalent") {
                 arguments.covalent = arguments.read.species = true;
@@ -242,7 +264,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
             if (option == "--copy") {
                 arguments.read.first_words = std::min(arguments.read.first_words, arguments.read.columns.size());
             }
-            arguments.read.columns.emplace_back(column);
+            arguments.read.columns.push_back(column);
         }
     }
     constexpr auto max = std::numeric_limits<std::uint64_t>::max();
@@ -253,8 +275,7 @@ void read_source(const Typed& typed, Arguments& arguments) {
     if (const std::string* columns = typed.value("--columns")) {
         if (random) throw bad_input("--columns goes with INPUT, not with --random");
         if (typed.has("--dataset")) throw bad_input("give either --dataset or --columns, not both");
-        for (const std::string_view column : split(*columns, ',')) arguments.read.coordinates.emplace_back(column);
-        const std::vector<std::string>& names = arguments.read.coordinates;
+        const std::vector<std::string>& names = arguments.read.coordinates = split_names("--columns", *columns);
         if (names.size() < 2 || names.size() > 3 || std::ranges::count(names, std::string()) > 0)
             throw bad_input("--columns must be names or numbers of columns, X,Y,Z or X,Y in two dimensions, not " +
                             in_quotes(*columns));

@@ -23,35 +23,18 @@ public:
         for (std::int64_t& at : indptr_) at += static_cast<std::int64_t>(first_entry);
         duplicate_of_ = cells.duplicate_of;
         duplicate_of_.resize(cells.status.size(), -1);
-
-        ResultPiece piece;
-        piece.size = size_of_vectors(data.tessellation);
-        piece.ids = share.input.ids;
-        piece.has_ids = share.has_ids;
-        piece.wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-        piece.indptr = indptr_;
-        piece.wide_indices = cells.indices;
-        piece.wide_duplicate_of = duplicate_of_;
-        if (!piece.wide) {
-            narrow_indices_.assign(cells.indices.begin(), cells.indices.end());
-            narrow_duplicate_of_.assign(duplicate_of_.begin(), duplicate_of_.end());
-        }
-        piece.indices = narrow_indices_;
-        piece.duplicate_of = narrow_duplicate_of_;
-        piece.has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, [](auto of) { return of >= 0; }));
-        piece.shifts = cells.shifts;
-        piece.has_shifts = ranks.any(!cells.shifts.empty());
-        piece.face_areas = cells.face_areas;
-        piece.face_normals = cells.face_normals;
-        piece.volumes = cells.volumes;
-        piece.centroids = cells.centroids;
-        piece.surface_areas = cells.surface_areas;
-        piece.security_radii = cells.security_radii;
-        piece.face_counts = cells.face_counts;
-        piece.edge_counts = cells.edge_counts;
-        piece.vertex_counts = cells.vertex_counts;
-        piece.status = cells.status;
-        for (const ResultArray& array : result_arrays(piece, data.wanted, data.carried)) {
+        const auto is_seed = [](std::int64_t of) { return of >= 0; };
+        const WholeRows whole{
+            .size = size_of_vectors(data.tessellation),
+            .has_ids = share.has_ids,
+            .has_shifts = ranks.any(!cells.shifts.empty()),
+            .has_duplicates = ranks.any(std::ranges::any_of(duplicate_of_, is_seed)),
+            .wide = share.rows > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())};
+        rows_ = {{cells.status, duplicate_of_, indptr_, cells.indices, cells.shifts, cells.face_areas,
+                  cells.face_normals, cells.volumes, cells.centroids, cells.surface_areas, cells.security_radii,
+                  cells.face_counts, cells.edge_counts, cells.vertex_counts}};
+        for (const ResultArray& array :
+             result_arrays(rows_, std::nullopt, whole, share.input.ids, data.wanted, data.carried)) {
             if (array.of_entries)
                 arrays_.push_back({array, first_entry, all_entries});
             else
@@ -65,7 +48,7 @@ public:
 
 private:
     std::vector<std::int64_t> indptr_, duplicate_of_;
-    std::vector<std::int32_t> narrow_indices_, narrow_duplicate_of_;
+    votess::StreamRows rows_;
     std::vector<SharedArray> arrays_;
 };
 

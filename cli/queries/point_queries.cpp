@@ -14,6 +14,18 @@
 namespace clvotess {
 namespace {
 
+// Calls write(file, path) for each output. In text of several frames the line of this one comes first.
+template <class Write>
+void add_to_all(const Arguments& arguments, const QueryInput& input, Outputs& outputs, const Write& write) {
+    for (const std::string& path : arguments.outputs) {
+        const bool alone = outputs.place(path) == FramePlace::alone;
+        outputs.add(path, [&](OutputFile& file) {
+            if (!alone) file.write(frame_line(input.queries, input.queries.size(), "queries"));
+            write(file, path);
+        });
+    }
+}
+
 void write_located(OutputFile& file, const std::string& path, const std::vector<std::int32_t>& seeds) {
     if (is_npy_output(path)) {
         std::string shape = "(";
@@ -76,9 +88,8 @@ public:
         seeds_ = input.diagram.locate(input.queries.points, progress);
         outside_ += std::ranges::count(seeds_, -1);
     }
-    void write(const QueryInput&, Outputs& outputs) override {
-        for (const std::string& path : arguments_.outputs)
-            outputs.add(path, [&](OutputFile& file) { write_located(file, path, seeds_); });
+    void write(const QueryInput& input, Outputs& outputs) override {
+        add_to_all(arguments_, input, outputs, [&](auto& file, auto& path) { write_located(file, path, seeds_); });
     }
     std::vector<QueryCount> counts() const override { return {{"outside", "outside of the domain", outside_}}; }
 
@@ -160,9 +171,9 @@ public:
         field_ = input.diagram.interpolate(values.rows, components_, input.queries.points, options).values;
         for (std::size_t k = 0; k < field_.size(); k += components_) without_ += std::isnan(field_[k]) ? 1 : 0;
     }
-    void write(const QueryInput&, Outputs& outputs) override {
-        for (const std::string& path : arguments_.outputs)
-            outputs.add(path, [&](OutputFile& file) { write_field(file, path, field_, components_); });
+    void write(const QueryInput& input, Outputs& outputs) override {
+        add_to_all(arguments_, input, outputs,
+                   [&](auto& file, auto& path) { write_field(file, path, field_, components_); });
     }
     std::vector<QueryCount> counts() const override { return {{"without", "without natural neighbors", without_}}; }
 
@@ -198,9 +209,8 @@ public:
         for (std::size_t r = 0; r < input.queries.size(); ++r)
             without_ += cells_.offsets[r] == cells_.offsets[r + 1] ? 1 : 0;
     }
-    void write(const QueryInput&, Outputs& outputs) override {
-        for (const std::string& path : arguments_.outputs)
-            outputs.add(path, [&](OutputFile& file) { write_traced(file, path, cells_); });
+    void write(const QueryInput& input, Outputs& outputs) override {
+        add_to_all(arguments_, input, outputs, [&](auto& file, auto& path) { write_traced(file, path, cells_); });
     }
     std::vector<QueryCount> counts() const override { return {{"without", "without cells", without_}}; }
 

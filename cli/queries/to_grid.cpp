@@ -47,27 +47,6 @@ void complete(const Arguments& arguments, std::size_t dimensions, votess::GridOp
                 "--image has a pixel for each grid cell, 16384 at most along an axis: give a smaller --shape");
 }
 
-// Returns the domain of a grid: that of the seeds, with the ends of the default box, which holds a mesh too, where it
-// has none.
-votess::Tessellation domain_of(const Arguments& arguments, const QueryInput& input) {
-    const votess::Options& given = input.seeds.options;
-    if (has_ends(given, arguments.hull) && (!given.mesh || given.box || given.cell)) return input.diagram.probe({});
-    votess::Options options;
-    options.planar = given.planar;
-    options.mesh = given.mesh;
-    options.only.emplace();
-    const votess::Tessellation around = votess::tessellate(std::span<const double>(input.seeds.input.points), options);
-    if (!given.box) return around;
-    options.box = around.box();
-    options.mesh.reset();
-    options.periodic = given.periodic;
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (std::isfinite(given.box->lower[k])) options.box->lower[k] = given.box->lower[k];
-        if (std::isfinite(given.box->upper[k])) options.box->upper[k] = given.box->upper[k];
-    }
-    return votess::tessellate(std::span<const double>(), options);
-}
-
 std::vector<std::string> names_of(const Input& seeds, std::size_t first_column) {
     std::vector<std::string> names;
     for (std::size_t c = first_column; c < seeds.columns.size(); ++c)
@@ -95,7 +74,7 @@ public:
         }
         if (arguments_.picture && values.components > 1)
             throw bad_input("--image shows one column: name one with --values");
-        domain_ = domain_of(arguments_, input);
+        domain_ = input.diagram.grid_domain();
         check_grid_domain(arguments_.outputs, domain_);
         options_.columns = values.components;
         std::size_t size = options_.columns;

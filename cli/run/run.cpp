@@ -145,32 +145,14 @@ private:
 
     void add_to_summary(const Cells& cells) {
         const votess::Tessellation& tessellation = cells.tessellation;
-        const std::string domain = domain_text(tessellation, cells.domain_from);
-        const bool first = summary_.domain.empty();
-        if (first) {
-            summary_.domain = domain;
-            summary_.domain_json = domain_json(tessellation, cells.domain_from);
-            summary_.stats = tessellation.stats();
-            summary_.fit = cells.fit;
-            summary_.verified = cells.verified;
-        } else {
-            add(tessellation.stats(), summary_.stats);
-            if (cells.fit) {
-                summary_.fit->steps += cells.fit->steps;
-                summary_.fit->residual = std::max(summary_.fit->residual, cells.fit->residual);
-            }
-            if (cells.verified) add(*cells.verified, *summary_.verified);
-        }
-        summary_.set_dimensions(tessellation.planar(), arguments_.read.dimensions);
-        if (!summary_.frames) return;
-        FramesSummary& frames = *summary_.frames;
-        const std::uint64_t number = cells.input.frame.value_or(0), points = tessellation.size();
-        if (first) frames = {0, number, number, points, points, false};
-        frames.moving_domain |= domain != summary_.domain;
-        ++frames.count;
-        frames.last = number;
-        frames.min_points = std::min(frames.min_points, points);
-        frames.max_points = std::max(frames.max_points, points);
+        Summary one;
+        one.domain = domain_text(tessellation, cells.domain_from);
+        one.domain_json = domain_json(tessellation, cells.domain_from);
+        one.stats = tessellation.stats();
+        one.fit = cells.fit;
+        one.verified = cells.verified;
+        one.set_dimensions(tessellation.planar(), arguments_.read.dimensions);
+        summary_.add(one, cells.input.frame.value_or(0), tessellation.size());
     }
 
     void write(const Cells& cells) {

@@ -18,6 +18,7 @@
 #include "files/output_file.hpp"
 #include "interrupt.hpp"
 #include "read/input.hpp"
+#include "run/frames.hpp"
 #include "run/settle.hpp"
 #include "stream/scratch_file.hpp"
 #include "write/output.hpp"
@@ -235,60 +236,28 @@ private:
         seconds_ += std::chrono::duration<double>(Progress::Clock::now() - began).count();
     }
 
-    // Returns the arrays of `count` rows. Ids are as narrow as those of a result in memory.
-    ResultPiece piece_of(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
-        ResultPiece piece;
-        const auto cells = [&](const auto& all, std::size_t each = 1) {
-            return all.empty() ? all : all.subspan(each * begin, each * count);
-        };
-        const std::size_t size = piece.size = size_of_vectors(domain_);
-        piece.wide = head_.seeds > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
-        piece.has_shifts = head_.periodic && head_.entries > 0;
-        piece.has_duplicates = head_.duplicates;
-        piece.status = cells(rows.status);
-        piece.volumes = cells(rows.volumes);
-        piece.centroids = cells(rows.centroids, size);
-        piece.surface_areas = cells(rows.surface_areas);
-        piece.security_radii = cells(rows.security_radii);
-        piece.face_counts = cells(rows.face_counts);
-        piece.edge_counts = cells(rows.edge_counts);
-        piece.vertex_counts = cells(rows.vertex_counts);
-        piece.wide_duplicate_of = cells(rows.duplicate_of);
-        narrow_duplicate_of_.assign(piece.wide_duplicate_of.begin(), piece.wide_duplicate_of.end());
-        piece.duplicate_of = narrow_duplicate_of_;
-        if (rows.indptr.empty()) return piece;
-        piece.indptr = rows.indptr.subspan(begin, count + 1);
-        const auto first = static_cast<std::size_t>(piece.indptr.front() - rows.indptr.front());
-        const auto length = static_cast<std::size_t>(piece.indptr.back() - piece.indptr.front());
-        const auto entries = [&](const auto& all, std::size_t each = 1) {
-            return all.empty() ? all : all.subspan(each * first, each * length);
-        };
-        piece.wide_indices = entries(rows.indices);
-        if (!piece.wide) narrow_indices_.assign(piece.wide_indices.begin(), piece.wide_indices.end());
-        piece.indices = narrow_indices_;
-        piece.shifts = entries(rows.shifts, size);
-        piece.face_areas = entries(rows.face_areas);
-        piece.face_normals = entries(rows.face_normals, size);
-        return piece;
-    }
-
     void write(const votess::StreamRows& rows, std::size_t begin, std::size_t count) {
         Input input = extras_.read(count);
-        ResultPiece piece = piece_of(rows, begin, count);
-        piece.ids = input.ids;
-        piece.has_ids = extras_.has_ids();
         std::vector<InputColumn> carried = take_carried(arguments_, input);
         const std::vector<double> masses = masses_of(arguments_, input);
         const auto volumes = masses.empty() ? std::span<const double>() : rows.volumes.subspan(begin, masses.size());
         fill_density(arguments_, masses, volumes, carried);
-        if (pending_) pending_->add(masses, volumes, piece.wide_duplicate_of);
-        const auto arrays = result_arrays(piece, arguments_.wanted, carried);
+        if (pending_)
+            pending_->add(masses, volumes,
+                          rows.duplicate_of.empty() ? rows.duplicate_of : rows.duplicate_of.subspan(begin, count));
+        const WholeRows whole{
+            .size = size_of_vectors(domain_),
+            .has_ids = extras_.has_ids(),
+            .has_shifts = head_.periodic && head_.entries > 0,
+            .has_duplicates = head_.duplicates,
+            .wide = head_.seeds > static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max())};
+        const auto arrays = result_arrays(rows, RowRange{begin, count}, whole, input.ids, arguments_.wanted, carried);
         density_number_ = arrays.size() - 1;  // with --density the last array
         for (std::size_t a = 0; a < arrays.size(); ++a) {
             const ResultArray& array = arrays[a];
             const std::uint64_t all = array.of_entries ? head_.entries : head_.seeds + (array.name == "indptr" ? 1 : 0);
             const std::uint64_t row =
-                array.of_entries ? static_cast<std::uint64_t>(piece.indptr[0]) : rows.first + begin;
+                array.of_entries ? static_cast<std::uint64_t>(rows.indptr[begin]) : rows.first + begin;
             for (auto& writer : writers_) {
                 if (begun_)
                     writer->write(a, row, array);
@@ -310,7 +279,6 @@ private:
     votess::Tessellation domain_;
     std::deque<OutputFile> files_;
     std::vector<std::unique_ptr<StreamedFile>> writers_;
-    std::vector<std::int32_t> narrow_indices_, narrow_duplicate_of_;
     bool begun_ = false;
     double seconds_ = 0;
 };
@@ -335,7 +303,7 @@ void read_memory(const Typed& typed, Arguments& arguments) {
     if (arguments.memory == 0) return;
     if (arguments.covalent)
         throw bad_input("--memory needs a column of radii: --radii covalent holds all points in memory");
-    if (const Option* option = arguments.find_needing({Needs::all_cells, Needs::all_points}))
+    if (const Option* option = arguments.find_needing({Needs::all_cells, Needs::all_points}, {"--frames"}))
         throw bad_input("--memory does not work with " + long_name(*option) +
                         ": it needs all points or cells at once; leave one out");
 }
@@ -350,6 +318,8 @@ void check_streamed(const Arguments& arguments) {
     for (const std::string& path : arguments.outputs)
         if (!path.ends_with(".h5") && !path.ends_with(".hdf5"))
             refuse("-o " + path, "pieces can only be written to .h5; name the file .h5");
+        else if (arguments.frames && !names_frame(path))
+            refuse("-o " + path, "each frame has a file; let {frame} stand for its number, as in out-{frame}.h5");
     if (arguments.wanted.vertices || arguments.wanted.faces)
         refuse("vertices or faces", "cells of several blocks share vertices; leave them out");
     if (options.duplicates == votess::Duplicates::error)
@@ -357,7 +327,9 @@ void check_streamed(const Arguments& arguments) {
                "duplicates are known only at the end; leave it out and read duplicate_of in the output");
 }
 
-Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
+namespace {
+
+Summary stream_one(const Arguments& arguments, Progress::Clock::time_point run_began) {
     const InterruptGuard guard;
     Progress progress(!arguments.quiet, run_began);
     const auto pieces = arguments.random_count
@@ -405,6 +377,34 @@ Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run
     summary.domain_json = domain_json(sink.domain(), domain_from);
     summary.has_volumes = arguments.wanted.volumes;
     return summary;
+}
+
+}  // namespace
+
+Summary run_streamed(const Arguments& arguments, Progress::Clock::time_point run_began) {
+    if (!arguments.frames) return stream_one(arguments, run_began);
+    const FrameRange& range = *arguments.frames;
+    const std::uint64_t count = open_frames(arguments.input, arguments.read)->count_rest().value_or(1);
+    Summary sum;
+    sum.frames.emplace();
+    sum.has_volumes = arguments.wanted.volumes;
+    for (std::uint64_t number = range.last ? count - 1 : range.begin; number < count; ++number) {
+        if (!range.last && !range.holds(number)) continue;
+        Arguments one = arguments;
+        one.frames.reset();
+        if (count > 1) one.read.frame = number;
+        for (std::string& path : one.outputs) path = with_frame(path, number);
+        const Summary frame = in_frame(arguments, number, [&] { return stream_one(one, run_began); });
+        if (const std::string failure = frame.failure(); !failure.empty())
+            throw Failure(exit_code::verification_failed, "frame " + std::to_string(number) + ": " + failure);
+        sum.add(frame, number, frame.stats.points);
+        sum.seconds_read += frame.seconds_read;
+        sum.seconds_write += frame.seconds_write;
+    }
+    if (sum.frames->count == 0)
+        throw bad_input(arguments.input + ": frame " + range.text + " is missing, the file has " +
+                        std::to_string(count) + ", counted from 0");
+    return sum;
 }
 
 }  // namespace clvotess

@@ -230,6 +230,12 @@ bool names_frame(const std::string& path) {
     return path.find(frame_mark) != std::string::npos;
 }
 
+std::string with_frame(std::string path, std::uint64_t number) {
+    for (std::size_t at = 0; (at = path.find(frame_mark)) != std::string::npos;)
+        path.replace(at, frame_mark.size(), std::to_string(number));
+    return path;
+}
+
 void check_frame_names(const std::vector<std::string>& paths, bool several) {
     for (const std::string& path : paths) {
         if (!several && names_frame(path))
@@ -243,6 +249,11 @@ void check_frame_names(const std::vector<std::string>& paths, bool several) {
                             ", which holds one: let {frame} stand for its number in the name, as in out-{frame}" +
                             extension_of(path));
     }
+}
+
+std::string frame_line(const Input& frame, std::size_t rows, const char* of) {
+    const std::string step = frame.timestep.empty() ? "" : ", timestep " + frame.timestep;
+    return "# frame " + std::to_string(frame.frame.value_or(0)) + step + ", " + std::to_string(rows) + " " + of + "\n";
 }
 
 // Text, or a file of one of the formats that hold several frames.
@@ -270,10 +281,7 @@ Outputs::Shared& Outputs::shared(const std::string& path) {
 
 void Outputs::add(const std::string& path, const std::function<void(OutputFile&)>& write) {
     if (place(path) == FramePlace::alone) {
-        std::string name = path;
-        for (std::size_t at = 0; several_ && (at = name.find(frame_mark)) != std::string::npos;)
-            name.replace(at, frame_mark.size(), std::to_string(number_));
-        write(complete_.emplace_back(name));
+        write(complete_.emplace_back(several_ ? with_frame(path, number_) : path));
         complete_.back().finish();
     } else {
         Shared& file = shared(path);

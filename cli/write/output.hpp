@@ -83,6 +83,10 @@ public:
 // The text in names of outputs that the number of the frame replaces.
 inline constexpr std::string_view frame_mark = "{frame}";
 [[nodiscard]] bool names_frame(const std::string& path);
+[[nodiscard]] std::string with_frame(std::string path, std::uint64_t number);
+
+// Returns the line before the rows of a frame, in text of several. of: what the rows are, such as "points".
+[[nodiscard]] std::string frame_line(const Input& frame, std::size_t rows, const char* of);
 
 // The files of a run. Those that hold all of its frames are complete before the first gets its name; those of one
 // frame, whose names have the frame's number, get them after each frame.

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <tuple>
+#include <type_traits>
+#include <utility>
 
 namespace clvotess {
 
@@ -31,47 +34,8 @@ void add_alpha(const votess::AlphaComplex& alpha, std::size_t dimensions, bool p
     }
 }
 
-}  // namespace
-
-bool is_result_array(std::string_view name) {
-    const auto of_alpha = [&](const AlphaNames& names) {
-        return name == names.seeds || name == names.shifts || name == names.values || name == names.gabriel;
-    };
-    if (std::ranges::any_of(alpha_names, of_alpha)) return true;
-    constexpr std::array<std::string_view, 29> names{"ids",
-                                                     "indptr",
-                                                     "indices",
-                                                     "shifts",
-                                                     "face_areas",
-                                                     "face_normals",
-                                                     "volumes",
-                                                     "centroids",
-                                                     "surface_areas",
-                                                     "mesh_areas",
-                                                     "security_radii",
-                                                     "face_counts",
-                                                     "edge_counts",
-                                                     "vertex_counts",
-                                                     "vertices",
-                                                     "cell_vertex_indptr",
-                                                     "cell_vertex_indices",
-                                                     "face_offsets",
-                                                     "face_vertices",
-                                                     "status",
-                                                     "duplicate_of",
-                                                     "box",
-                                                     "periodic",
-                                                     "cell",
-                                                     "origin",
-                                                     "walls",
-                                                     "version",
-                                                     "domain_from",
-                                                     "periodic_from"};
-    return std::ranges::find(names, name) != names.end();
-}
-
 // Returns texts of equal length, filled with zeros.
-ResultArray as_array(std::string_view name, const std::vector<std::string>& words) {
+ResultArray as_texts(std::string_view name, const std::vector<std::string>& words) {
     std::size_t longest = 1;
     for (const std::string& word : words) longest = std::max(longest, word.size());
     auto bytes = std::make_shared<std::string>();
@@ -80,83 +44,127 @@ ResultArray as_array(std::string_view name, const std::vector<std::string>& word
     return {.name = name, .bytes = *bytes, .text = longest, .owner = bytes};
 }
 
-std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
-                                       const std::vector<InputColumn>& carried) {
+using Cells = votess::Tessellation;
+using Rows = votess::StreamRows;
+using votess::Want;
+
+// An array of rows. of_rows: null where pieces have none; their ids of seeds have 64 bits.
+template <class OfCells, class OfRows>
+struct RowArray {
+    std::string_view name;
+    OfCells of_cells;
+    OfRows of_rows;
+    std::size_t columns = 1;          // 3: a vector, which has two components in the plane
+    bool Want::*word = nullptr;       // the group that wants it; null: every file has it
+    bool of_entries = false;          // one row for each neighbor
+    bool WholeRows::*held = nullptr;  // whether the rows have it; null: yes
+};
+template <class OfCells, class OfRows, class... Others>
+RowArray(std::string_view, OfCells, OfRows, Others...) -> RowArray<OfCells, OfRows>;
+
+// In the order of the files.
+constexpr std::tuple row_arrays{
+    RowArray{"indptr", &Cells::indptr, &Rows::indptr, 1, &Want::neighbors},
+    RowArray{"indices", &Cells::indices, &Rows::indices, 1, &Want::neighbors, true},
+    RowArray{"shifts", &Cells::shifts, &Rows::shifts, 3, &Want::neighbors, true, &WholeRows::has_shifts},
+    RowArray{"face_areas", &Cells::face_areas, &Rows::face_areas, 1, &Want::areas, true},
+    RowArray{"face_normals", &Cells::face_normals, &Rows::face_normals, 3, &Want::normals, true},
+    RowArray{"volumes", &Cells::volumes, &Rows::volumes, 1, &Want::volumes},
+    RowArray{"centroids", &Cells::centroids, &Rows::centroids, 3, &Want::centroids},
+    RowArray{"surface_areas", &Cells::surface_areas, &Rows::surface_areas, 1, &Want::surfaces},
+    RowArray{"mesh_areas", &Cells::mesh_areas, nullptr, 1, &Want::surfaces, false, &WholeRows::in_mesh},
+    RowArray{"security_radii", &Cells::security_radii, &Rows::security_radii, 1, &Want::radii},
+    RowArray{"face_counts", &Cells::face_counts, &Rows::face_counts, 1, &Want::counts},
+    RowArray{"edge_counts", &Cells::edge_counts, &Rows::edge_counts, 1, &Want::counts},
+    RowArray{"vertex_counts", &Cells::vertex_counts, &Rows::vertex_counts, 1, &Want::counts},
+    RowArray{"vertices", &Cells::vertices, nullptr, 3, &Want::vertices},
+    RowArray{"cell_vertex_indptr", &Cells::cell_vertex_indptr, nullptr, 1, &Want::vertices},
+    RowArray{"cell_vertex_indices", &Cells::cell_vertex_indices, nullptr, 1, &Want::vertices},
+    RowArray{"face_offsets", &Cells::face_offsets, nullptr, 1, &Want::faces},
+    RowArray{"face_vertices", &Cells::face_vertices, nullptr, 1, &Want::faces},
+    RowArray{"status", &Cells::status, &Rows::status},
+    RowArray{"duplicate_of", &Cells::duplicate_of, &Rows::duplicate_of, 1, nullptr, false, &WholeRows::has_duplicates},
+};
+
+// Returns an array with numbers of another type.
+template <class Number>
+ResultArray converted(std::string_view name, const auto& values) {
+    const std::vector<Number> numbers(values.begin(), values.end());
+    auto bytes = std::make_shared<const std::string>(reinterpret_cast<const char*>(numbers.data()),
+                                                     numbers.size() * sizeof(Number));
+    return {.name = name, .type = type_of<Number>(), .bytes = *bytes, .owner = bytes};
+}
+
+// from: Cells or Rows.
+template <class From>
+std::vector<ResultArray> arrays_of(const From& from, const std::optional<RowRange>& range, const WholeRows& whole,
+                                   std::span<const std::int64_t> ids, const Want& wanted,
+                                   const std::vector<InputColumn>& carried) {
     std::vector<ResultArray> arrays;
-    const std::size_t size = piece.size;
-    const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
-        arrays.push_back(as_array(name, std::span(values), columns));
+    if (whole.has_ids) arrays.push_back(as_array("ids", ids));
+    const auto add = [&](const auto& array, auto values) {
+        const std::size_t columns = array.columns == 3 ? whole.size : array.columns;
+        if (range && !values.empty()) {
+            std::size_t begin = range->begin, end = begin + range->count;
+            if constexpr (std::is_same_v<From, Rows>) {
+                const auto entry = [&](std::size_t row) {
+                    return static_cast<std::size_t>(from.indptr[row] - from.indptr[0]);
+                };
+                if (array.of_entries) begin = entry(begin), end = entry(end);
+            }
+            if (array.name == "indptr") ++end;
+            values = values.subspan(columns * begin, columns * (end - begin));
+        }
+        using Narrow = typename decltype((std::declval<Cells>().*array.of_cells)())::value_type;
+        using Given = typename decltype(values)::value_type;
+        if (std::is_same_v<Narrow, Given> || whole.wide)
+            arrays.push_back(as_array(array.name, values, columns));
+        else
+            arrays.push_back(converted<Narrow>(array.name, values));
+        arrays.back().of_entries = array.of_entries;
     };
-    const auto add_entries = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
-        add(name, values, columns);
-        arrays.back().of_entries = true;
+    const auto visit = [&](const auto& array) {
+        if (array.word != nullptr && !(wanted.*array.word)) return;
+        if (array.held != nullptr && !(whole.*array.held)) return;
+        if constexpr (std::is_same_v<From, Cells>)
+            add(array, (from.*array.of_cells)());
+        else if constexpr (!std::is_null_pointer_v<decltype(array.of_rows)>)
+            add(array, from.*array.of_rows);
     };
-    if (piece.has_ids) add("ids", piece.ids);
-    if (wanted.neighbors) {
-        add("indptr", piece.indptr);
-        piece.wide ? add_entries("indices", piece.wide_indices) : add_entries("indices", piece.indices);
-        if (piece.has_shifts) add_entries("shifts", piece.shifts, size);
-    }
-    if (wanted.areas) add_entries("face_areas", piece.face_areas);
-    if (wanted.normals) add_entries("face_normals", piece.face_normals, size);
-    if (wanted.volumes) add("volumes", piece.volumes);
-    if (wanted.centroids) add("centroids", piece.centroids, size);
-    if (wanted.surfaces) add("surface_areas", piece.surface_areas);
-    if (wanted.surfaces && piece.in_mesh) add("mesh_areas", piece.mesh_areas);
-    if (wanted.radii) add("security_radii", piece.security_radii);
-    if (wanted.counts) {
-        add("face_counts", piece.face_counts);
-        add("edge_counts", piece.edge_counts);
-        add("vertex_counts", piece.vertex_counts);
-    }
-    add("status", piece.status);
-    if (piece.has_duplicates)
-        piece.wide ? add("duplicate_of", piece.wide_duplicate_of) : add("duplicate_of", piece.duplicate_of);
+    std::apply([&](const auto&... array) { (visit(array), ...); }, row_arrays);
     for (const InputColumn& column : carried)
-        column.of_words ? arrays.push_back(as_array(column.name, column.words))
-                        : add(column.name, column.values, column.width);
+        arrays.push_back(column.of_words ? as_texts(column.name, column.words)
+                                         : as_array(column.name, std::span(column.values), column.width));
     return arrays;
 }
 
-std::vector<ResultArray> result_arrays(const OutputData& data) {
-    const votess::Tessellation& cells = data.tessellation;
-    const votess::Want& wanted = data.wanted;
-    ResultPiece whole;
-    whole.size = size_of_vectors(cells);
-    whole.ids = data.input.ids;
-    whole.has_ids = !whole.ids.empty();
-    whole.indptr = cells.indptr();
-    whole.indices = cells.indices();
-    whole.shifts = cells.shifts();
-    whole.face_areas = cells.face_areas();
-    whole.face_normals = cells.face_normals();
-    whole.volumes = cells.volumes();
-    whole.centroids = cells.centroids();
-    whole.surface_areas = cells.surface_areas();
-    whole.in_mesh = cells.in_mesh();
-    whole.mesh_areas = cells.mesh_areas();
-    whole.security_radii = cells.security_radii();
-    whole.face_counts = cells.face_counts();
-    whole.edge_counts = cells.edge_counts();
-    whole.vertex_counts = cells.vertex_counts();
-    whole.status = cells.status();
-    whole.duplicate_of = cells.duplicate_of();
-    whole.has_shifts = !whole.shifts.empty();
-    whole.has_duplicates = !whole.duplicate_of.empty();
-    std::vector<ResultArray> arrays = result_arrays(whole, wanted, data.carried), mesh;
-    const auto add = [&](std::string_view name, const auto& values, std::size_t columns = 1) {
-        mesh.push_back(as_array(name, values, columns));
+}  // namespace
+
+bool is_result_array(std::string_view name) {
+    const auto of_alpha = [&](const AlphaNames& names) {
+        return name == names.seeds || name == names.shifts || name == names.values || name == names.gabriel;
     };
-    if (wanted.vertices) {
-        add("vertices", cells.vertices(), whole.size);
-        add("cell_vertex_indptr", cells.cell_vertex_indptr());
-        add("cell_vertex_indices", cells.cell_vertex_indices());
-    }
-    if (wanted.faces) {
-        add("face_offsets", cells.face_offsets());
-        add("face_vertices", cells.face_vertices());
-    }
-    arrays.insert(std::ranges::find(arrays, "status", &ResultArray::name), mesh.begin(), mesh.end());
+    const auto of_rows = [&](const auto&... array) { return ((name == array.name) || ...); };
+    constexpr std::array<std::string_view, 9> others{"ids",   "box",     "periodic",    "cell",         "origin",
+                                                     "walls", "version", "domain_from", "periodic_from"};
+    return std::ranges::any_of(alpha_names, of_alpha) || std::apply(of_rows, row_arrays) ||
+           std::ranges::find(others, name) != others.end();
+}
+
+std::vector<ResultArray> result_arrays(const votess::StreamRows& piece, const std::optional<RowRange>& range,
+                                       const WholeRows& whole, std::span<const std::int64_t> ids, const Want& wanted,
+                                       const std::vector<InputColumn>& carried) {
+    return arrays_of(piece, range, whole, ids, wanted, carried);
+}
+
+std::vector<ResultArray> result_arrays(const OutputData& data) {
+    const Cells& cells = data.tessellation;
+    const WholeRows whole{.size = size_of_vectors(cells),
+                          .has_ids = !data.input.ids.empty(),
+                          .has_shifts = !cells.shifts().empty(),
+                          .has_duplicates = !cells.duplicate_of().empty(),
+                          .in_mesh = cells.in_mesh()};
+    auto arrays = arrays_of(cells, std::nullopt, whole, data.input.ids, data.wanted, data.carried);
     if (data.alpha != nullptr) add_alpha(*data.alpha, whole.size, cells.periodic() != std::array<bool, 3>{}, arrays);
     return arrays;
 }

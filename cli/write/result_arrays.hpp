@@ -4,11 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
+#include <votess/stream.hpp>
 #include <votess/votess.hpp>
 
 #include "files/binary_numbers.hpp"
@@ -49,23 +51,20 @@ template <typename Number>
 // columns. They are views into `data`.
 [[nodiscard]] std::vector<ResultArray> result_arrays(const OutputData& data);
 
-// A piece of a result, with the names of Tessellation. duplicate_of and shifts are empty where the whole has none.
-struct ResultPiece {
+// What holds for all rows of a result, of which pieces may be written.
+struct WholeRows {
     std::size_t size = 3;  // of vectors
-    std::span<const std::int64_t> ids;
-    std::span<const std::int64_t> indptr;  // n+1
-    std::span<const std::int32_t> indices;
-    std::span<const std::int64_t> wide_indices;  // used instead when `wide`
-    std::span<const std::int8_t> shifts;
-    std::span<const double> face_areas, face_normals, volumes, centroids, surface_areas, mesh_areas, security_radii;
-    std::span<const std::uint32_t> face_counts, edge_counts, vertex_counts;
-    std::span<const votess::CellStatus> status;
-    std::span<const std::int32_t> duplicate_of;
-    std::span<const std::int64_t> wide_duplicate_of;
-    bool has_ids = false, has_shifts = false, has_duplicates = false, wide = false,
-         in_mesh = false;  // properties of the whole
+    bool has_ids = false, has_shifts = false, has_duplicates = false, in_mesh = false;
+    bool wide = false;  // ids of seeds need 64 bits
 };
-[[nodiscard]] std::vector<ResultArray> result_arrays(const ResultPiece& piece, const votess::Want& wanted,
+// Some of the rows, counted from the first one.
+struct RowRange {
+    std::size_t begin, count;
+};
+// Returns the arrays of a piece of the rows, or of some of it, with the ids and columns of these.
+[[nodiscard]] std::vector<ResultArray> result_arrays(const votess::StreamRows& piece,
+                                                     const std::optional<RowRange>& range, const WholeRows& whole,
+                                                     std::span<const std::int64_t> ids, const votess::Want& wanted,
                                                      const std::vector<InputColumn>& carried);
 
 void write_npz_arrays(OutputFile& file, std::span<const ResultArray> arrays);

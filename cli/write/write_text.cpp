@@ -302,11 +302,7 @@ void write_text(OutputFile& file, const OutputData& data) {
     const bool subset = data.tessellation.is_subset();
     const bool ids_ascend = std::ranges::is_sorted(subset ? data.all_ids : std::span(data.input.ids));
     const std::size_t count = data.tessellation.size();
-    if (data.place != FramePlace::alone) {
-        const std::string step = data.input.timestep.empty() ? "" : ", timestep " + data.input.timestep;
-        file.write("# frame " + std::to_string(data.input.frame.value_or(0)) + step + ", " + std::to_string(count) +
-                   " points\n");
-    }
+    if (data.place != FramePlace::alone) file.write(frame_line(data.input, count, "points"));
     in_order((count + block - 1) / block, data.threads,
              [&](std::size_t k) {
                  return TextWriter(data, places, seeds, ids_ascend).rows(k * block, std::min(count, (k + 1) * block));

@@ -51,14 +51,12 @@ void votess_diagram_free(votess_diagram* diagram) {
 }
 
 size_t votess_diagram_size(const votess_diagram* diagram) {
-    if (diagram == nullptr) set_last_error("diagram is NULL");
-    return diagram == nullptr ? 0 : diagram->diagram.size();
+    return value_of<std::size_t>(diagram, "diagram is NULL",
+                                 [](const votess_diagram& of) { return of.diagram.size(); });
 }
 
 int votess_diagram_planar(const votess_diagram* diagram) {
-    if (diagram != nullptr) return diagram->diagram.planar() ? 1 : 0;
-    set_last_error("diagram is NULL");
-    return 0;
+    return value_of<int>(diagram, "diagram is NULL", [](const votess_diagram& of) { return of.diagram.planar(); });
 }
 
 votess_status votess_diagram_locate(const votess_diagram* diagram, const double* queries, size_t count,

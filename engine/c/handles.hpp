@@ -148,6 +148,14 @@ std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t co
     return {points, dimensions * count};
 }
 
+// Returns get(*handle), or without a handle 0 and the error.
+template <typename Value, typename Handle, typename Get>
+Value value_of(const Handle* handle, const char* error, const Get& get) noexcept {
+    if (handle != nullptr) return static_cast<Value>(get(*handle));
+    set_last_error(error);
+    return 0;
+}
+
 // Those of queries, which have the dimensions of the seeds.
 inline std::span<const double> queries_of(const votess_diagram& diagram, const double* queries, std::size_t count,
                                           const char* name = "queries") {

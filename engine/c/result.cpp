@@ -37,9 +37,8 @@ void votess_result_free(votess_result* result) {
 }
 
 size_t votess_result_size(const votess_result* result) {
-    if (result != nullptr) return result->tessellation.size();
-    set_last_error("result is NULL");
-    return 0;
+    return value_of<std::size_t>(result, "result is NULL",
+                                 [](const votess_result& of) { return of.tessellation.size(); });
 }
 
 votess_status votess_result_array(const votess_result* result, const char* name, votess_array* array) {
@@ -74,27 +73,21 @@ votess_status votess_result_array(const votess_result* result, const char* name,
 }
 
 int votess_result_in_mesh(const votess_result* result) {
-    if (result != nullptr) return result->tessellation.in_mesh() ? 1 : 0;
-    set_last_error("result is NULL");
-    return 0;
+    return value_of<int>(result, "result is NULL", [](const votess_result& of) { return of.tessellation.in_mesh(); });
 }
 
 int votess_result_planar(const votess_result* result) {
-    if (result != nullptr) return result->tessellation.planar() ? 1 : 0;
-    set_last_error("result is NULL");
-    return 0;
+    return value_of<int>(result, "result is NULL", [](const votess_result& of) { return of.tessellation.planar(); });
 }
 
 int votess_result_lists_walls(const votess_result* result) {
-    if (result != nullptr) return result->tessellation.lists_walls() ? 1 : 0;
-    set_last_error("result is NULL");
-    return 0;
+    return value_of<int>(result, "result is NULL",
+                         [](const votess_result& of) { return of.tessellation.lists_walls(); });
 }
 
 double votess_result_least_face(const votess_result* result) {
-    if (result != nullptr) return result->tessellation.least_face();
-    set_last_error("result is NULL");
-    return 0;
+    return value_of<double>(result, "result is NULL",
+                            [](const votess_result& of) { return of.tessellation.least_face(); });
 }
 
 votess_status votess_result_box(const votess_result* result, double lower[3], double upper[3]) {

@@ -128,6 +128,7 @@ void ThreadPool::Crew::wait() {
 }
 
 void ThreadPool::Crew::run(std::size_t tasks, const Task& each, bool stage) {
+    const bool wakes = tasks > 1;  // else that would take longer than most tasks
     {
         std::lock_guard lock(mutex);
         task = &each;
@@ -137,10 +138,10 @@ void ThreadPool::Crew::run(std::size_t tasks, const Task& each, bool stage) {
         next = 0;
         cancelled = false;
         failure = nullptr;
-        busy = static_cast<unsigned>(workers.size());
-        ++job;
+        busy = wakes ? static_cast<unsigned>(workers.size()) : 0;
+        if (wakes) ++job;
     }
-    start.notify_all();
+    if (wakes) start.notify_all();
     work(0);
     wait();
     if (failure) std::rethrow_exception(failure);

@@ -23,6 +23,8 @@ constexpr int owners_of_hidden = 24;             // that clip a cell before it c
 constexpr double first_band = 0.8;               // of the squared reach expected
 constexpr double smallest_band = 0.01;           // of the squared distance that the window covers
 constexpr double band_growth = 1.6;              // of the squared distance from band to band
+constexpr std::size_t max_idle = 24;             // seeds in a row that do not cut a cell that reaches far beyond them
+constexpr double far_beyond = 16;                // times the squared distance
 // Covers the rounding of squared distances and of 4 R^2 (a few units in 2^53 each).
 constexpr double distance_slack = 1 + 1e-12;
 constexpr double coordinate_rounding = 0x1p-50;  // of differences of rounded places
@@ -228,25 +230,22 @@ void CellBuilder::poll_stop() {
     check_stop();
 }
 
-void CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
+bool CellBuilder::clip_by(std::int32_t id, double x, double y, double z) {
     poll_stop();
-    if (plain_ && id != coincident_)
-        cell_.clip(id, {x, y, z});
-    else if (seeds_.images == nullptr)
-        clip_by_image(id, {});
-    else
-        clip_by_image(seeds_.images->home(id), seeds_.images->shift(id));
+    if (plain_ && id != coincident_) return cell_.clip(id, {x, y, z});
+    if (seeds_.images == nullptr) return clip_by_image(id, {});
+    return clip_by_image(seeds_.images->home(id), seeds_.images->shift(id));
 }
 
-void CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
+bool CellBuilder::clip_by_image(std::int32_t home, const exact::Shift& shift) {
     poll_stop();
     const auto i = static_cast<std::size_t>(home);
     // Their nearest images are clipped at the start.
-    if ((home == own_ || home == heaviest_ || clipped_by_owner_) && cell_.has_plane(home, shift)) return;
+    if ((home == own_ || home == heaviest_ || clipped_by_owner_) && cell_.has_plane(home, shift)) return false;
     exact::Plane plane = bisector(home, shift);
-    if (home == coincident_ && coincides(plane)) return;
+    if (home == coincident_ && coincides(plane)) return false;
     if (!seeds_.weights.empty()) plane.power = exact::two_sum(weight_, -seeds_.weights[i]);
-    cell_.clip(home, plane, shift);
+    return cell_.clip(home, plane, shift);
 }
 
 bool CellBuilder::coincides(const exact::Plane& bisector) const {
@@ -419,6 +418,7 @@ Cell* CellBuilder::search(std::size_t max_tests) {
 
 double CellBuilder::clip_window() {
     measured_ = 0;
+    std::size_t idle = 0;
     double from = 0;
     // The cell before may have been far smaller.
     double to = first_band * (covered_ < infinity ? std::max(reach_, smallest_band * covered_) : reach_);
@@ -428,10 +428,9 @@ double CellBuilder::clip_window() {
             to = std::min(to, covered_);
         }
         if (to <= from && covered_ < infinity) return from;
-        const bool complete = clip_band(from, to);
+        from = clip_band(from, to, idle);
         clip_walls();
-        if (complete || to == infinity) return infinity;
-        from = to;
+        if (from < to || from == infinity) return from;
         // Only a few seeds can be so heavy that they cut from beyond this. The weights of boxes lead to them.
         const double reach_of_most = equal_reach_squared();
         if (!seeds_.weights.empty() && from >= reach_of_most && reach_squared() > 4 * reach_of_most) return from;
@@ -498,7 +497,7 @@ Cell& CellBuilder::rebuild_by_planes(const CellFaces& faces) {
     return cell_;
 }
 
-bool CellBuilder::clip_band(double from, double to) {
+double CellBuilder::clip_band(double from, double to, std::size_t& idle) {
     const std::size_t count = index_.size();
     if (measured_ < count) {
         distance_.resize(count);
@@ -515,12 +514,13 @@ bool CellBuilder::clip_band(double from, double to) {
     for (int k = 0; k < selected; ++k) {
         const std::uint64_t key = band_[k];
         const double at_least = std::bit_cast<double>(key & key_distance_bits);
-        if (at_least >= reach_squared()) return true;
-        if (++tests_ > max_tests_) return true;
+        const double reach = reach_squared();
+        if (at_least >= reach || ++tests_ > max_tests_) return infinity;
+        if (idle >= max_idle && far_beyond * at_least < reach) return at_least;
         const auto i = static_cast<std::uint32_t>(key);
-        clip_by(index_[i], x_[i], y_[i], z_[i]);
+        idle = clip_by(index_[i], x_[i], y_[i], z_[i]) ? 0 : idle + 1;
     }
-    return to >= reach_squared();
+    return to < reach_squared() ? to : infinity;
 }
 
 void CellBuilder::clip_far(double from) {

@@ -77,8 +77,9 @@ private:
     [[nodiscard]] std::int32_t find_coincident();
     // Lets the user stop, at intervals of many tested vertices.
     void poll_stop();
-    void clip_by(std::int32_t id, double x, double y, double z);
-    void clip_by_image(std::int32_t home, const exact::Shift& shift);
+    // These return whether they cut the cell.
+    bool clip_by(std::int32_t id, double x, double y, double z);
+    bool clip_by_image(std::int32_t home, const exact::Shift& shift);
     // Returns a squared distance at or beyond which no seed can cut the cell.
     [[nodiscard]] double reach_squared();
     // Returns the same for seeds that are not heavier, or that have no larger rest.
@@ -90,9 +91,10 @@ private:
     void extend_window(double distance_squared, std::size_t min_count);
     void pop_into_window();
     [[nodiscard]] bool exhausted() const { return tests_ > max_tests_; }
-    // Clips by the window's seeds with squared distance in [from, to). Returns true when the cell is proven complete or
-    // the tests are exhausted.
-    bool clip_band(double from, double to);
+    // Clips by the window's seeds with squared distance in [from, to). Returns the squared distance from which on seeds
+    // have not been tried: `to`, infinity when the cell is proven complete or the tests are exhausted, or less than
+    // `to` when clip_far() is cheaper. idle: tests since the last that cut the cell.
+    double clip_band(double from, double to, std::size_t& idle);
     // Clips by the window's seeds, nearest first. Returns infinity when the cell is proven complete or the tests are
     // exhausted, else the squared distance from which on clip_far() must try seeds.
     double clip_window();

@@ -1,7 +1,6 @@
 // Clips cells on the CPU: all of them for the CPU engine, or some for another engine.
 #pragma once
 
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -53,6 +52,8 @@ public:
     // Stores the following cells of clip_all() and clip_kept(); null: no more.
     void keep(KeptCells* kept) { kept_ = kept; }
     [[nodiscard]] std::string_view instructions() const { return kernels_->name; }
+    // Whether cells need the points, for the rounding errors of wrapped coordinates.
+    [[nodiscard]] bool reads_points() const { return seeds_.images != nullptr && images_.any_wrapped(); }
     // Whether all points of the job are sorted seeds.
     [[nodiscard]] bool all_differ() const { return seeds_.size() == job_.points.count(); }
     [[nodiscard]] const SortedSeeds& sorted() const { return seeds_; }
@@ -92,6 +93,7 @@ private:
     void gather_weights();
     void gather_beyond();
     void begin_workers(ResultBuilder& out);
+    void end_workers(ResultBuilder& out) const;
     void find_positions();
     void put_in_sorted_order(std::span<const std::int32_t> cells);
     void cut_into_blocks(std::size_t count);
@@ -138,7 +140,7 @@ private:
     std::span<double> powers_;  // of clip_first(), else empty
     KeptCells* kept_ = nullptr;
     const Kernels* kernels_ = nullptr;  // for which the workers are made
-    std::deque<Worker> workers_;
+    std::vector<std::unique_ptr<Worker>> workers_;
     std::optional<Delaunay> delaunay_;  // of all seeds, made when hard cells are worth it
 };
 

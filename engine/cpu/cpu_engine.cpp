@@ -27,9 +27,8 @@ std::shared_ptr<const detail::AllSeeds> seeds_around(const Job& job, std::span<c
 }  // namespace
 
 void CpuEngine::lend(const Job& job) {
-    // Periodic domains need the rounding errors of wrapped coordinates, and a mesh needs seeds in input order.
-    if (job.snapshot != nullptr && !job.domain->is_periodic() && !job.want.vertices)
-        result_.lend(job.snapshot->memory());
+    // A mesh needs seeds in input order.
+    if (job.snapshot != nullptr && !clipper_.reads_points() && !job.want.vertices) result_.lend(job.snapshot->memory());
     clipper_.lend_scratch(result_);
     result_.touch(1, 0, clipper_.pool());
 }

@@ -20,9 +20,9 @@ constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
 std::vector<std::int32_t> CpuClipper::collect_hard() {
     std::vector<std::int32_t> hard;
-    for (Worker& worker : workers_) {
-        hard.insert(hard.end(), worker.hard.begin(), worker.hard.end());
-        worker.hard.clear();
+    for (const auto& worker : workers_) {
+        hard.insert(hard.end(), worker->hard.begin(), worker->hard.end());
+        worker->hard.clear();
     }
     std::sort(hard.begin(), hard.end());
     return hard;
@@ -62,7 +62,7 @@ void CpuClipper::clip_each(const std::vector<std::int32_t>& seeds, ResultBuilder
     const std::span<std::int32_t> cells = out.allocate_cells(seeds.size());
     std::ranges::transform(seeds, cells.begin(), [&](std::int32_t s) { return row_of(static_cast<std::size_t>(s)); });
     pool_->run(ceil_div(cells.size(), block_cells), [&](std::size_t block, unsigned index) {
-        Worker& worker = workers_[index];
+        Worker& worker = *workers_[index];
         const std::size_t begin = block * block_cells, end = std::min(cells.size(), begin + block_cells);
         for (std::size_t k = begin; k < end; ++k) {
             check_stop();

@@ -42,7 +42,7 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
     begin_workers(out);
     const Stoppable stoppable(progress_, share);
     pool_->run_stage(ceil_div(cells.size(), kept_block), [&](std::size_t task, unsigned index) {
-        Worker& worker = workers_[index];
+        Worker& worker = *workers_[index];
         const std::size_t begin = task * kept_block, end = std::min(cells.size(), begin + kept_block);
         for (std::size_t k = begin; k < end; ++k) {
             const auto seed = static_cast<std::size_t>(order_[k]);
@@ -53,13 +53,10 @@ bool CpuClipper::clip_kept(ResultBuilder& out, const Share& share, const std::fu
         }
         worker.writer.end_block(cells.subspan(begin, end - begin));
     });
-    const bool any_hard = std::ranges::any_of(workers_, [](const Worker& worker) { return !worker.hard.empty(); });
+    const bool any_hard = std::ranges::any_of(workers_, [](const auto& worker) { return !worker->hard.empty(); });
     if (any_hard) build_search();
     clip_hard(out);
-    for (const Worker& worker : workers_) {
-        out.count(worker.writer.counters());
-        out.count(worker.writer.tally());
-    }
+    end_workers(out);
     out.count({.kept_cells = cells.size()});
     return true;
 }
@@ -75,7 +72,7 @@ void CpuClipper::keep_sample(ResultBuilder& out) {
     for (std::size_t s = 0; s < count; s += block)
         if (kept.in_sample(s)) begins.push_back(s);
     pool_->run(begins.size(), [&](std::size_t task, unsigned index) {
-        Worker& worker = workers_[index];
+        Worker& worker = *workers_[index];
         const std::size_t begin = begins[task], end = std::min(count, begin + block);
         worker.star->begin(begin, end, Star::Keep::corners);
         for (std::size_t s = begin; s < end; ++s)

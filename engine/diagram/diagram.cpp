@@ -39,6 +39,17 @@ void check_diagram(const Settled& run) {
                     "a Diagram needs all seeds: leave out " + option("only") + ", and probe some places");
 }
 
+Tessellation probe_in(DiagramState& state, std::span<const double> queries, const ProbeOptions& options) {
+    std::vector<double> places = in_space(state, queries, "queries");
+    if (state.thickness == 0)
+        return Tessellation(std::make_shared<const detail::Result>(detail::probe(state, std::move(places), options)));
+    ProbeOptions of_sheet = options;
+    add_sheet_wants(of_sheet.want, of_sheet.list_walls);
+    detail::Result cells = detail::probe(state, std::move(places), of_sheet);
+    flatten(cells, state.thickness, with_implied(options.want), options.list_walls || options.want.faces);
+    return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
+}
+
 // Drops the last component of vectors with three.
 void make_flat(std::vector<double>& vectors) {
     const std::size_t count = vectors.size() / 3;
@@ -83,17 +94,7 @@ RayCells Diagram::trace(std::span<const double> origins, std::span<const double>
 }
 
 Tessellation Diagram::probe(std::span<const double> queries, const ProbeOptions& options) const {
-    return run(options.progress, [&] {
-        std::vector<double> places = in_space(*state_, queries, "queries");
-        if (!planar())
-            return Tessellation(
-                std::make_shared<const detail::Result>(detail::probe(*state_, std::move(places), options)));
-        ProbeOptions of_sheet = options;
-        add_sheet_wants(of_sheet.want, of_sheet.list_walls);
-        detail::Result cells = detail::probe(*state_, std::move(places), of_sheet);
-        flatten(cells, state_->thickness, with_implied(options.want), options.list_walls || options.want.faces);
-        return Tessellation(std::make_shared<const detail::Result>(std::move(cells)));
-    });
+    return run(options.progress, [&] { return probe_in(*state_, queries, options); });
 }
 
 NaturalCoordinates Diagram::natural_neighbors(std::span<const double> queries, const NaturalOptions& options) const {
@@ -116,6 +117,10 @@ Interpolated Diagram::interpolate(std::span<const double> values, std::size_t co
 
 std::size_t Diagram::to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const {
     return run(options.progress, [&] { return detail::to_grid(*state_, values, options, grid); });
+}
+
+Tessellation Diagram::grid_domain() const {
+    return run({}, [&] { return probe_in(state_->endless ? *detail::state_around(*state_) : *state_, {}, {}); });
 }
 
 }  // namespace votess

@@ -10,11 +10,9 @@
 #include "core/text.hpp"
 #include "index/hilbert.hpp"
 #include "input/default_box.hpp"
-#include "input/option_name.hpp"
 #include "input/settle.hpp"
 #include "plane/sheet.hpp"
 #include "solid/run_in_mesh.hpp"
-#include "unbounded/endless_box.hpp"
 
 namespace votess::detail {
 namespace {
@@ -43,6 +41,8 @@ namespace {
 constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}},
     no_ends_of_plane{{-infinity, -infinity, 0}, {infinity, infinity, 0}};
 
+constexpr double rounding = 0x1p-40;  // of places along the edges of a cell, over their coordinates
+
 Box hull_of(Box a, const Box& b) {
     for (std::size_t k = 0; k < 3; ++k) {
         a.lower[k] = std::min(a.lower[k], b.lower[k]);
@@ -58,32 +58,25 @@ std::shared_ptr<DiagramState> make_state(std::vector<double> points, Settled run
     run.points = {state->points, {}};
     run.progress = {};
     state->job = make_job(std::move(run));
+    if (!state->job.region.cell) state->job.region.box = state->job.box;
     state->job.reports_weights = false;  // cells of probes have none
     state->clipper.begin(state->job);
     state->clipper.prepare();
     return state;
 }
 
-// Turns a cell with edges along the axes into a box. Throws `unsupported` for others.
-void make_upright(Region& region) {
-    const TriclinicBox& cell = *region.cell;
-    Box box{cell.origin, cell.origin};
-    const std::array edges{cell.a, cell.b, cell.c};
-    for (std::size_t k = 0; k < 3; ++k) {
-        std::array<double, 3> along{};
-        along[k] = edges[k][k];
-        if (edges[k] != along || edges[k][k] < 0)
-            throw Error(ErrorCode::unsupported, option("cell") +
-                                                    " has an edge that is 0 and others that slant: a Diagram without "
-                                                    "end needs edges a, b and c along x, y and z");
-        if (edges[k][k] == 0)
-            box.lower[k] = -infinity, box.upper[k] = infinity;
-        else
-            box.upper[k] += edges[k][k];
+// Widens bounds along edges, so that they hold a place, or a box along the axes.
+void include(const Edges& edges, const Vector3& x, Box& bounds) {
+    const Vector3 place = edges.along(x);
+    bounds = hull_of(bounds, {place, place});
+}
+void include(const Edges& edges, const Box& box, Box& bounds) {
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        Vector3 x = box.lower;
+        for (std::size_t k = 0; k < 3; ++k)
+            if ((corner >> k & 1) != 0) x[k] = box.upper[k];
+        include(edges, x, bounds);
     }
-    region.periodic = cell.periodic;
-    region.box = box;
-    region.cell.reset();
 }
 
 }  // namespace
@@ -113,19 +106,21 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
         });
     }
     const EndlessSides sides(region);
-    std::optional<Box> endless;
+    std::optional<Edges> endless;
     std::optional<FlatEnds> flat_ends;
+    Box ends;
     if (sides.any()) {
-        if (region.cell) make_upright(region);
-        endless = region.box;
+        endless.emplace(region);
         flat_ends.emplace(Points{places, {}}, region);
-        end_near(region, {places, {}}, run.weights);
-        if (mesh) region.box = hull_of(*region.box, solid::default_box_around(*mesh, {places, {}}));
+        ends = end_near(region, {places, {}}, run.weights);
+        if (mesh) include(*endless, solid::default_box_around(*mesh, {places, {}}), ends);
+        region = endless->with_ends(ends = endless->ends_or(ends));
     }
     std::shared_ptr<DiagramState> state = make_state(std::move(places), std::move(run));
     state->thickness = thickness;
     state->endless_sides = sides;
-    state->endless = endless;
+    state->endless = std::move(endless);
+    state->ends = ends;
     if (flat_ends && flat_ends->any()) state->flat_ends = std::move(flat_ends);
     if (mesh) {
         solid::place_mesh(*mesh, state->job);
@@ -140,28 +135,28 @@ Weights weights_of(const DiagramState& state) {
     return weights;
 }
 
-Region region_in(const DiagramState& state, const std::optional<Box>& box) {
-    Region region = state.job.region;
-    if (!region.cell) region.box = box;
-    return region;
-}
-
-Settled run_in(const DiagramState& state, const std::optional<Box>& box) {
+Settled run_in(const DiagramState& state, Region region) {
     Settled run = state.job;
     run.weights = weights_of(state);
-    run.region = region_in(state, box);
+    run.region = std::move(region);
     run.device = "cpu";
     return run;
 }
 
-Box box_with(const DiagramState& state, std::span<const double> places) {
-    Box box = state.job.box;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        const std::size_t k = i % 3;
-        if (state.endless->lower[k] == -infinity) box.lower[k] = std::min(box.lower[k], places[i]);
-        if (state.endless->upper[k] == infinity) box.upper[k] = std::max(box.upper[k], places[i]);
+Box ends_with(const DiagramState& state, std::span<const double> places) {
+    const Edges& edges = *state.endless;
+    Box ends = state.ends;
+    double largest = 0;
+    for (std::size_t q = 0; 3 * q < places.size(); ++q) {
+        const Vector3 x{places[3 * q], places[3 * q + 1], places[3 * q + 2]};
+        include(edges, x, ends);
+        for (const double c : x) largest = std::max(largest, std::abs(c));
     }
-    return box;
+    for (std::size_t k = 0; k < 3 && edges.region().cell; ++k) {
+        const double room = rounding * (largest + std::abs(ends.lower[k]) + std::abs(ends.upper[k]));
+        ends.lower[k] -= room, ends.upper[k] += room;
+    }
+    return edges.ends_or(ends);
 }
 
 namespace {
@@ -174,44 +169,44 @@ bool holds(const Box& outer, const Box& inner) {
 
 }  // namespace
 
-// Queries far out and those with many digits each widen the box. Those with both would widen it more than any one does,
-// so the two kinds have boxes of their own.
-Box box_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights) {
-    Box box = state.job.box;
+// Queries far out and those with many digits each widen the domain. Those with both would widen it more than any one
+// does, so the two kinds have ends of their own.
+Box ends_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights) {
+    Box ends = state.ends;
     for (const bool is_near : {true, false}) {
         std::vector<double> all = state.points;
         Weights of_all = weights_of(state);
         for (std::size_t q = 0; 3 * q < places.size(); ++q) {
-            const std::array<double, 3> x{places[3 * q], places[3 * q + 1], places[3 * q + 2]};
-            if (holds(state.job.box, {x, x}) != is_near) continue;
+            const Vector3 x{places[3 * q], places[3 * q + 1], places[3 * q + 2]}, at = state.endless->along(x);
+            if (holds(state.ends, {at, at}) != is_near) continue;
             all.insert(all.end(), x.begin(), x.end());
             if (!of_all.empty()) of_all.given.push_back(weights.empty() ? 0 : weights[q]);
         }
         if (all.size() == state.points.size()) continue;
-        Region far = region_in(state, state.endless);
-        end_far(far, {all, {}}, of_all);
-        box = hull_of(box, *far.box);
+        Region far = state.endless->region();
+        ends = hull_of(ends, end_far(far, {all, {}}, of_all));
     }
-    return box;
+    return ends;
 }
 
 namespace {
 
-// Makes the state of some seeds, none for all, in a box.
-std::shared_ptr<DiagramState> in_box(const DiagramState& state, const std::vector<std::int32_t>* seeds, const Box& box,
-                                     const EndlessSides& sides, const FlatEnds* flat_ends = nullptr) {
-    Settled run = run_in(state, box);
+// Makes the state of some seeds, none for all, between ends.
+std::shared_ptr<DiagramState> between(const DiagramState& state, const std::vector<std::int32_t>* seeds,
+                                      const Box& ends, const EndlessSides& sides, const FlatEnds* flat_ends = nullptr) {
+    Settled run = run_in(state, state.endless->with_ends(ends));
     if (seeds != nullptr) run.weights.given = some_of(run.weights.given, *seeds, 1);
     std::vector<double> points = seeds == nullptr ? state.points : some_of(state.points, *seeds, 3);
     if (flat_ends != nullptr) flat_ends->cut(run.region);
     auto made = make_state(std::move(points), std::move(run));
     made->thickness = state.thickness;
     made->endless_sides = sides;
+    made->ends = ends;
     return made;
 }
 
 std::vector<std::int32_t> open_seeds(const DiagramState& state) {
-    Settled run = run_in(state, state.endless);
+    Settled run = run_in(state, state.endless->region());
     run.want = {.neighbors = true, .volumes = false};
     run.list_walls = true;
     const Tessellation t = tessellate(std::move(run));
@@ -223,49 +218,42 @@ std::vector<std::int32_t> open_seeds(const DiagramState& state) {
 
 }  // namespace
 
-std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box) {
+std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
-    if (!state.far || !holds(state.far->job.box, box)) state.far = in_box(state, nullptr, box, state.endless_sides);
+    if (!state.far || !holds(state.far->ends, ends)) state.far = between(state, nullptr, ends, state.endless_sides);
     return state.far;
 }
 
-std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box) {
+std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
-    Region cut = region_in(state, box);
-    state.flat_ends->cut(cut);
-    if (!state.flat || !holds(state.flat->job.box, *cut.box))
-        state.flat = in_box(state, nullptr, box, state.endless_sides, &*state.flat_ends);
+    if (!state.flat || !holds(state.flat->ends, ends))
+        state.flat = between(state, nullptr, ends, state.endless_sides, &*state.flat_ends);
     return state.flat;
 }
 
-std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box) {
+std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& ends) {
     const std::scoped_lock lock(state.making);
     if (!state.open) state.open = open_seeds(state);
-    if (!state.hull || !holds(state.hull->job.box, box))
-        state.hull = in_box(state, &*state.open, box, state.endless_sides);
+    if (!state.hull || !holds(state.hull->ends, ends))
+        state.hull = between(state, &*state.open, ends, state.endless_sides);
     return state.hull;
 }
 
 std::shared_ptr<DiagramState> state_around(DiagramState& state) {
     const std::scoped_lock lock(state.making);
     if (state.around) return state.around;
-    const Box& ends = *state.endless;
+    const Edges& edges = *state.endless;
+    const Box given = edges.ends_or(no_ends);
     const std::size_t count = state.points.size() / 3;
     Box bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-    for (std::size_t i = 0; i < 3 * count; ++i) {
-        const std::size_t k = i % 3;
-        const double x = std::clamp(state.points[i], ends.lower[k], ends.upper[k]);
-        bounds.lower[k] = std::min(bounds.lower[k], x);
-        bounds.upper[k] = std::max(bounds.upper[k], x);
-    }
-    if (state.inside) bounds = hull_of(bounds, state.inside->mesh()->bounds());
-    Box box = default_box(bounds, count, state.thickness > 0 ? 2 : 3);
-    for (std::size_t k = 0; k < 3; ++k) {
-        if (ends.lower[k] != -infinity) box.lower[k] = ends.lower[k];
-        if (ends.upper[k] != infinity) box.upper[k] = ends.upper[k];
-    }
-    state.around = in_box(state, nullptr, box, EndlessSides());
-    return state.around;
+    for (std::size_t i = 0; i < count; ++i)
+        include(edges, Vector3{state.points[3 * i], state.points[3 * i + 1], state.points[3 * i + 2]}, bounds);
+    for (std::size_t k = 0; k < 3; ++k)
+        for (double* const x : {&bounds.lower[k], &bounds.upper[k]})
+            *x = std::clamp(*x, given.lower[k], given.upper[k]);
+    if (state.inside) include(edges, state.inside->mesh()->bounds(), bounds);
+    const Box ends = edges.ends_or(default_box(bounds, count, state.thickness > 0 ? 2 : 3));
+    return state.around = between(state, nullptr, ends, EndlessSides());
 }
 
 CallGuard::CallGuard(DiagramState& state) : state_(state) {
@@ -432,7 +420,7 @@ std::vector<std::int32_t> locate_in_domain(DiagramState& state, const Queries& q
         if (seeds[q] < 0) beyond.push_back(static_cast<std::int32_t>(q));
     if (beyond.empty() || state.points.empty()) return seeds;
     const std::vector<double> places = some_of(queries.x, beyond, 3);
-    const std::vector<std::int32_t> far = locate_in_domain(*far_state(state, box_with(state, places)), {places, {}});
+    const std::vector<std::int32_t> far = locate_in_domain(*far_state(state, ends_with(state, places)), {places, {}});
     for (std::size_t k = 0; k < beyond.size(); ++k) seeds[static_cast<std::size_t>(beyond[k])] = far[k];
     return seeds;
 }

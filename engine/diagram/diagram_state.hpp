@@ -21,6 +21,7 @@
 #include "query/prober.hpp"
 #include "query/ray_tracer.hpp"
 #include "solid/inside.hpp"
+#include "unbounded/endless_box.hpp"
 #include "unbounded/flat_ends.hpp"
 #include "votess/diagram.hpp"
 
@@ -63,10 +64,11 @@ struct DiagramState {
     // The sides at infinity. The walls of the state's own box on them are not those of the domain.
     EndlessSides endless_sides;
 
-    // In a domain without end this state has near ends, and others are made when needed. `far` has a box beyond
-    // what the queries reach. `flat` has too, cut by the ends of flat seeds. `hull` has that box too, but only the
-    // seeds whose cells reach infinity. `around` has sides around the seeds, for grids. Each has its own call at work.
-    std::optional<Box> endless;
+    // In a domain without end this state has near ends, and others are made when needed. `far` has ends beyond what
+    // the queries reach. `flat` has too, cut by the ends of flat seeds. `hull` has those ends too, but only the seeds
+    // whose cells reach infinity. `around` has sides around the seeds, for grids. Each has its own call at work.
+    std::optional<Edges> endless;
+    Box ends;  // along these edges
     std::mutex making;
     std::shared_ptr<DiagramState> far, flat, hull, around;
     std::optional<FlatEnds> flat_ends;              // if there are any
@@ -82,19 +84,17 @@ std::shared_ptr<DiagramState> make_state(Settled run);
 std::shared_ptr<DiagramState> make_state(const ProgressCallback& progress, const std::function<Settled()>& settle);
 // Returns the weights as given; none without a power diagram.
 Weights weights_of(const DiagramState& state);
-// Returns the region of a Diagram with another box. A triclinic box stays.
-Region region_in(const DiagramState& state, const std::optional<Box>& box);
 // Returns a run of all seeds in that region, on the CPU.
-Settled run_in(const DiagramState& state, const std::optional<Box>& box);
+Settled run_in(const DiagramState& state, Region region);
 
-// Return boxes for the seeds of a state without end: one that holds these places too, and one with all vertices of the
-// diagram of the seeds and any one query. weights: of the queries, as given; empty: 0.
-Box box_with(const DiagramState& state, std::span<const double> places);
-Box box_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights);
-// Return those of a state without end. box: what theirs has to hold.
-std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& box);
-std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& box);
-std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& box);
+// Return ends for the seeds of a state without end: some that hold these places too, and some that hold all vertices of
+// the diagram of the seeds and any one query. weights: of the queries, as given; empty: 0.
+Box ends_with(const DiagramState& state, std::span<const double> places);
+Box ends_beyond(const DiagramState& state, std::span<const double> places, const Weights& weights);
+// Return those of a state without end. ends: what theirs have to hold.
+std::shared_ptr<DiagramState> far_state(DiagramState& state, const Box& ends);
+std::shared_ptr<DiagramState> flat_state(DiagramState& state, const Box& ends);
+std::shared_ptr<DiagramState> hull_state(DiagramState& state, const Box& ends);
 std::shared_ptr<DiagramState> state_around(DiagramState& state);
 
 // Gives one call the state. Waits for the call at work, and meanwhile checks whether the user stops.

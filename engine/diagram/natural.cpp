@@ -7,6 +7,7 @@
 #include "diagram/diagram_state.hpp"
 #include "input/settle.hpp"
 #include "plane/sheet.hpp"
+#include "unbounded/open_cells.hpp"
 
 namespace votess::detail {
 namespace {
@@ -32,7 +33,7 @@ bool need_graph(DiagramState& state, const Queries& queries, const NaturalOption
             for (const double place : {seeds.x[s], seeds.y[s], seeds.z[s]}) points.push_back(place / job.scale);
     });
     for (double& weight : weights) weight /= job.scale * job.scale;
-    Settled run = run_in(state, job.box);
+    Settled run = run_in(state, job.region);
     run.points = {points, {}};
     run.weights = {weights};
     run.want = {.volumes = false, .faces = true};
@@ -151,7 +152,7 @@ struct SumSink final : cpu::NaturalSink {
     std::span<const std::int32_t> numbers;
 };
 
-// In a domain without end, the queries that have no coordinates in the near box, and may have some beyond it.
+// In a domain without end, the queries that have no coordinates between the near ends, and may have some beyond them.
 class FarQueries {
 public:
     // numbers: of those without coordinates.
@@ -161,11 +162,11 @@ public:
         // Along the normal of flat seeds all cells reach infinity.
         if (!near.endless || numbers_.empty() || near.flat_ends) return;
         take(x, options.weights);
-        const Box box = box_beyond(near, places_, {weights_});
-        remove_open(*hull_state(near, box));
+        const Box ends = ends_beyond(near, places_, {weights_});
+        remove_open(*hull_state(near, ends));
         if (numbers_.empty()) return;
         take(x, options.weights);
-        state_ = far_state(near, box);
+        state_ = far_state(near, ends);
     }
     [[nodiscard]] bool any() const { return state_ != nullptr; }
     [[nodiscard]] DiagramState& state() const { return *state_; }
@@ -190,14 +191,10 @@ private:
         asked.list_walls = true;
         asked.weights = weights_;
         const Result cells = probe(hull, places_, asked);
-        const std::span<const std::int32_t> ids = cells.indices;
+        const auto is_end = [&](std::int32_t id) { return hull.endless_sides.has(id); };
         std::size_t kept = 0;
-        for (std::size_t k = 0; k < numbers_.size(); ++k) {
-            const auto begin = static_cast<std::size_t>(cells.indptr[k]),
-                       end = static_cast<std::size_t>(cells.indptr[k + 1]);
-            if (begin < end && !hull.endless_sides.any_of(ids.subspan(begin, end - begin)))
-                numbers_[kept++] = numbers_[k];
-        }
+        for (std::size_t k = 0; k < numbers_.size(); ++k)
+            if (cells.indptr[k] < cells.indptr[k + 1] && !lists_end(cells, k, is_end)) numbers_[kept++] = numbers_[k];
         numbers_.resize(kept);
     }
 

@@ -71,16 +71,14 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
     asked.want.faces |= want.areas || want.counts || want.vertices;
     Result near = cells_of_probes(state, x, asked);
     std::vector<bool> taken(near.status.size()), taken_flat(taken.size());
-    const std::span<const std::int32_t> ids = near.indices;
+    const auto is_end = [&](std::int32_t id) { return state.endless_sides.has(id); };
     for (std::size_t q = 0; q < taken.size(); ++q) {
-        const auto begin = static_cast<std::size_t>(near.indptr[q]), end = static_cast<std::size_t>(near.indptr[q + 1]);
-        if (near.status[q] != CellStatus::outside && near.status[q] != CellStatus::empty &&
-            !state.endless_sides.any_of(ids.subspan(begin, end - begin)))
+        if (near.status[q] != CellStatus::outside && near.status[q] != CellStatus::empty && !lists_end(near, q, is_end))
             continue;
         const bool flat = state.flat_ends && state.flat_ends->holds({x[3 * q], x[3 * q + 1], x[3 * q + 2]});
         (flat ? taken_flat : taken)[q] = true;
     }
-    const Region domain = region_in(state, state.endless);
+    const Region& domain = state.endless->region();
     const auto take = [&](const std::vector<bool>& of_far, const auto& state_beyond) {
         std::vector<std::int32_t> rows;
         for (std::size_t q = 0; q < of_far.size(); ++q)
@@ -91,8 +89,8 @@ Result endless_cells(DiagramState& state, const std::vector<double>& x, const Pr
                                       radii = some_of(options.radii, rows, 1);
             asked.weights = weights;
             asked.radii = radii;
-            const Box box = box_beyond(state, places, votess::weights_of(weights, radii));
-            far = cells_of_probes(*state_beyond(state, box), places, asked);
+            const Box ends = ends_beyond(state, places, votess::weights_of(weights, radii));
+            far = cells_of_probes(*state_beyond(state, ends), places, asked);
             open_cells(far, domain);
         }
         return join_cells(std::move(near), far, rows, of_far, {}, domain);

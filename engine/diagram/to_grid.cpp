@@ -64,7 +64,7 @@ void check(const DiagramState& state, std::span<const double> values, const Grid
 
 // The cells of the seeds, with faces.
 Result build(const DiagramState& state) {
-    Settled run = run_in(state, state.job.box);
+    Settled run = run_in(state, state.job.region);
     run.want = {};
     run.want.faces = true;
     run.list_walls = false;
@@ -79,10 +79,10 @@ std::vector<double> on_plane(const DiagramState& state, std::span<const double> 
     return places;
 }
 
-// The parts of the cells in the mesh. around: with the box of the grid.
+// The parts of the cells in the mesh. around: in the domain of the grid.
 Pieces build_pieces(const DiagramState& state, const DiagramState& around) {
     const solid::MeshArrays mesh(*state.inside->mesh(), state.job.scale);
-    Settled run = run_in(around, around.job.box);
+    Settled run = run_in(around, around.job.region);
     run.region.mesh = mesh.view();
     run.want = {};
     run.progress = Stoppable::within({0, share_of_building});

@@ -98,7 +98,7 @@ exact::Point direction_of(const Rays& rays, std::size_t ray) {
 // Needs a CallGuard.
 void make_cells(DiagramState& state) {
     if (state.cells) return;
-    Settled run = run_in(state, state.endless ? *state.endless : state.job.box);
+    Settled run = run_in(state, state.endless ? state.endless->region() : state.job.region);
     run.want = {.neighbors = true, .volumes = false};
     run.list_walls = false;
     run.progress = Stoppable::within({0, share_of_neighbors});
@@ -127,25 +127,21 @@ Image image_at(DiagramState& state, cpu::Locator& locator, const exact::Point& x
     return image;
 }
 
-// Returns the images whose cells hold the origins outside of the near box of a domain without end, by input; none for
-// others.
+// Returns the images whose cells hold the origins beyond the near ends of a domain without end, by input; none for
+// others. Needs a CallGuard.
 std::vector<Image> images_beyond(DiagramState& state, const Queries& origins) {
     std::vector<Image> images(origins.count(), Image{cpu::CellGraph::none, {}});
-    const Box& near = state.job.box;
     std::vector<std::size_t> outside;
     std::vector<double> places;
+    make_searchers(state);
     for (std::size_t r = 0; r < origins.count(); ++r) {
-        bool inside = true;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double x = origins.x[3 * r + k];
-            inside = inside && (state.job.domain->periodic[k] || (x >= near.lower[k] && x <= near.upper[k]));
-        }
-        if (inside) continue;
+        if (r % rays_per_look == 0) check_stop();
+        if (state.searchers.front().locator.place(scaled(state.job, origins, r), r)) continue;
         outside.push_back(r);
         places.insert(places.end(), &origins.x[3 * r], &origins.x[3 * r] + 3);
     }
     if (outside.empty()) return images;
-    const std::shared_ptr<DiagramState> far = far_state(state, box_with(state, places));
+    const std::shared_ptr<DiagramState> far = far_state(state, ends_with(state, places));
     const CallGuard turn(*far);
     make_searchers(*far);
     cpu::Locator& locator = far->searchers.front().locator;
@@ -202,9 +198,9 @@ RayCells trace(DiagramState& state, std::vector<double> origins, std::vector<dou
     RayCells out;
     lengthen(out.offsets, count + 1);
     if (state.points.empty()) return out;
-    std::vector<Image> beyond;  // of origins that the box of the state does not hold
-    if (state.endless) beyond = images_beyond(state, rays.origins);
     const CallGuard turn(state);
+    std::vector<Image> beyond;  // of origins that the domain of the state does not hold
+    if (state.endless) beyond = images_beyond(state, rays.origins);
     make_cells(state);
     const cpu::SortedSeeds& seeds = state.clipper.seeds();
     std::vector<std::size_t> sorted(beyond.empty() ? 0 : state.points.size() / 3);

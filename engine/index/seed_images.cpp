@@ -152,12 +152,29 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
     for (int j = 0; j < 3; ++j)
         if (domain_->periodic[j]) domain_size_ = std::max(domain_size_, size_for(domain_->edges, j, sizes));
     for (int j = 0; j < 3; ++j) edge_error_[j] = domain_->edges.fraction_error(j, domain_size_);
-    wraps_.assign(count, {});
-    moves_.assign(domain_->skewed ? count : 0, {});
-    std::vector<char> any(ceil_div(count, task_points), 0);
+    const auto resize = [&](std::size_t shifts, std::size_t places) {
+        wraps_.resize_uninitialized(shifts);
+        moves_.resize_uninitialized(domain_->skewed ? shifts : 0);
+        for (auto* coordinates : {&wrapped_, &wrapped_low_}) coordinates->resize_uninitialized(3 * places);
+        wrapped_rough_.resize_uninitialized(places);
+    };
+    resize(0, 0);
+    std::vector<char> any(ceil_div(count, task_points), domain_->skewed ? 1 : 0);
+    const auto none = [&] { return std::ranges::find(any, 1) == any.end(); };
+    if (!domain_->skewed)
+        pool.run(any.size(), [&](std::size_t task, unsigned) {
+            for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i)
+                if (outside.empty() || outside[i] != CellStatus::outside)
+                    any[task] |= surely_inside(point_of(points_, i, scale_)) ? 0 : 1;
+        });
+    if (none()) return;
+    resize(count, 0);
+    std::ranges::fill(any, 0);
     std::vector<std::size_t> too_far(ceil_div(count, task_points), count);
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
+            wraps_[i] = {};
+            if (domain_->skewed) moves_[i] = {};
             if (!outside.empty() && outside[i] == CellStatus::outside) continue;
             const exact::Point x = point_of(points_, i, scale_);
             const bool inside = surely_inside(x);
@@ -177,17 +194,8 @@ void SeedImages::wrap_points(const std::vector<CellStatus>& outside, ThreadPool&
         throw Error(ErrorCode::invalid_argument,
                     "point " + std::to_string(*first) +
                         " lies more than 500 million periods away from the box: wrap it into the box first");
-    wrapped_.clear();
-    wrapped_low_.clear();
-    wrapped_rough_.clear();
-    if (std::ranges::count(any, 0) == static_cast<std::ptrdiff_t>(any.size())) {
-        wraps_.clear();
-        moves_.clear();
-        return;
-    }
-    wrapped_.resize(3 * count);
-    wrapped_low_.resize(3 * count);
-    wrapped_rough_.resize(count);
+    resize(none() ? 0 : count, none() ? 0 : count);
+    if (none()) return;
     pool.run(ceil_div(count, task_points), [&](std::size_t task, unsigned) {
         for (std::size_t i = task * task_points; i < std::min(count, (task + 1) * task_points); ++i) {
             const auto at = position(i, wraps_[i]);
@@ -365,8 +373,12 @@ void SeedImages::sort(const Job& job, std::span<const std::int32_t> order, SeedS
         put_in_order(positions, scale, order, pool, out);
     }
     if (!moves_.empty()) {
-        std::vector<exact::Shift> moves(out.size());
-        for (std::size_t s = 0; s < moves.size(); ++s) moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
+        Buffer<exact::Shift> moves;
+        moves.resize_uninitialized(out.size());
+        pool.run(ceil_div(moves.size(), task_points), [&](std::size_t task, unsigned) {
+            for (std::size_t s = task * task_points; s < std::min(moves.size(), (task + 1) * task_points); ++s)
+                moves[s] = moves_[static_cast<std::size_t>(out.input[s])];
+        });
         moves_ = std::move(moves);
     }
     choose_margin(out, pool);
@@ -429,43 +441,66 @@ void SeedImages::append(SeedSorter& sorter, ThreadPool& pool, SortedSeeds& out) 
     const std::size_t places = padded + round_up(images, group_size);
     home_.resize_uninitialized(images);
     shift_.resize_uninitialized(images);
-    low_.assign(places, {});
-    rough_.assign(places, false);
-    any_rough_ = false;
-    largest_coordinate_ = 0;
-    Buffer<double>* const axes[3] = {&out.x, &out.y, &out.z};
-    for (int k = 0; k < 3; ++k) {
-        Buffer<double> all(SortedSeeds::pages);
-        all.resize_uninitialized(places);
-        std::copy_n(axes[k]->begin(), padded, all.begin());
-        for (std::size_t i = 0; i < images; ++i)
-            all[first_ + i] = coordinates[3 * static_cast<std::size_t>(order[i]) + k];
-        std::fill(all.begin() + first_ + images, all.end(), std::numeric_limits<double>::infinity());
-        double largest = 0;
-        for (std::size_t i = 0; i < seeds; ++i) largest = std::max(largest, std::abs(all[i]));
-        for (std::size_t i = first_; i < first_ + images; ++i) largest = std::max(largest, std::abs(all[i]));
-        largest_coordinate_ = std::max(largest_coordinate_, largest);
-        const bool rounds = std::ranges::any_of(domain_->lattice.vector, [&](const auto& v) { return v[k].high != 0; });
-        largest_rounded_[static_cast<std::size_t>(k)] = rounds ? largest : 0;
-        *axes[k] = std::move(all);
-    }
-    for (std::size_t i = 0; i < images; ++i) {
-        const auto from = static_cast<std::size_t>(order[i]);
-        home_[i] = unsorted[from].home;
-        shift_[i] = unsorted[from].shift;
-        low_[first_ + i] = lows[from];
-        if (rough[from] != 0) rough_[first_ + i] = any_rough_ = true;
-    }
-    rounding_of_seeds_ = {};
-    for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s) {
-        const auto input = static_cast<std::size_t>(out.input[s]);
-        if (wraps_[input] == exact::Shift{}) continue;
-        for (std::size_t k = 0; k < 3; ++k) {
-            low_[s][k] = wrapped_low_[3 * input + k];
-            rounding_of_seeds_[k] = std::max(rounding_of_seeds_[k], std::abs(low_[s][k]) * (1 + 0x1p-50));
+    first_low_ = wraps_.empty() ? first_ : 0;
+    low_.resize_uninitialized(places - first_low_);
+    const std::size_t tasks = ceil_div(low_.size(), task_points);
+    std::vector<exact::Point> rounding(tasks, exact::Point{});
+    pool.run(tasks, [&](std::size_t task, unsigned) {
+        const std::size_t begin = first_low_ + task * task_points;
+        for (std::size_t id = begin; id < std::min(places, begin + task_points); ++id) {
+            auto& low = low_[id - first_low_] = {};
+            if (id >= first_ && id < out.images_end) {
+                const auto from = static_cast<std::size_t>(order[id - first_]);
+                home_[id - first_] = unsorted[from].home;
+                shift_[id - first_] = unsorted[from].shift;
+                low = lows[from];
+            } else if (id < seeds) {
+                const auto input = static_cast<std::size_t>(out.input[id]);
+                if (wraps_[input] == exact::Shift{}) continue;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    low[k] = wrapped_low_[3 * input + k];
+                    rounding[task][k] = std::max(rounding[task][k], std::abs(low[k]) * (1 + 0x1p-50));
+                }
+            }
         }
-        rough_[s] = wrapped_rough_[input] != 0;
-        any_rough_ = any_rough_ || rough_[s];
+    });
+    rounding_of_seeds_ = {};
+    for (const exact::Point& part : rounding)
+        for (std::size_t k = 0; k < 3; ++k) rounding_of_seeds_[k] = std::max(rounding_of_seeds_[k], part[k]);
+
+    rough_.clear();
+    if (std::ranges::find(rough, 1) != rough.end() || std::ranges::find(wrapped_rough_, 1) != wrapped_rough_.end()) {
+        rough_.assign(places, false);
+        for (std::size_t i = 0; i < images; ++i) rough_[first_ + i] = rough[static_cast<std::size_t>(order[i])] != 0;
+        for (std::size_t s = 0; s < seeds && !wraps_.empty(); ++s)
+            rough_[s] = wrapped_rough_[static_cast<std::size_t>(out.input[s])] != 0;
+    }
+
+    largest_coordinate_ = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const auto coordinate = [&](std::size_t image) {
+            return coordinates[3 * static_cast<std::size_t>(order[image]) + k];
+        };
+        Buffer<double>& axis = k == 0 ? out.x : k == 1 ? out.y : out.z;
+        Buffer<double> seeds_only(SortedSeeds::pages);
+        if (places > axis.capacity()) seeds_only = std::move(axis);
+        axis.resize_uninitialized(places);
+        axis.touch(seeds_only.empty() ? padded : 0, places, pool);
+        std::vector<double> largest(ceil_div(places, task_points), 0.0);
+        pool.run(largest.size(), [&](std::size_t task, unsigned) {
+            const std::size_t begin = task * task_points, end = std::min(places, begin + task_points);
+            for (std::size_t id = begin; id < end; ++id) {
+                if (id >= first_)
+                    axis[id] = id < out.images_end ? coordinate(id - first_) : std::numeric_limits<double>::infinity();
+                else if (!seeds_only.empty())
+                    axis[id] = seeds_only[id];
+                if (const double x = std::abs(axis[id]); std::isfinite(x)) largest[task] = std::max(largest[task], x);
+            }
+        });
+        const double of_all = largest.empty() ? 0 : *std::ranges::max_element(largest);
+        largest_coordinate_ = std::max(largest_coordinate_, of_all);
+        const bool rounds = std::ranges::any_of(domain_->lattice.vector, [&](const auto& v) { return v[k].high != 0; });
+        largest_rounded_[k] = rounds ? of_all : 0;
     }
 }
 

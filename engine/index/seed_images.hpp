@@ -35,12 +35,17 @@ public:
         return is_image(id) ? shift_[static_cast<std::size_t>(id) - first_] : exact::Shift{};
     }
     // Returns the rounding errors of the coordinates of an id.
-    [[nodiscard]] const std::array<double, 3>& low(std::int32_t id) const { return low_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] std::array<double, 3> low(std::int32_t id) const {
+        const auto i = static_cast<std::size_t>(id);
+        return i < first_low_ ? std::array<double, 3>{} : low_[i - first_low_];
+    }
     // Whether the coordinates of a seed are exact doubles.
-    [[nodiscard]] bool is_exact(std::size_t seed) const { return low_[seed] == std::array<double, 3>{}; }
+    [[nodiscard]] bool is_exact(std::size_t seed) const {
+        return low(static_cast<std::int32_t>(seed)) == std::array<double, 3>{};
+    }
     // Whether even x + low is rounded.
-    [[nodiscard]] bool is_rough(std::int32_t id) const { return rough_[static_cast<std::size_t>(id)]; }
-    [[nodiscard]] bool any_rough() const { return any_rough_; }
+    [[nodiscard]] bool is_rough(std::int32_t id) const { return any_rough() && rough_[static_cast<std::size_t>(id)]; }
+    [[nodiscard]] bool any_rough() const { return !rough_.empty(); }
     // Whether seeds have been shifted into the domain, or into its reduced cell.
     [[nodiscard]] bool any_wrapped() const { return !wraps_.empty(); }
     // Whether seeds have been moved from the domain into its reduced cell.
@@ -91,24 +96,24 @@ private:
     const SortedSeeds* seeds_ = nullptr;
     Points points_;
     double scale_ = 1;
-    const Basis* basis_ = nullptr;     // by which seeds are wrapped
-    bool axis_aligned_ = false;        // box vectors are doubles, along x, y and z
-    std::array<double, 3> margin_{};   // of the box, in fractions
-    std::array<double, 3> error_{};    // of fractions
-    std::vector<exact::Shift> wraps_;  // by input; empty when all seeds lie inside
+    const Basis* basis_ = nullptr;    // by which seeds are wrapped
+    bool axis_aligned_ = false;       // box vectors are doubles, along x, y and z
+    std::array<double, 3> margin_{};  // of the box, in fractions
+    std::array<double, 3> error_{};   // of fractions
+    Buffer<exact::Shift> wraps_;      // by input; empty when no seed is shifted
     // The part of wraps_ from the domain into its reduced cell, by sorted seed; empty if there is none.
-    std::vector<exact::Shift> moves_;
-    std::vector<double> wrapped_, wrapped_low_;  // 3N coordinates and their rounding errors, with wraps_
-    std::vector<char> wrapped_rough_;            // N, whether even their sum is rounded
-    double domain_size_ = 0;                     // bound on coordinates inside
-    std::array<double, 3> edge_error_{};         // of fractions of the domain's edges
+    Buffer<exact::Shift> moves_;
+    Buffer<double> wrapped_, wrapped_low_;  // 3N coordinates and their rounding errors, with wraps_
+    Buffer<char> wrapped_rough_;            // N, whether even their sum is rounded
+    double domain_size_ = 0;                // bound on coordinates inside
+    std::array<double, 3> edge_error_{};    // of fractions of the domain's edges
     double min_reach_ = 0;
     std::size_t first_ = 0;  // id of the first image
     Buffer<std::int32_t> home_;
     Buffer<exact::Shift> shift_;
-    std::vector<std::array<double, 3>> low_;  // by id
-    std::vector<bool> rough_;                 // by id
-    bool any_rough_ = false;
+    Buffer<std::array<double, 3>> low_;  // by id, from first_low_ on; the others are 0
+    std::size_t first_low_ = 0;          // 0, or first_ if no seed is wrapped
+    std::vector<bool> rough_;            // by id; empty if none is
     SortedSeeds sorted_images_;
     double largest_coordinate_ = 0;
     exact::Point largest_rounded_{}, rounding_of_seeds_{};

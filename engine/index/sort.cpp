@@ -29,13 +29,10 @@ static_assert(std::bit_width(crowded_min / bucket_seeds) >= 3, "a split has to s
 constexpr std::int32_t not_split = -1;
 constexpr std::int32_t one_point = -2;  // cannot be split
 
-// Runs tasks without allocation; wakes no threads for a single one.
+// Runs tasks without allocation.
 template <class Task>
 void run(ThreadPool& pool, std::size_t count, const Task& task) {
-    if (count == 1)
-        task(0, 0);
-    else
-        pool.run(count, std::cref(task));
+    pool.run(count, std::cref(task));
 }
 
 }  // namespace

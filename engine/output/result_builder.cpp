@@ -252,12 +252,32 @@ std::span<const T> ResultBuilder::keep_copy(std::span<const T> values, Arena& me
     return {reinterpret_cast<const T*>(to), values.size()};
 }
 
+// Few rows lie across an edge of the box, so most shifts are 0.
+std::span<const ResultBuilder::KeptShift> ResultBuilder::keep_shifts(std::span<const std::uint32_t> lengths,
+                                                                     std::span<const std::int8_t> shifts) {
+    std::vector<KeptShift> kept;
+    const std::int8_t* of_row = shifts.data();
+    std::uint32_t row = 0;
+    for (const std::uint32_t length : lengths) {
+        if (length == 0) continue;
+        int bits = 0;
+        for (std::size_t k = 0; k < std::size_t{3} * length; ++k) bits |= of_row[k];
+        for (std::uint32_t entry = 0; bits != 0 && entry < length; ++entry) {
+            const std::int8_t* const s = of_row + std::size_t{3} * entry;
+            if ((s[0] | s[1] | s[2]) != 0) kept.push_back({row, entry, {s[0], s[1], s[2]}});
+        }
+        of_row += std::size_t{3} * length;
+        ++row;
+    }
+    return keep_copy(std::span<const KeptShift>(kept), shifts_memory_);
+}
+
 void ResultBuilder::push(std::span<const std::int32_t> cells, std::span<const std::uint32_t> lengths, Block block,
                          const RowValues& values, bool copy_cells) {
     if (block.ids.empty() && block.near.steps.empty()) return;
-    if (want_areas_) block.values.areas = keep_copy(values.areas, areas_memory_);
-    if (want_normals_) block.values.normals = keep_copy(values.normals, normals_memory_);
-    if (want_shifts_) block.values.shifts = keep_copy(values.shifts, shifts_memory_);
+    if (want_areas_) block.areas = keep_copy(values.areas, areas_memory_);
+    if (want_normals_) block.normals = keep_copy(values.normals, normals_memory_);
+    if (want_shifts_) block.shifts = keep_shifts(lengths, values.shifts);
     block.cells = cells;
     if (copy_cells) {
         const auto rows = static_cast<std::size_t>(std::ranges::count_if(lengths, [](auto n) { return n > 0; }));
@@ -334,9 +354,9 @@ void ResultBuilder::settle(std::span<const std::uint32_t> later, ThreadPool& poo
     sum_lengths(later, pool);
     for (auto* memory : {&ids_memory_, &areas_memory_, &normals_memory_, &shifts_memory_}) memory->give_rest();
     // One array after the other: where the pending values of the largest were, the next ones find pages.
-    if (want_normals_) place_values(&RowValues::normals, normals_memory_, result_.face_normals, 3, pool);
-    if (want_areas_) place_values(&RowValues::areas, areas_memory_, result_.face_areas, 1, pool);
-    if (want_shifts_) place_values(&RowValues::shifts, shifts_memory_, result_.shifts, 3, pool);
+    if (want_normals_) place_values(&Block::normals, normals_memory_, result_.face_normals, 3, pool);
+    if (want_areas_) place_values(&Block::areas, areas_memory_, result_.face_areas, 1, pool);
+    if (want_shifts_) place_shifts(pool);
     make_room(result_.indices, 1, true, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) { place_ids(blocks_[index]); });
 }
@@ -352,18 +372,32 @@ bool ResultBuilder::make_room(Buffer<T>& array, std::size_t components, bool is_
     return is_new;
 }
 
-template <class T>
-void ResultBuilder::place_values(std::span<const T> RowValues::*values, Arena& memory, Buffer<T>& array,
+void ResultBuilder::place_values(std::span<const double> Block::*values, Arena& memory, Buffer<double>& array,
                                  std::size_t components, ThreadPool& pool) {
     const bool is_new = make_room(array, components, false, pool);
     pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
-        const T* from = (blocks_[index].values.*values).data();
+        const double* from = (blocks_[index].*values).data();
         for_rows(blocks_[index], array, components, [&](std::size_t begin, std::size_t length) {
             std::copy_n(from, components * length, array.data() + components * begin);
             from += components * length;
         });
     });
     if (is_new) memory.give_all();
+}
+
+void ResultBuilder::place_shifts(ThreadPool& pool) {
+    auto& shifts = result_.shifts;
+    make_room(shifts, 3, false, pool);
+    for_blocks(pool, shifts.size(), [&](std::size_t, std::size_t begin, std::size_t end) {
+        std::fill(shifts.data() + begin, shifts.data() + end, std::int8_t{0});
+    });
+    pool.run(blocks_.size(), [&](std::size_t index, unsigned) {
+        const Block& block = blocks_[index];
+        for (const KeptShift& kept : block.shifts) {
+            const std::int64_t entry = result_.indptr[static_cast<std::size_t>(block.cells[kept.row])] + kept.entry;
+            std::ranges::copy(kept.shift, shifts.data() + 3 * entry);
+        }
+    });
 }
 
 // Turns lengths into the beginnings of rows.

@@ -2,6 +2,7 @@
 // be called from one thread only unless they say otherwise.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <mutex>
 #include <span>
@@ -98,11 +99,16 @@ public:
     void finish(detail::Result& result, ThreadPool& pool);
 
 private:
+    struct KeptShift {             // one that is not 0
+        std::uint32_t row, entry;  // of the block, of the row
+        std::array<std::int8_t, 3> shift;
+    };
     struct Block {
         std::span<const std::int32_t> cells{};  // those that have a row here
         std::span<const std::int32_t> ids{};    // or `near`
         NearRows near{};
-        RowValues values{};
+        std::span<const double> areas{}, normals{};
+        std::span<const KeptShift> shifts{};
     };
 
     void check_values(const RowValues& values, std::size_t ids) const;
@@ -113,6 +119,8 @@ private:
               const RowValues& values, bool copy_cells);
     template <class T>
     [[nodiscard]] std::span<const T> keep_copy(std::span<const T> values, Arena& memory);
+    [[nodiscard]] std::span<const KeptShift> keep_shifts(std::span<const std::uint32_t> lengths,
+                                                         std::span<const std::int8_t> shifts);
     void check_status(ThreadPool& pool) const;
     // Sizes the arrays of rows.
     void resize_entries(std::size_t entries);
@@ -126,9 +134,9 @@ private:
     // Calls place(begin, length) for the rows of a block: their entries in the result. Prefetches those of `array`.
     template <class T, class Place>
     void for_rows(const Block& block, const Buffer<T>& array, std::size_t components, Place place) const;
-    template <class T>
-    void place_values(std::span<const T> RowValues::*values, Arena& memory, Buffer<T>& array, std::size_t components,
-                      ThreadPool& pool);
+    void place_values(std::span<const double> Block::*values, Arena& memory, Buffer<double>& array,
+                      std::size_t components, ThreadPool& pool);
+    void place_shifts(ThreadPool& pool);
     void place_ids(const Block& block);
     // Copies `count` entries, one or more rows.
     void copy_entries(const std::int32_t* ids, const RowValues& values, std::size_t from, std::size_t to,

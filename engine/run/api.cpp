@@ -16,15 +16,6 @@
 #include "votess/votess.hpp"
 
 namespace votess {
-namespace {
-
-template <class T>
-std::span<const T> view(const Buffer<T>& b) {
-    return b;
-}
-
-}  // namespace
-
 namespace detail {
 struct TessellatorState {
     std::atomic_flag at_work;
@@ -44,107 +35,50 @@ std::size_t Tessellation::size() const noexcept {
 std::span<const std::int32_t> Tessellation::neighbors(std::size_t i) const noexcept {
     const auto& p = detail::result_of(result_).indptr;
     if (i + 1 >= p.size()) return {};
-    return view(detail::result_of(result_).indices)
+    return std::span<const std::int32_t>(detail::result_of(result_).indices)
         .subspan(static_cast<std::size_t>(p[i]), static_cast<std::size_t>(p[i + 1] - p[i]));
 }
-std::span<const std::int64_t> Tessellation::indptr() const noexcept {
-    return view(detail::result_of(result_).indptr);
-}
-std::span<const std::int32_t> Tessellation::indices() const noexcept {
-    return view(detail::result_of(result_).indices);
-}
-std::span<const double> Tessellation::face_areas() const noexcept {
-    return view(detail::result_of(result_).face_areas);
-}
-std::span<const double> Tessellation::volumes() const noexcept {
-    return view(detail::result_of(result_).volumes);
-}
-std::span<const double> Tessellation::centroids() const noexcept {
-    return view(detail::result_of(result_).centroids);
-}
-std::span<const std::uint32_t> Tessellation::face_counts() const noexcept {
-    return view(detail::result_of(result_).face_counts);
-}
-std::span<const std::uint32_t> Tessellation::edge_counts() const noexcept {
-    return view(detail::result_of(result_).edge_counts);
-}
-std::span<const std::uint32_t> Tessellation::vertex_counts() const noexcept {
-    return view(detail::result_of(result_).vertex_counts);
-}
-std::span<const double> Tessellation::face_normals() const noexcept {
-    return view(detail::result_of(result_).face_normals);
-}
-std::span<const std::int8_t> Tessellation::shifts() const noexcept {
-    return view(detail::result_of(result_).shifts);
-}
-std::span<const double> Tessellation::surface_areas() const noexcept {
-    return view(detail::result_of(result_).surface_areas);
-}
-std::span<const double> Tessellation::mesh_areas() const noexcept {
-    return view(detail::result_of(result_).mesh_areas);
-}
-std::span<const double> Tessellation::security_radii() const noexcept {
-    return view(detail::result_of(result_).security_radii);
-}
-std::span<const double> Tessellation::vertices() const noexcept {
-    return view(detail::result_of(result_).vertices);
-}
-std::span<const std::int64_t> Tessellation::face_offsets() const noexcept {
-    return view(detail::result_of(result_).face_offsets);
-}
-std::span<const std::int32_t> Tessellation::face_vertices() const noexcept {
-    return view(detail::result_of(result_).face_vertices);
-}
-std::span<const std::int64_t> Tessellation::cell_vertex_indptr() const noexcept {
-    return view(detail::result_of(result_).cell_vertex_indptr);
-}
-std::span<const std::int32_t> Tessellation::cell_vertex_indices() const noexcept {
-    return view(detail::result_of(result_).cell_vertex_indices);
-}
-double Tessellation::least_face() const noexcept {
-    return detail::result_of(result_).least_face;
-}
-std::span<const CellStatus> Tessellation::status() const noexcept {
-    return view(detail::result_of(result_).status);
-}
-std::span<const std::int32_t> Tessellation::duplicate_of() const noexcept {
-    return view(detail::result_of(result_).duplicate_of);
-}
-const Box& Tessellation::box() const noexcept {
-    return detail::result_of(result_).box;
-}
-const std::array<bool, 3>& Tessellation::periodic() const noexcept {
-    return detail::result_of(result_).periodic;
-}
-const std::optional<TriclinicBox>& Tessellation::cell() const noexcept {
-    return detail::result_of(result_).cell;
-}
-std::span<const Wall> Tessellation::walls() const noexcept {
-    return detail::result_of(result_).walls;
-}
-std::span<const double> Tessellation::weights() const noexcept {
-    return view(detail::result_of(result_).weights);
-}
-bool Tessellation::planar() const noexcept {
-    return detail::result_of(result_).planar;
-}
-bool Tessellation::lists_walls() const noexcept {
-    return detail::result_of(result_).lists_walls;
-}
+// A member of the result, under the same name.
+#define VOTESS_MEMBER(name, ...)                      \
+    __VA_ARGS__ Tessellation::name() const noexcept { \
+        return detail::result_of(result_).name;       \
+    }
+VOTESS_MEMBER(indptr, std::span<const std::int64_t>)
+VOTESS_MEMBER(indices, std::span<const std::int32_t>)
+VOTESS_MEMBER(face_areas, std::span<const double>)
+VOTESS_MEMBER(volumes, std::span<const double>)
+VOTESS_MEMBER(centroids, std::span<const double>)
+VOTESS_MEMBER(face_counts, std::span<const std::uint32_t>)
+VOTESS_MEMBER(edge_counts, std::span<const std::uint32_t>)
+VOTESS_MEMBER(vertex_counts, std::span<const std::uint32_t>)
+VOTESS_MEMBER(face_normals, std::span<const double>)
+VOTESS_MEMBER(shifts, std::span<const std::int8_t>)
+VOTESS_MEMBER(surface_areas, std::span<const double>)
+VOTESS_MEMBER(mesh_areas, std::span<const double>)
+VOTESS_MEMBER(security_radii, std::span<const double>)
+VOTESS_MEMBER(vertices, std::span<const double>)
+VOTESS_MEMBER(face_offsets, std::span<const std::int64_t>)
+VOTESS_MEMBER(face_vertices, std::span<const std::int32_t>)
+VOTESS_MEMBER(cell_vertex_indptr, std::span<const std::int64_t>)
+VOTESS_MEMBER(cell_vertex_indices, std::span<const std::int32_t>)
+VOTESS_MEMBER(status, std::span<const CellStatus>)
+VOTESS_MEMBER(duplicate_of, std::span<const std::int32_t>)
+VOTESS_MEMBER(walls, std::span<const Wall>)
+VOTESS_MEMBER(weights, std::span<const double>)
+VOTESS_MEMBER(ids, std::span<const std::int32_t>)
+VOTESS_MEMBER(least_face, double)
+VOTESS_MEMBER(box, const Box&)
+VOTESS_MEMBER(periodic, const std::array<bool, 3>&)
+VOTESS_MEMBER(cell, const std::optional<TriclinicBox>&)
+VOTESS_MEMBER(planar, bool)
+VOTESS_MEMBER(lists_walls, bool)
+VOTESS_MEMBER(is_subset, bool)
+VOTESS_MEMBER(probed, bool)
+VOTESS_MEMBER(stats, const Stats&)
+#undef VOTESS_MEMBER
+
 bool Tessellation::in_mesh() const noexcept {
     return detail::result_of(result_).mesh_cells != nullptr;
-}
-bool Tessellation::is_subset() const noexcept {
-    return detail::result_of(result_).is_subset;
-}
-std::span<const std::int32_t> Tessellation::ids() const noexcept {
-    return view(detail::result_of(result_).ids);
-}
-bool Tessellation::probed() const noexcept {
-    return detail::result_of(result_).probed;
-}
-const Stats& Tessellation::stats() const noexcept {
-    return detail::result_of(result_).stats;
 }
 
 Tessellator::Tessellator() : state_(std::make_shared<detail::TessellatorState>()) {}

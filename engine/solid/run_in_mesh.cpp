@@ -14,6 +14,7 @@
 #include "input/default_box.hpp"
 #include "input/option_name.hpp"
 #include "input/settle.hpp"
+#include "result/arrays.hpp"
 #include "result/drop_faces.hpp"
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
@@ -57,12 +58,14 @@ std::size_t to_index(std::int64_t i) {
 class MeshCut {
 public:
     // cells: with the mesh and the seeds, in units of the job. job: with the rows of a subset. wanted: of the cut.
-    MeshCut(std::shared_ptr<MeshCells> cells, const Job& job, const Wanted& wanted)
+    // kept: the rows wanted, the first ones; the others tell them the areas of faces.
+    MeshCut(std::shared_ptr<MeshCells> cells, const Job& job, const Wanted& wanted, std::size_t kept)
         : cells_(std::move(cells)),
           mesh_(cells_->mesh),
           wanted_(wanted.want),
           min_face_(wanted.min_face),
           min_area_(wanted.min_area),
+          kept_(kept),
           job_(job),
           has_areas_(wanted_.areas || wanted_.surfaces) {}
 
@@ -83,6 +86,7 @@ public:
         fill_plain();
         decide_faces();
         share_areas();
+        drop_others();
         write_rows();
         finish();
         return std::move(result_);
@@ -423,6 +427,28 @@ private:
         }
     }
 
+    // Drops the rows that are not kept, which are the last ones.
+    void drop_others() {
+        if (kept_ == rows()) return;
+        const std::size_t images = cells_->images(kept_).first;
+        detail::for_arrays([&](const auto& array) {
+            auto& values = array.of(result_);
+            if (array.per == detail::Per::cell && !values.empty())
+                values.resize_uninitialized(array.components * kept_);
+        });
+        if (!result_.weights.empty()) result_.weights.resize_uninitialized(kept_);
+        result_.stats.points = kept_;
+        cells_->ids.resize(kept_);
+        cells_->indptr.resize_uninitialized(kept_ + 1);
+        const std::size_t entries = to_index(cells_->indptr[kept_]);
+        cells_->indices.resize_uninitialized(entries);
+        if (!cells_->shifts.empty()) cells_->shifts.resize_uninitialized(3 * entries);
+        winding_.resize(images);
+        if (cells_->image_offsets.empty()) return;
+        cells_->image_offsets.resize(kept_ + 1);
+        cells_->image_shifts.resize(images);
+    }
+
     // Drops faces outside, and empties the cells outside.
     void write_rows() {
         result_.indptr.resize_uninitialized(rows() + 1);
@@ -491,6 +517,7 @@ private:
     const ClosedMesh& mesh_;
     const Want wanted_;
     const double min_face_, min_area_;
+    const std::size_t kept_;
     const Job& job_;
     const bool has_areas_;
     Result result_;
@@ -499,6 +526,21 @@ private:
     std::vector<std::uint8_t> dropped_;        // by entry: 1 for faces without a part inside; unsure
     std::vector<int> winding_;                 // by image, of plain ones
 };
+
+// Returns the seeds of a run's subset, then their neighbors.
+std::vector<std::int64_t> with_neighbors(Settled part, const RunInBox& run) {
+    std::vector<std::int64_t> ids = *part.subset;
+    std::vector<bool> listed(part.points.count());
+    part.want = {.neighbors = true, .volumes = false};
+    const Result rows = run(std::move(part));
+    for (const std::int64_t id : ids) listed[to_index(id)] = true;
+    for (const std::int32_t id : rows.indices)
+        if (id >= 0 && !listed[to_index(id)]) {
+            listed[to_index(id)] = true;
+            ids.push_back(id);
+        }
+    return ids;
+}
 
 }  // namespace
 
@@ -512,7 +554,10 @@ Result run_in_mesh(const Settled& whole, const RunInBox& run) {
     in_box.want = MeshCut::of_whole_cells(whole.want);
     in_box.list_walls = false;
     in_box.min_face = in_box.min_area = 0;  // they drop faces by their areas inside
-    in_box.progress = progress.within({0, 0.5});
+    in_box.progress = progress.within({0, 0.2});
+    // A face has one area, by its cell of lower index or by the one that triangles cut.
+    if (whole.subset && (whole.want.areas || whole.want.surfaces)) in_box.subset = with_neighbors(in_box, run);
+    in_box.progress = progress.within({whole.subset ? 0.2 : 0, 0.5});
     const Job job = make_job(in_box);
     place_mesh(mesh, job);
     const auto cells = std::make_shared<MeshCells>(std::make_shared<const ClosedMesh>(std::move(mesh)));
@@ -521,7 +566,7 @@ Result run_in_mesh(const Settled& whole, const RunInBox& run) {
     cells->weights = job.domain->weights;
     Result cut = run(std::move(in_box));
     const Stoppable stoppable(progress, {0.5, 0.95});
-    return MeshCut(cells, job, whole).make(std::move(cut));
+    return MeshCut(cells, job, whole, whole.subset ? whole.subset->size() : cut.status.size()).make(std::move(cut));
 }
 
 Want want_of_probes(const Want& wanted) {
@@ -573,7 +618,7 @@ Result cut_probes(Result whole, std::span<const double> places, std::span<const 
     of_cut.want = with_implied(wanted);
     cells->names = std::move(seeds);
     cells->names.resize(to_index(first) + count, *job.probes_of);
-    Result result = MeshCut(cells, of_rows, of_cut).make(std::move(whole));
+    Result result = MeshCut(cells, of_rows, of_cut, count).make(std::move(whole));
     for (std::int32_t& id : result.indices) id = cells->name(id);
     for (const std::size_t r : duplicates) result.status[r] = CellStatus::duplicate;
     return result;

@@ -35,67 +35,7 @@ Vector3 direction(const Vector3& x) {
     return {x[0] / length, x[1] / length, x[2] / length};
 }
 
-// The edges of a domain, with axes in place of those without end, and places along them.
-class Edges {
-public:
-    explicit Edges(const Region& region) : axes_(endless_axes(region)) {
-        const bool cell = region.cell.has_value();
-        std::array<Vector3, 3> edge{};
-        if (cell) {
-            origin_ = region.cell->origin;
-            edge = {region.cell->a, region.cell->b, region.cell->c};
-        }
-        std::vector<Vector3> lattice;
-        for (std::size_t j = 0; j < 3; ++j) {
-            const bool repeats = region.repeats()[j];
-            if (cell) {
-                numbers_.insert(numbers_.end(), edge[j].begin(), edge[j].end());
-                has_walls_ = has_walls_ || (!repeats && axes_[j] < 0);
-            } else if (repeats) {
-                numbers_.insert(numbers_.end(), {region.box->lower[j], region.box->upper[j]});
-                edge[j][j] = region.box->upper[j] - region.box->lower[j];
-            }
-            longest_sum_ += length3(edge[j][0], edge[j][1], edge[j][2]);
-            if (repeats) lattice.push_back(edge[j]);
-            if (is_zero(edge[j])) edge[j][axes_[j] < 0 ? j : static_cast<std::size_t>(axes_[j])] = 1;
-            edge[j] = direction(edge[j]);
-        }
-        for (std::size_t j = 0; j < 3; ++j) {
-            dual_[j] = cross(edge[(j + 1) % 3], edge[(j + 2) % 3]);
-            const double volume = dot(dual_[j], edge[j]);
-            for (double& x : dual_[j]) x /= volume;
-        }
-        for (const Vector3& v : lattice) along_.push_back(direction(across(direction(v))));
-    }
-
-    [[nodiscard]] const std::array<int, 3>& axes() const { return axes_; }
-    [[nodiscard]] const Vector3& origin() const { return origin_; }
-    [[nodiscard]] bool is_periodic() const { return !along_.empty(); }
-    [[nodiscard]] bool has_walls() const { return has_walls_; }  // of a cell
-    // All numbers that the differences of images depend on, beside the seeds.
-    [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
-    // The sum of the lengths of the periods, and of other edges of a cell.
-    [[nodiscard]] double longest_sum() const { return longest_sum_; }
-    // Returns the place along edge j, as a length.
-    [[nodiscard]] double along(std::size_t j, const Vector3& x) const { return dot(dual_[j], minus(x, origin_)); }
-    [[nodiscard]] Vector3 across(Vector3 x) const {
-        for (const Vector3& u : along_) {
-            const double part = dot(u, x);
-            for (std::size_t k = 0; k < 3; ++k) x[k] -= part * u[k];
-        }
-        return x;
-    }
-
-private:
-    std::array<int, 3> axes_;
-    Vector3 origin_{};
-    std::array<Vector3, 3> dual_{};
-    std::vector<Vector3> along_;  // the lattice, orthonormal
-    std::vector<double> numbers_;
-    double longest_sum_ = 0;
-    bool has_walls_ = false;
-};
-
+constexpr Box no_ends{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 constexpr Box no_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 struct Spread {
@@ -112,12 +52,11 @@ struct Spread {
             if (i % points_per_check == 0) check_stop();
             const Vector3 x{points[3 * i], points[3 * i + 1], points[3 * i + 2]};
             if (!std::ranges::all_of(x, [](double c) { return std::isfinite(c); })) continue;
-            const Vector3 part = edges.across(x);
+            const Vector3 part = edges.across(x), place = edges.along(x);
             for (std::size_t k = 0; k < 3; ++k) {
                 add_number(x[k]);
-                const double place = edges.along(k, x);
-                bounds.lower[k] = std::min(bounds.lower[k], place);
-                bounds.upper[k] = std::max(bounds.upper[k], place);
+                bounds.lower[k] = std::min(bounds.lower[k], place[k]);
+                bounds.upper[k] = std::max(bounds.upper[k], place[k]);
                 across.lower[k] = std::min(across.lower[k], part[k]);
                 across.upper[k] = std::max(across.upper[k], part[k]);
             }
@@ -143,19 +82,6 @@ private:
         if (const int bit = lowest_bit(x); bit < unit) unit = bit, smallest = x;
     }
 };
-
-// Sets sides of the box that are at infinity, or all of the cell.
-void put_ends(Region& region, const std::array<int, 3>& axes, const auto& lower, const auto& upper) {
-    for (std::size_t j = 0; j < 3; ++j) {
-        if (axes[j] < 0) continue;
-        if (region.cell) {
-            set_ends(region, j, axes[j], lower(j), upper(j));
-            continue;
-        }
-        if (region.box->lower[j] == -infinity) region.box->lower[j] = lower(j);
-        if (region.box->upper[j] == infinity) region.box->upper[j] = upper(j);
-    }
-}
 
 }  // namespace
 
@@ -191,29 +117,89 @@ void set_ends(Region& region, std::size_t j, int axis, double lower, double uppe
     (j == 0 ? cell.a : j == 1 ? cell.b : cell.c)[k] = upper - lower;
 }
 
-void end_near(Region& region, const Points& points, const Weights& weights) {
+Edges::Edges(const Region& region) : region_(region), axes_(endless_axes(region)) {
+    const bool cell = region.cell.has_value();
+    std::array<Vector3, 3> edge{};
+    if (cell) {
+        origin_ = region.cell->origin;
+        for (const int axis : axes_)
+            if (axis >= 0) origin_[static_cast<std::size_t>(axis)] = 0;
+        edge = {region.cell->a, region.cell->b, region.cell->c};
+    }
+    std::vector<Vector3> repeated;
+    for (std::size_t j = 0; j < 3; ++j) {
+        const bool repeats = region.repeats()[j];
+        if (cell) {
+            numbers_.insert(numbers_.end(), edge[j].begin(), edge[j].end());
+            has_walls_ = has_walls_ || (!repeats && axes_[j] < 0);
+        } else if (repeats) {
+            numbers_.insert(numbers_.end(), {region.box->lower[j], region.box->upper[j]});
+            edge[j][j] = region.box->upper[j] - region.box->lower[j];
+        }
+        lengths_[j] = length3(edge[j][0], edge[j][1], edge[j][2]);
+        longest_sum_ += lengths_[j];
+        if (repeats) repeated.push_back(edge[j]);
+        if (is_zero(edge[j])) edge[j][axes_[j] < 0 ? j : static_cast<std::size_t>(axes_[j])] = 1;
+        edge[j] = direction(edge[j]);
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        dual_[j] = cross(edge[(j + 1) % 3], edge[(j + 2) % 3]);
+        const double volume = dot(dual_[j], edge[j]);
+        for (double& x : dual_[j]) x /= volume;
+    }
+    for (const Vector3& v : repeated) lattice_.push_back(direction(across(direction(v))));
+}
+
+Box Edges::ends_or(const Box& others) const {
+    Box ends = others;
+    for (std::size_t j = 0; j < 3; ++j) {
+        if (region_.box && region_.box->lower[j] != -infinity) ends.lower[j] = region_.box->lower[j];
+        if (region_.box && region_.box->upper[j] != infinity) ends.upper[j] = region_.box->upper[j];
+        if (region_.cell && axes_[j] < 0) ends.lower[j] = 0, ends.upper[j] = lengths_[j];
+    }
+    return ends;
+}
+
+Region Edges::with_ends(const Box& ends) const {
+    Region region = region_;
+    if (region.box) region.box = ends_or(ends);
+    for (std::size_t j = 0; j < 3; ++j)
+        if (region.cell && axes_[j] >= 0) set_ends(region, j, axes_[j], ends.lower[j], ends.upper[j]);
+    return region;
+}
+
+Vector3 Edges::along(const Vector3& x) const {
+    if (!region_.cell) return x;
+    const Vector3 from_origin = minus(x, origin_);
+    return {dot(dual_[0], from_origin), dot(dual_[1], from_origin), dot(dual_[2], from_origin)};
+}
+
+Vector3 Edges::across(Vector3 x) const {
+    for (const Vector3& u : lattice_) {
+        const double part = dot(u, x);
+        for (std::size_t k = 0; k < 3; ++k) x[k] -= part * u[k];
+    }
+    return x;
+}
+
+Box end_near(Region& region, const Points& points, const Weights& weights) {
     const Edges edges(region);
     const Spread spread(points, edges);
     const double longest = std::max(spread.longest, edges.is_periodic() ? edges.longest_sum() : 0);
     // Places along edges are rounded.
     const double margin =
         (longest > 0 ? near_margin * longest : spread.length(weights)) + (region.cell ? 0x1p-40 * spread.largest : 0);
-    const std::optional<Box> box = region.box;
-    const Vector3& origin = edges.origin();
-    const auto offset = [&](std::size_t j) { return origin[static_cast<std::size_t>(edges.axes()[j])]; };
-    put_ends(
-        region, edges.axes(),
-        [&](std::size_t j) {
-            return offset(j) + (box ? std::min(spread.bounds.lower[j], box->upper[j]) : spread.bounds.lower[j]) -
-                   margin;
-        },
-        [&](std::size_t j) {
-            return offset(j) + (box ? std::max(spread.bounds.upper[j], box->lower[j]) : spread.bounds.upper[j]) +
-                   margin;
-        });
+    Box ends = edges.ends_or(no_ends);
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double lower = ends.lower[j], upper = ends.upper[j];
+        if (lower == -infinity) ends.lower[j] = std::min(spread.bounds.lower[j], upper) - margin;
+        if (upper == infinity) ends.upper[j] = std::max(spread.bounds.upper[j], lower) + margin;
+    }
+    region = edges.with_ends(ends);
+    return ends;
 }
 
-void end_far(Region& region, const Points& points, const Weights& weights) {
+Box end_far(Region& region, const Points& points, const Weights& weights) {
     // How many times the box may be as large as the extent of the points. Weights are scaled by its square, and their
     // lowest bits must not underflow. Neither must products of numbers of a cell.
     const int max_exponent = region.cell ? 360 : weights.empty() ? 700 : 484;
@@ -232,7 +218,7 @@ void end_far(Region& region, const Points& points, const Weights& weights) {
     // Parts across the lattice are rounded, and no longer than twice their longest coordinate.
     if (region.cell) size = 2 * size + 0x1p-40 * largest;
     size += edges.longest_sum();
-    for (const double x : edges.origin()) largest = std::max(largest, std::abs(x));
+    for (std::size_t k = 0; region.cell && k < 3; ++k) largest = std::max(largest, std::abs(region.cell->origin[k]));
     const int exponent = std::ilogb(size) + 1;
     int above_vertices = exponent + (region.cell ? 6 : 4);
     if (bisectors) {
@@ -256,8 +242,9 @@ void end_far(Region& region, const Points& points, const Weights& weights) {
     }
     if (largest > 0) above_vertices = std::max(above_vertices, std::ilogb(largest) + 3);
     const double far = std::ldexp(1.0, above_vertices);
-    put_ends(
-        region, edges.axes(), [&](std::size_t) { return -far; }, [&](std::size_t) { return far; });
+    const Box ends = edges.ends_or({{-far, -far, -far}, {far, far, far}});
+    region = edges.with_ends(ends);
+    return ends;
 }
 
 }  // namespace votess

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/vector3.hpp"
 #include "input/job.hpp"
 
 namespace votess {
@@ -19,9 +20,44 @@ namespace votess {
 // edges through these places. pair: of sides, or the edge.
 void set_ends(Region& region, std::size_t pair, int axis, double lower, double upper);
 
+// The edges of a domain, with axes in place of those without end, and places along them: coordinates in a box. In a
+// cell places are rounded.
+class Edges {
+public:
+    explicit Edges(const Region& region);
+
+    // The domain as given.
+    [[nodiscard]] const Region& region() const { return region_; }
+    // Returns its ends along the edges, and where it has none those given here.
+    [[nodiscard]] Box ends_or(const Box& others) const;
+    // Returns the domain with these ends where it has none.
+    [[nodiscard]] Region with_ends(const Box& ends) const;
+    [[nodiscard]] Vector3 along(const Vector3& x) const;
+
+    [[nodiscard]] bool is_periodic() const { return !lattice_.empty(); }
+    [[nodiscard]] bool has_walls() const { return has_walls_; }  // of a cell
+    // All numbers that the differences of images depend on, beside the seeds.
+    [[nodiscard]] const std::vector<double>& numbers() const { return numbers_; }
+    // The sum of the lengths of the periods, and of other edges of a cell.
+    [[nodiscard]] double longest_sum() const { return longest_sum_; }
+    // Returns the part of x across the lattice.
+    [[nodiscard]] Vector3 across(Vector3 x) const;
+
+private:
+    Region region_;
+    std::array<int, 3> axes_;
+    Vector3 origin_{};  // of a cell; 0 along axes without end
+    std::array<Vector3, 3> dual_{};
+    Vector3 lengths_{};
+    std::vector<Vector3> lattice_;  // orthonormal
+    std::vector<double> numbers_;
+    double longest_sum_ = 0;
+    bool has_walls_ = false;
+};
+
 // Gives all sides ends that are farther than the points by six times the longest side of their bounds, or the longest
-// period. Nearly all cells of many points end within it.
-void end_near(Region& region, const Points& points, const Weights& weights = {});
+// period. Nearly all cells of many points end within it. Returns the ends along the edges.
+Box end_near(Region& region, const Points& points, const Weights& weights = {});
 
 // Gives all sides ends beyond all vertices of the diagram of these points and of any subset. Vertices on walls of sides
 // that have ends are among them.
@@ -37,6 +73,6 @@ void end_near(Region& region, const Points& points, const Weights& weights = {})
 //
 // Walls of a cell are rows n x = n y, where the normal n is the product of an edge and an axis, or of edges. It is a
 // multiple of u or u^2, no longer than S or S^2, and y is within S. So b is at most twice as large.
-void end_far(Region& region, const Points& points, const Weights& weights = {});
+Box end_far(Region& region, const Points& points, const Weights& weights = {});
 
 }  // namespace votess

@@ -39,16 +39,6 @@ Vector3 position(const Result& r, std::int32_t vertex) {
     return {r.vertices[3 * at(vertex)], r.vertices[3 * at(vertex) + 1], r.vertices[3 * at(vertex) + 2]};
 }
 
-double area_of(const Result& r, std::span<const std::int32_t> polygon) {
-    const Vector3 first = position(r, polygon[0]);
-    Vector3 doubled{};
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k) {
-        const Vector3 part = cross(minus(position(r, polygon[k]), first), minus(position(r, polygon[k + 1]), first));
-        for (std::size_t i = 0; i < 3; ++i) doubled[i] += part[i];
-    }
-    return 0.5 * std::hypot(doubled[0], doubled[1], doubled[2]);
-}
-
 template <class T>
 void put(Buffer<T>& to, const std::vector<T>& from) {
     to.resize_uninitialized(from.size());
@@ -260,7 +250,7 @@ void open_cells(Result& r, const Region& domain) {
             rows.add(r, e, id);
             if (!has_polygons) continue;
             cut_infinity(polygon_of(r, e), at_infinity, corners);
-            if (open) rows.set_area(corners.empty() || corners.back() == -1 ? infinity : area_of(r, corners));
+            if (corners.empty() || corners.back() == -1) rows.set_area(infinity);
             rows.polygon(corners, number);
         }
         if (open && !listed) rows.add_infinity(sides.id());

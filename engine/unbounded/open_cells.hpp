@@ -3,6 +3,7 @@
 // EndlessSides::id() chooses, with an empty polygon. In polygons -1 stands for infinity, after the last corner.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -11,6 +12,11 @@
 #include "unbounded/endless_box.hpp"
 
 namespace votess {
+
+// Whether row i of a result lists a wall of which is_end() is true.
+[[nodiscard]] bool lists_end(const detail::Result& rows, std::size_t i, const auto& is_end) {
+    return std::any_of(rows.indices.begin() + rows.indptr[i], rows.indices.begin() + rows.indptr[i + 1], is_end);
+}
 
 // Turns a result of end_far() or end_near(), whose rows list walls, into that of the domain. Counts and
 // areas need polygons.

@@ -24,13 +24,6 @@ std::size_t to_index(std::int64_t i) {
     return static_cast<std::size_t>(i);
 }
 
-// Whether row i lists a wall that is an end.
-bool reaches_end(const Result& r, std::size_t i, const auto& is_end) {
-    const std::span<const std::int32_t> all = r.indices;
-    const std::size_t begin = to_index(r.indptr[i]);
-    return std::ranges::any_of(all.subspan(begin, to_index(r.indptr[i + 1]) - begin), is_end);
-}
-
 // Sets the wanted measures of some rows of a result to those of rows of another one. Those of other rows stay.
 // row_of: of each of `rows` in the other.
 void take_measures(Result& result, const Want& want, const Result& some, std::span<const std::size_t> rows,
@@ -127,8 +120,8 @@ private:
         return run(std::move(part), std::move(region), want, share);
     }
 
-    // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end,
-    // since the others take long to measure in so large a box.
+    // Returns the cells of a part. The first run finds the rows; a second one measures the cells that have an end. The
+    // others take long to measure in so large a box, and have only faces to measure.
     Result far_cells(Settled part, const Share& share) {
         Want rows = whole_.want;
         rows.volumes = rows.centroids = rows.surfaces = rows.radii = rows.areas = false;
@@ -139,7 +132,8 @@ private:
             std::vector<std::int64_t> ids;
             std::vector<std::size_t> closed;
             for (std::size_t i = 0; i < result.status.size(); ++i) {
-                if (reaches_end(result, i, [&](std::int32_t id) { return sides_.has(id); })) continue;
+                if (!whole_.want.areas && lists_end(result, i, [&](std::int32_t id) { return sides_.has(id); }))
+                    continue;
                 closed.push_back(i);
                 ids.push_back(part.subset ? (*part.subset)[i] : static_cast<std::int64_t>(i));
             }
@@ -168,7 +162,7 @@ private:
         std::vector<bool> taken(near.status.size());
         std::vector<std::int64_t> empty;
         for (std::size_t i = 0; i < taken.size(); ++i) {
-            taken[i] = reaches_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !flat_ends_.has(id); });
+            taken[i] = lists_end(near, i, [&](std::int32_t id) { return sides_.has(id) && !flat_ends_.has(id); });
             if (near.status[i] == CellStatus::empty) empty.push_back(static_cast<std::int64_t>(i));
         }
         if (whole_.subset || empty.empty()) {

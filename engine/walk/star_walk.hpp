@@ -35,6 +35,7 @@ private:
     // little beyond, because a search costs more time than candidates.
     static constexpr double min_reach_margin = 1.7, max_reach_margin = 2.8, margin_step = 0.002;
     static constexpr double missed_share = 2.5;     // of the squared reach: a little beyond
+    static constexpr double far_share = 16;         // of the squared reach: far beyond
     static constexpr double allowed_misses = 0.35;  // searches for a cell
     static constexpr int max_candidates = 160;      // at first; leaves room for others
     static constexpr int enough_candidates = 80;
@@ -270,6 +271,7 @@ private:
     [[gnu::always_inline]] inline void search_groups(Test test, Visit visit);
     template <class Visit>
     [[gnu::always_inline]] inline void search_ball(const Ball& ball, Visit visit);
+    [[nodiscard]] std::uint32_t group_near(const Four& x);
     [[gnu::noinline]] bool add_inside(const Line& line, double length2, Four x, const std::int32_t* three, int& added);
     template <class Visit>
     bool step_along(const Wide& nearest, const Wide& along, Visit visit) const;
@@ -299,7 +301,6 @@ private:
     template <class Visit>
     void for_walls_at(const Four& x, double length2, bool near, Visit visit);
     [[gnu::noinline]] bool add_wall_before(const Four& x, double length2, bool near, const Wide& along, int& added);
-    [[gnu::noinline]] bool add_wall_along(const Wide& nearest, const Wide& along);
     [[nodiscard]] double distance_to(const Wall& wall) const;
     void wall_plane(std::int32_t id, Four& n, double& h);
     [[nodiscard]] Wall& wall_of(std::int32_t id) {
@@ -399,7 +400,13 @@ private:
         std::uint32_t index;
     };
     std::array<Node, Hierarchy::max_nodes> nodes_;
-    struct Pending {  // blocks of a level
+    struct NearNode {
+        double square;  // of the distance
+        std::int32_t level;
+        std::uint32_t index;
+    };
+    std::vector<NearNode> near_nodes_;  // scratch of group_near()
+    struct Pending {                    // blocks of a level
         int count;
         std::uint32_t at[max_found];
     };

@@ -302,8 +302,13 @@ bool StarWalk<Isa>::begin_at_face(int nearest) {
     ray.limit = parallel * size * static_cast<float>(longest_);
     int hit = first_hit(ray);
     if (hit < 0) {
-        const Wide from{ray.o[0], ray.o[1], ray.o[2], 0}, along{ray.d[0], ray.d[1], ray.d[2], 0};
-        if (!add_wall_along(from, along)) return false;
+        const Wide from{ray.o[0], ray.o[1], ray.o[2], 0}, against{-ray.d[0], -ray.d[1], -ray.d[2], 0};
+        Line line{};
+        wide(line.ab) = against;
+        cross(against, from, wide(line.e));
+        line.norms2 = dot(against, against);
+        line.longest2 = square_[a];
+        if (!add_along(line, {static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(a)})) return false;
         hit = first_hit(ray);
     }
     if (hit < 0) return false;
@@ -481,6 +486,31 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     }
 }
 
+// Returns the group whose box is the nearest to a vertex.
+template <class Isa>
+std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
+    const auto farther = [](const NearNode& a, const NearNode& b) { return a.square > b.square; };
+    near_nodes_.assign(1, {0, std::max(0, hierarchy_.top_level() - 1) + 1, 0});
+    for (;;) {
+        std::ranges::pop_heap(near_nodes_, farther);
+        const auto [least, level, node] = near_nodes_.back();
+        near_nodes_.pop_back();
+        if (level == 0) return node;
+        const BoxBlock& boxes = hierarchy_.block(level - 1, node);
+        for (std::uint32_t child = 0; child < box_fan; ++child) {
+            double square = 0;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const double at = p_[k] + x.x[k] * unscale_;
+                const double gap = std::max({0.0, boxes.lower[k][child] - at, at - boxes.upper[k][child]});
+                square += gap * gap;
+            }
+            if (!(square < std::numeric_limits<double>::infinity())) continue;
+            near_nodes_.push_back({square, level - 1, node * box_fan + child});
+            std::ranges::push_heap(near_nodes_, farther);
+        }
+    }
+}
+
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
 //
 // The edge is searched again only after max_new_seeds of them. It begins at a proven vertex, where n.x - h <= 0 for all
@@ -527,6 +557,12 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
         }
         return true;
     };
+    // A large ball may hold very many seeds. Those near its center cut off nearly as much of the edge as all together.
+    for (std::uint32_t last = ~0u; 4 * length2 > far_share * covered_;) {
+        const std::uint32_t group = group_near(x);
+        if (group == std::exchange(last, group)) break;
+        if (!visit({&last, 1})) return room;
+    }
     search_ball(ball, visit);
     return room;
 }
@@ -1695,18 +1731,6 @@ bool StarWalk<Isa>::add_wall_before(const Four& x, double length2, bool near, co
     if (first == nullptr) return true;
     ++added;
     return add_wall(*first);
-}
-
-// Adds the wall that a ray meets first, if it is not among the candidates.
-template <class Isa>
-bool StarWalk<Isa>::add_wall_along(const Wide& nearest, const Wide& along) {
-    int added = 0;
-    bool room = true;
-    step_along(nearest, along, [&](const Four& x, double x2) {
-        room = add_wall_before(x, x2, false, along, added);
-        return !room || added > 0;
-    });
-    return room && added > 0;
 }
 
 template <class Isa>

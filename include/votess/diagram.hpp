@@ -136,10 +136,10 @@ class VOTESS_API Diagram {
 public:
     Diagram();  // without seeds
     // points: as for tessellate(); copied. Without box, cell and walls the domain is all of space, or of the plane. The
-    // grid of to_grid() covers the default box of tessellate() along infinite sides. Uses these options: the
-    // domain, planar, weights, radii, outside, duplicates, threads, grid_resolution, instructions and progress. Throws
-    // Error as tessellate() does; `unsupported` for a device other than "cpu" and "auto"; invalid_argument with
-    // min_face or min_area.
+    // grid of to_grid() covers the default box of tessellate() along infinite sides and edges that are 0. Uses these
+    // options: the domain, planar, weights, radii, outside, duplicates, threads, grid_resolution, instructions and
+    // progress. Throws Error as tessellate() does; `unsupported` for a device other than "cpu" and "auto";
+    // invalid_argument with min_face or min_area.
     //
     // Options::mesh cuts the domain. Its surface is inside; outside there are no answers, and grids are 0. Inside,
     // natural_neighbors() and interpolate() answer as without the mesh. trace() gives the parts of rays inside: which
@@ -205,6 +205,8 @@ public:
     // and `dtfe` need 1.2 KB a seed meanwhile. Throws invalid_argument for arrays or options that do not fit; as
     // tessellate(); with `nearest` and `sibson` as locate() and interpolate().
     std::size_t to_grid(std::span<const double> values, const GridOptions& options, std::span<double> grid) const;
+    // Returns a result without rows in the domain that grids divide, which has ends.
+    [[nodiscard]] Tessellation grid_domain() const;
 
 private:
     std::shared_ptr<detail::DiagramState> state_;

@@ -99,7 +99,7 @@ TEST_CASE("blocks: triclinic boxes, weights and walls") {
 TEST_CASE("blocks: sets of the kinds of the fuzz") {
     std::uint64_t sets = 0;
     for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
-        const std::uint64_t usual = kind.name == "many" ? 1 : 40;
+        const std::uint64_t usual = kind.name == "many" ? 1 : 25;
         const std::uint64_t count = test::by_size(usual, usual / 20 + 1);
         for (std::uint64_t number = 1; number <= count; ++number) {
             CAPTURE(kind.name);
@@ -128,9 +128,9 @@ TEST_CASE("blocks: sets of the kinds of the fuzz") {
 // Each set in its hull, and its x and y in the plane, in a box and in their hull.
 TEST_CASE("blocks: sets of the kinds of the fuzz in the plane and in their hull") {
     std::uint64_t sets = 0;
-    const std::uint64_t usual = test::by_size(12, 1);
+    const std::uint64_t usual = test::by_size(6, 1);
     for (const test::fuzz::Kind& kind : test::fuzz::all_kinds()) {
-        const std::uint64_t count = kind.name == "many" ? usual / 12 : usual;
+        const std::uint64_t count = kind.name == "many" ? usual / 6 : usual;
         for (std::uint64_t number = 1; number <= count; ++number)
             for (const test::fuzz::Job& job : test::fuzz::make_case(kind, number).jobs)
                 for (const int domain : {0, 2, 4}) {

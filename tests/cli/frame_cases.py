@@ -74,6 +74,14 @@ class FrameFiles(ReaderTest):
         self.assertEqual(self.json("a.xyz")["domain"]["from"], "default")
         self.put("a.xyz", f'6\nLattice="0 0 0 0 0 0 0 0 0" pbc="T F F"\n{rows}')
         self.refuse("a.xyz", says="periodic axes without their lengths")
+        self.put("a.xyz", f'6\nLattice="4 0 1 0 4 0 0 0 0" pbc="T T F" Properties=species:S:1:pos:R:3\n{rows}')
+        self.put("q.txt", "1 2 3\n0.5 0.5 900\n")
+        seeds = [int(row) for row in self.rows("a.xyz", "--locate", "q.txt")]
+        shifts = np.stack(np.meshgrid(*2 * [np.arange(-3, 4)]), -1).reshape(-1, 2) @ [(4, 0, 1), (0, 4, 0)]
+        away = np.array([[(1, 2, 3)], [(0.5, 0.5, 900)]])[:, :, None] - (random_points(6)[:, None] + shifts)
+        self.assertEqual(seeds, (away**2).sum(3).min(2).argmin(1).tolist())
+        self.run_cli("a.xyz", "--to-grid", "dtfe", "--shape", "4", "-o", "g.npy", "-o", "g.h5")
+        self.assertEqual(np.load(self.folder / "g.npy").shape, (4, 4, 4))
 
     def test_no_origin(self):
         """dump extxyz of LAMMPS states no Origin: a box that begins elsewhere is named where that matters."""

@@ -134,11 +134,12 @@ class Source(CliTest):
                 with open(self.folder / "b.csv", newline="") as file:
                     table = list(csv.DictReader(file))
                 self.assertEqual([float(row["mass [10^10 msun]"]) for row in table], mass.tolist())
-            self.run_cli("a.csv", "--copy", "2", "-o", "b.csv")
+            self.run_cli("a.csv", "--copy", '"note, long"', "-o", "b.csv")
             with open(self.folder / "b.csv", newline="") as file:
                 self.assertEqual([row["note, long"].strip() for row in csv.DictReader(file)], [w.strip() for w in words])
             for out in ("b.xyz", "b.dump", "b.txt"):
                 self.refuse("a.csv", "--copy", "2", "-o", out, says=["'note, long'", f"'{out}'", "one word"])
+            self.refuse("a.csv", "--copy", '"note, long', "-o", "b.csv", says=["--copy", "a quote does not end"])
             self.refuse("a.csv", "--radii", "sparse", "-o", "out.npz", says=[f"a.csv:{last_lines[sparse.index(None) + 1]}: column 6 is empty"])
         for content, says in [('x,y,z\n1,"2,3\n', "a.csv:2: the quote in column 2 does not end"), ('x,y,z\n1,"2"3,4\n', "goes on behind its quotes"),
                               ("x,y,z\n1,,3\n", "a.csv:2: column 2 is empty"), ("x,y,z\n1,2\n", "2 columns, the line of names 3"),

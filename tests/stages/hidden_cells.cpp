@@ -1,4 +1,5 @@
-// Cells of power diagrams that heavy seeds take: how many seeds and boxes a search tests before it knows.
+// Cells of power diagrams that heavy seeds take, and long cells: how many seeds and boxes a search tests before it
+// knows.
 #include <doctest/doctest.h>
 
 #include <algorithm>
@@ -19,12 +20,17 @@ struct Tests {
     std::size_t empty = 0;
 };
 
-// Searches the cells of uniform seeds in the unit box. weight(i, x): of seed i at x.
-template <class Weight>
-Tests search_all(std::size_t count, Weight weight) {
+test::Coordinates uniform(std::size_t count) {
     test::Random random(5);
     test::Coordinates points(3 * count);
     for (double& x : points) x = random.uniform();
+    return points;
+}
+
+// Searches the cells of seeds in the unit box. weight(i, x): of seed i at x.
+template <class Weight>
+Tests search_all(const test::Coordinates& points, Weight weight) {
+    const std::size_t count = points.size() / 3;
     votess::Options options;
     options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
     std::vector<double> weights;
@@ -54,7 +60,8 @@ Tests search_all(std::size_t count, Weight weight) {
 TEST_SUITE("stages") {
     TEST_CASE("hidden cells: one heavy seed buries all others, at a cost that does not depend on their number") {
         for (const std::size_t count : {test::by_size(2000, 500), test::by_size(16'000, 2000)}) {
-            const Tests tests = search_all(count, [](std::size_t i, const auto&) { return i == 77 ? 1000.0 : 0.0; });
+            const Tests tests =
+                search_all(uniform(count), [](std::size_t i, const auto&) { return i == 77 ? 1000.0 : 0.0; });
             CAPTURE(count);
             CHECK(tests.empty == count - 1);
             CHECK(tests.mean < 20);
@@ -63,8 +70,8 @@ TEST_SUITE("stages") {
 
     TEST_CASE("hidden cells: a heavy seed that buries some adds only the search for it to the cost of others") {
         const std::size_t count = test::by_size(8000, 1000);
-        const Tests none = search_all(count, [](std::size_t, const auto&) { return 0.0; });
-        const Tests one = search_all(count, [](std::size_t i, const auto&) { return i == 77 ? 0.05 : 0.0; });
+        const Tests none = search_all(uniform(count), [](std::size_t, const auto&) { return 0.0; });
+        const Tests one = search_all(uniform(count), [](std::size_t i, const auto&) { return i == 77 ? 0.05 : 0.0; });
         CHECK(one.empty > 0);
         CHECK(one.mean < 6 * none.mean);
     }
@@ -72,10 +79,20 @@ TEST_SUITE("stages") {
     TEST_CASE("hidden cells: most seeds lie where others own all") {
         // The diagram of seeds twice as far from 0: seven of eight cells lie outside.
         const std::size_t count = test::by_size(8000, 1000);
-        const Tests tests = search_all(count, [](std::size_t, const std::array<double, 3>& x) {
+        const Tests tests = search_all(uniform(count), [](std::size_t, const std::array<double, 3>& x) {
             return -(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
         });
         CHECK(static_cast<double>(tests.empty) > 0.75 * static_cast<double>(count));
         CHECK(tests.mean < 400);
+    }
+
+    TEST_CASE("long cells: seeds on a line do not test all others") {
+        for (const std::size_t count : {std::size_t{500}, test::by_size(8000, 2000)}) {
+            test::Coordinates points = uniform(count);
+            for (std::size_t i = 0; i < points.size(); ++i)
+                if (i % 3 != 0) points[i] = 0.5 + 1e-6 * (points[i] - 0.5) / static_cast<double>(count);
+            CAPTURE(count);
+            CHECK(search_all(points, [](std::size_t, const auto&) { return 0.0; }).mean < 150);
+        }
     }
 }

@@ -66,6 +66,40 @@ TEST_SUITE("stages") {
         CHECK(result.indptr[count] == 7);
     }
 
+    TEST_CASE("result builder: shifts come to their entries, also in memory that was used") {
+        const std::vector<float> points(3 * 7);
+        auto domain = std::make_shared<votess::Domain>();
+        domain->periodic = {true, true, true};
+        votess::Job job;
+        job.domain = domain;
+        job.points.f32 = points;
+        job.want = {.neighbors = true, .volumes = false};
+        ThreadPool pool(2);
+        ResultBuilder builder;
+        votess::detail::Result result;
+        const std::vector<std::int32_t> cells{6, 0, 5, 2};
+        const std::vector<std::uint32_t> lengths{2, 3, 0, 1};
+        const std::vector<std::int32_t> ids{1, 1, 2, 3, 4, 0};
+        for (int call = 0; call < 2; ++call) {  // each of them has shifts where the other has none
+            const auto other = static_cast<std::int8_t>(call), one = static_cast<std::int8_t>(1 - call);
+            const std::vector<std::int8_t> shifts{0, other, 0,   one, 0, -2, 0,    0, other,
+                                                  0, 0,     127, 0,   0, 0,  -128, 0, one};
+            job.arrays = call == 0 ? nullptr : &result;
+            builder.begin(job, pool);
+            builder.add_rows(cells, lengths, ids, {{}, {}, shifts});
+            builder.copy_rows(std::span(cells).subspan(2, 1), std::vector<std::uint32_t>{1},
+                              std::vector<std::int32_t>{6}, {{}, {}, std::vector<std::int8_t>{0, 0, one}});
+            votess::detail::Result next;
+            builder.finish(next, pool);
+            result = std::move(next);
+            // The rows of 0, 2, 5, 6.
+            CHECK(std::ranges::equal(result.indices, std::vector<std::int32_t>{2, 3, 4, 0, 6, 1, 1}));
+            CHECK(std::ranges::equal(result.shifts,
+                                     std::vector<std::int8_t>{0,   0, other, 0,   0, 127,   0, 0,   0, -128, 0,
+                                                              one, 0, 0,     one, 0, other, 0, one, 0, -2}));
+        }
+    }
+
     TEST_CASE("result builder: rows in the order of the input go around those that waited") {
         const std::vector<float> points(3 * 7);
         votess::Job job;

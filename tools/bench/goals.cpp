@@ -205,6 +205,27 @@ int run_goals(const Goals& goals, const Peers& peers, const std::vector<PeerVers
         scoreboard.play(round, often);
     }
     {
+        // Weights as solvers of transport have them, and sets whose cells lie far from their seeds.
+        const Input uniform = input("uniform", goals.small), periodic = input("periodic", goals.small);
+        Round round(peers);
+        const Player votess = round.add("votess", uniform, Want::neighbors),
+                     votess_periodic = round.add("votess", periodic, Want::neighbors);
+        const auto at_most = [&](double bound, const Player& divisor, const Input& other) {
+            round.at_most(bound, round.add("votess", other, Want::neighbors), divisor);
+        };
+        const Input waves[] = {input("wave-0.5", goals.small), input("wave-1", goals.small),
+                               input("wave-2", goals.small), input("wave-5", goals.small),
+                               input("transport", goals.small)};
+        const double bounds[] = {1.2, 1.25, 1.3, 2, 2};
+        for (std::size_t i = 0; i < std::size(waves); ++i) at_most(bounds[i], votess_periodic, waves[i]);
+        const Input hidden = input("hidden", goals.small), heavy = input("heavy", goals.small),
+                    paraboloid = input("paraboloid", goals.small / 5), sheet = input("sheet", goals.small / 3);
+        at_most(2, round.add("votess", heavy, Want::neighbors), hidden);
+        at_most(5, votess, paraboloid);
+        at_most(1.5, votess, sheet);
+        scoreboard.play(round, often);
+    }
+    {
         const Input uniform = input("uniform", goals.large), clustered = input("clustered", goals.large);
         Round round(peers);
         const Player votess = add_uniform(round, uniform);

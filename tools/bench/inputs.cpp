@@ -174,21 +174,20 @@ Input sphere(std::size_t n, Random& random) {
     return input;
 }
 
-// Uniform and periodic, with a sum of 20 waves as weights. Its diagram is about that of seeds displaced by half of the
-// gradient, here by at most the mean spacing: no cell is empty.
-Input smooth(std::size_t n, Random& random) {
-    constexpr std::size_t waves = 20;
+// Uniform and periodic, with a sum of waves as weights. Its diagram is about that of seeds displaced by half of the
+// gradient, here by at most `spacings` mean spacings: hardly a cell is empty. A solver of transport has such weights.
+Input waves(std::string name, std::size_t count, double spacings, std::size_t n, Random& random) {
     constexpr double most_periods = 3;
     Input input = periodic(n, random);
-    input.name = "smooth";
+    input.name = std::move(name);
     input.weights.assign(n, 0);
     std::vector<std::array<double, 3>> gradients(n, {0, 0, 0});
-    for (std::size_t wave = 0; wave < waves; ++wave) {
-        double k[3], square = 0;
-        for (double& x : k) {
-            x = std::floor((2 * most_periods + 1) * random.uniform()) - most_periods;
-            square += x * x;
-            x *= 2 * std::numbers::pi;
+    for (std::size_t wave = 0; wave < count; ++wave) {
+        double k[3] = {2 * std::numbers::pi, 0, 0}, square = 1;
+        for (std::size_t axis = 0; axis < 3 && count > 1; ++axis) {
+            const double periods = std::floor((2 * most_periods + 1) * random.uniform()) - most_periods;
+            square += periods * periods - (axis == 0 ? 1 : 0);
+            k[axis] = 2 * std::numbers::pi * periods;
         }
         const double phase = 2 * std::numbers::pi * random.uniform();
         for (std::size_t i = 0; i < n; ++i) {
@@ -201,7 +200,54 @@ Input smooth(std::size_t n, Random& random) {
     double steepest = 0;
     for (const auto& g : gradients) steepest = std::max(steepest, std::hypot(g[0], g[1], g[2]));
     const double spacing = 1 / std::cbrt(static_cast<double>(n));
-    for (double& weight : input.weights) weight *= 2 * spacing / steepest;
+    for (double& weight : input.weights) weight *= 2 * spacings * spacing / steepest;
+    return input;
+}
+
+Input smooth(std::size_t n, Random& random) {
+    return waves("smooth", 20, 1, n, random);
+}
+
+Input transport(std::size_t n, Random& random) {
+    return waves("transport", 20, 4, n, random);
+}
+
+template <int halves>
+Input wave(std::size_t n, Random& random) {
+    char name[16];
+    std::snprintf(name, sizeof name, "wave-%g", halves / 2.0);
+    return waves(name, 1, halves / 2.0, n, random);
+}
+
+// As heavy, but periodic.
+Input hidden(std::size_t n, Random& random) {
+    Input input = heavy(n, random);
+    input.name = "hidden";
+    input.periodic = {true, true, true};
+    return input;
+}
+
+// The weights |x|^2 about the center: all cells with a vertex inside meet near it.
+Input paraboloid(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "paraboloid";
+    for (std::size_t i = 0; i < n; ++i) {
+        double square = 0;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const double x = input.points[3 * i + axis] - 0.5;
+            square += x * x;
+        }
+        input.weights.push_back(square);
+    }
+    return input;
+}
+
+// Seeds of a thin layer in the middle of the box.
+Input sheet(std::size_t n, Random& random) {
+    Input input = uniform(n, random);
+    input.name = "sheet";
+    constexpr double height = 0.006;
+    for (std::size_t i = 0; i < n; ++i) input.points[3 * i + 2] = 0.5 + height * (input.points[3 * i + 2] - 0.5);
     return input;
 }
 
@@ -241,7 +287,15 @@ constexpr Maker makers[] = {{"uniform", uniform},
                             {"octahedron", octahedron},
                             {"radii", radii},
                             {"heavy", heavy},
-                            {"smooth", smooth}};
+                            {"smooth", smooth},
+                            {"transport", transport},
+                            {"wave-0.5", wave<1>},
+                            {"wave-1", wave<2>},
+                            {"wave-2", wave<4>},
+                            {"wave-5", wave<10>},
+                            {"hidden", hidden},
+                            {"paraboloid", paraboloid},
+                            {"sheet", sheet}};
 constexpr std::string_view file_prefix = "file:";
 
 // Returns the numbers of a line, without its comment. Throws for any other text.

@@ -121,9 +121,11 @@ class _File:
             flag = self.file["RuntimePars"].attrs.get("PeriodicBoundariesOn", 0) if "RuntimePars" in self.file else 0
             periodic = [bool(np.ravel(flag)[0])] * 3
         axes = tuple(bool(axis) for axis in periodic)
-        if len(edges) == size:
+        if len(edges) == size and np.all(edges):
             return Domain.box(np.concatenate((np.zeros(size), edges)), periodic=axes)
-        if len(edges) == size * size and np.any(edges):
+        if len(edges) == size:  # no end along an edge that is 0
+            edges = np.diag(edges)
+        if np.size(edges) == size * size and np.any(edges):
             return Domain.cell(np.reshape(edges, (size, size)), origin=np.zeros(size), periodic=axes)
         return Domain(periodic=axes) if any(axes) else None
 

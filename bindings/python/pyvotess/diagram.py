@@ -108,6 +108,7 @@ class Diagram:
             arguments = (array.ctypes.data, len(array))
             run(lib.votess_diagram_new, arguments, options, ctypes.byref(self._handle.pointer), shown)
         del kept
+        self._domain = given
         self._where = given._text() if given._has_ends else given._text().replace("default box", "domain without end")
         #: Corners of what a picture shows: the domain, or where the seeds are.
         self._shown = _bounds(given, array)
@@ -129,6 +130,16 @@ class Diagram:
     def planar(self) -> bool:
         """Whether seeds and queries have two components."""
         return bool(lib.votess_diagram_planar(self._handle.pointer))
+
+    @property
+    def domain(self) -> Domain:
+        """The domain, for other calls; without one all of space, or in the plane all of the plane.
+
+        >>> d.domain == vt.Domain.box(box)
+        True
+        """
+        given = self._domain
+        return given if given._has_ends or len(given.walls) or given.surface is not None else given.replace(box="none")
 
     @property
     def _dimensions(self) -> int:

@@ -13,7 +13,7 @@ import sys
 import tempfile
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any, Dict, Iterator, List, Optional, Sequence, Union
+from typing import IO, TYPE_CHECKING, Any, Dict, Iterable, Iterator, List, Optional, Sequence, Union
 
 import numpy as np
 
@@ -174,6 +174,11 @@ def _failure(message: str, code: int, path: str) -> Exception:
     return ValueError(_in_python(message, path))
 
 
+def _list_of(names: Iterable[str]) -> str:
+    """Returns the names with commas between them, as in .csv."""
+    return ",".join('"' + name.replace('"', '""') + '"' if "," in name or name.startswith('"') else name for name in names)
+
+
 def _frames(command: Sequence[str], path: str) -> Iterator[Frame]:
     with tempfile.TemporaryFile() as errors:
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=errors, stdin=subprocess.DEVNULL) as process:
@@ -229,8 +234,8 @@ def read_frames(
     for option, value in (
         ("--frames", frames),
         ("--dataset", dataset),
-        ("--copy", ",".join(names) if names else None),
-        ("--columns", None if coordinates is None else ",".join(coordinates)),
+        ("--copy", _list_of(names) if names else None),
+        ("--columns", None if coordinates is None else _list_of(coordinates)),
     ):
         if value is not None:  # joined, for it may begin with a minus sign
             command += [f"{option}={value}"] if value else [option, value]

@@ -33,6 +33,16 @@ def images(vectors):
 
 
 class Diagrams(unittest.TestCase):
+    def test_domain(self):
+        points = uniform(20)
+        slanted = vt.Domain.cell([(1, 0.1, 0.2), (0.3, 0.9, 0), (0, 0, 0)])
+        for given, domain in ((None, vt.Domain.space()), (slanted, slanted), (vt.Domain.hull(), vt.Domain.hull()),
+                              (vt.Domain.mesh(CUBE), vt.Domain.mesh(CUBE))):
+            d = vt.Diagram(points, given)
+            self.assertEqual(d.domain, domain)
+            np.testing.assert_array_equal(vt.Diagram(points, d.domain).locate(points + 0.1), d.locate(points + 0.1))
+        self.assertEqual(vt.Diagram(points[:, :2]).domain, vt.Domain.space())
+
     def test_slab_without_end(self):
         """Answers are those of the seeds among their images."""
         rng = np.random.default_rng(8)

@@ -246,7 +246,7 @@ class Files(Folder):
         points = positions(2)
         rows = [f'{i},"w {i % 3}",{x!r},{y!r},{z!r},{"" if i % 4 == 1 else i / 2}' for i, (x, y, z) in enumerate(points.tolist())]
         path = self.put("a.csv", 'n,"a, note",Points:0,Points:1,Points:2,sparse\n' + "\n".join(rows))
-        frame, = vt.read_frames(path, coordinates=("Points:0", "Points:1", "Points:2"), columns=("2", "n"))
+        frame, = vt.read_frames(path, coordinates=("Points:0", "Points:1", "Points:2"), columns=("a, note", "n"))
         np.testing.assert_array_equal(frame.points, points)
         self.assertEqual(frame.columns["a, note"].tolist(), [f"w {i % 3}" for i in range(120)])
         np.testing.assert_array_equal(frame.columns["n"], np.arange(120))
@@ -294,6 +294,7 @@ class Files(Folder):
         names = [h5md("a.h5", places, cells, words), h5md("b.h5md", padded, (4.0, 5.0, 6.0), [True, False, True], pbc=rng.random((4, 3)) < 0.5),
                  h5md("c.h5", places, cells[:2], words, box_step=[0, 15], ids=absent), h5md("d.h5", places, cells[:, :1, 0][:, [0, 0, 0]] * 1.0, words, step=5, offset=3),
                  h5md("e.h5", places[:, :, :2], (4.0, 5.0), words[:2], pbc=np.full((4, 2), np.nan))]
+        names.append(h5md("j.h5", places, (4.0, 0.0, 6.0), words))  # no end along y
         with h5py.File(self.folder / "f.h5", "w") as file:
             file["coordinates"], file["cell_lengths"], file["cell_angles"] = places.astype("f4"), np.full((4, 3), 4.0), np.tile((90.0, 80, 60), (4, 1))
         with h5py.File(self.folder / "g.h5", "w") as file:

@@ -95,7 +95,7 @@ std::optional<std::array<bool, 3>> periodic_of_h5md(const Hdf5File& file, const 
     return periodic;
 }
 
-// Reads the box of H5MD: edges of a box that begins at 0, or its three vectors.
+// Reads the box of H5MD: edges of a box that begins at 0, or its three vectors. Along an edge that is 0 it has no end.
 std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string& points,
                                          const std::optional<FrameOfFile>& frame) {
     const std::string group = particles_of(points), box = group + "/box";
@@ -106,9 +106,14 @@ std::optional<FileDomain> domain_of_h5md(const Hdf5File& file, const std::string
     const std::array<bool, 3> periodic = flags.value_or(std::array<bool, 3>{});
     if (flags) domain.periodic_from = DomainSource::stated;
     const Numbers edges = element_of(file, box, "edges", positions, frame);
-    if (edges.size() == 2 || edges.size() == 3) {
-        domain.box = votess::Box{{0, 0, 0}, {edges[0], edges[1], edges.size() == 3 ? edges[2] : 0}};
+    const bool flat = edges.size() == 2, upright = flat || edges.size() == 3;
+    if (upright && std::ranges::count(edges, 0.0) == 0) {
+        domain.box = votess::Box{{0, 0, 0}, {edges[0], edges[1], flat ? 0 : edges[2]}};
         domain.periodic = periodic;
+    } else if (upright) {
+        state_cell(
+            domain,
+            {.a = {edges[0], 0, 0}, .b = {0, edges[1], 0}, .c = {0, 0, flat ? 0 : edges[2]}, .periodic = periodic});
     } else if (edges.size() == 4) {
         domain.cell = votess::TriclinicBox{.a = {edges[0], edges[1]}, .b = {edges[2], edges[3]}, .periodic = periodic};
     } else if (edges.size() == 9) {

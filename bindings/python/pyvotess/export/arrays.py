@@ -18,10 +18,8 @@ if TYPE_CHECKING:
     Arrays = Dict[str, npt.NDArray[Any]]
 
 #: Reserved names in both formats, which the caller's columns must not have. Files of clvotess may hold "ids".
-NAMES = frozenset(
-    "ids indptr indices shifts face_areas face_normals volumes centroids surface_areas mesh_areas security_radii "
-    "face_counts edge_counts vertex_counts vertices cell_vertex_indptr cell_vertex_indices face_offsets face_vertices status "
-    "duplicate_of box periodic cell origin walls version domain_from periodic_from".split()
+NAMES = frozenset(name for names in ARRAYS.values() for name in names).union(
+    "ids shifts mesh_areas status duplicate_of box periodic cell origin walls version domain_from periodic_from".split()
 )
 
 # In the order of the file.
