@@ -34,8 +34,8 @@ bool KeptCells::follows(const Job& job) {
     const Domain& domain = *job.domain;
     // Vertices are where the first cell of a stretch finds them.
     const bool plain = !job.want.vertices && !job.only && !job.probes_of && job.row_order.empty();
-    return plain && job.outside.empty() && job.beyond.empty() && !domain.triclinic && domain.walls.empty() &&
-           job.points.count() > 0;
+    return plain && job.outside.empty() && job.beyond.empty() && !domain.has_cell_walls() && !domain.skewed &&
+           domain.walls.empty() && job.points.count() > 0;
 }
 
 void KeptCells::clear() {
@@ -59,14 +59,21 @@ void KeptCells::set_frame(const Job& job) {
     for (std::size_t k = 0; k < 3; ++k) {
         frame_.lower[k] = domain.box.lower[k];
         frame_.upper[k] = domain.box.upper[k];
-        const double side = frame_.upper[k] - frame_.lower[k];
-        constexpr double share[3] = {0.5123456789, 0.4876543211, 0.5031415926};  // no place of a lattice
-        frame_.point[k] = frame_.lower[k] + share[k] * side;
         largest = std::max({largest, std::abs(frame_.lower[k]), std::abs(frame_.upper[k])});
-        longest = std::max(longest, side);
-        if (!domain.periodic[k]) continue;
-        frame_.vector[k][k] = frame_.period[k] = side;
-        shortest = std::min(shortest, side);
+        frame_.point[k] = domain.origin[k];
+    }
+    for (std::size_t j = 0; j < 3; ++j) {
+        constexpr double share[3] = {0.5123456789, 0.4876543211, 0.5031415926};  // no place of a lattice
+        const auto& edge = domain.edges.vector[j];
+        longest += std::sqrt(edge[0] * edge[0] + edge[1] * edge[1] + edge[2] * edge[2]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            frame_.point[k] += share[j] * edge[k];
+            if (!domain.periodic[j]) continue;
+            frame_.vector[j][k] = edge[k];
+            frame_.short_vector[j][k] = domain.reduced.vector[j][k];
+            frame_.dual[j][k] = domain.reduced.dual[j][k];
+        }
+        if (domain.periodic[j]) shortest = std::min(shortest, domain.reduced.width[j]);
     }
     frame_.reach_squared = infinity;
     if (!domain.is_periodic()) return;
@@ -89,10 +96,12 @@ KeptCells::Plan KeptCells::plan(const Job& job, std::string_view instructions) {
     const auto place = [&](std::size_t s) {
         const auto i = static_cast<std::size_t>(order_[s]);
         SeedPlace& at = places_[s];
+        exact::Point x;
+        for (std::size_t k = 0; k < 3; ++k) x[k] = job.points[3 * i + k] * job.scale;
+        const auto fraction = domain.fraction(x);
         for (std::size_t k = 0; k < 3; ++k) {
-            at.x[k] = job.points[3 * i + k] * job.scale;
-            if (const double period = frame_.period[k]; period > 0)
-                at.x[k] -= period * std::floor((at.x[k] - frame_.lower[k]) / period);
+            at.x[k] = x[k];
+            for (std::size_t j = 0; j < 3; ++j) at.x[k] -= frame_.vector[j][k] * std::floor(fraction[j]);
         }
         at.weight = frame_.weighted ? domain.weights[i] : 0;
     };
@@ -392,7 +401,10 @@ bool KeptCells::may_hold(std::size_t seed) const {
         const SeedPlace& other = places_[static_cast<std::size_t>(id)];
         const NearShift shift = cell.near_shift(f);
         double way[3] = {x, y, z};
-        for (std::size_t k = 0; k < 3; ++k) way[k] -= other.x[k] + shift[k] * frame_.period[k] - places_[seed].x[k];
+        for (std::size_t k = 0; k < 3; ++k) {
+            way[k] -= other.x[k] - places_[seed].x[k];
+            for (std::size_t j = 0; j < 3; ++j) way[k] -= shift[j] * frame_.vector[j][k];
+        }
         const double square = way[0] * way[0] + way[1] * way[1] + way[2] * way[2];
         const double tolerance = 0x1p-40 * (own + square + std::abs(weight) + std::abs(other.weight)) +
                                  8 * frame_.slack * (std::sqrt(own) + std::sqrt(square));
@@ -485,9 +497,11 @@ bool KeptCells::any_equal() const {
 
 std::array<double, 3> KeptCells::way_to_point(const SeedPlace& from) const {
     std::array<double, 3> way;
-    for (std::size_t k = 0; k < 3; ++k) {
-        way[k] = frame_.point[k] - from.x[k];
-        if (const double period = frame_.period[k]; period > 0) way[k] -= period * std::round(way[k] / period);
+    for (std::size_t k = 0; k < 3; ++k) way[k] = frame_.point[k] - from.x[k];
+    for (std::size_t j = 0; j < 3; ++j) {
+        const double *const s = frame_.short_vector[j], *const d = frame_.dual[j];
+        const double turns = std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]);
+        for (std::size_t k = 0; k < 3; ++k) way[k] -= turns * s[k];
     }
     return way;
 }

@@ -21,8 +21,8 @@
 // pending, and leaves its neighbors pending: only a search finds the other seeds of a tie.
 //
 // Axis-aligned walls bound no region but the box, so corners need no test against other walls. Images are told apart
-// because all corners are nearer to their seeds than half a period: at most the nearest image of a cell is over a
-// place.
+// because all corners are nearer to their seeds than half of the least width of a period. So at most one image of a
+// cell is over a place: the one whose way to it is less than half of each short vector, in multiples of these.
 #pragma once
 
 #include <array>

@@ -19,7 +19,8 @@ struct SignFrame {
     bool weighted;
     double vector[3][3];  // of the box, rounded
     double lower[3], upper[3];
-    double period[3];      // 0 along axes that do not repeat
+    // Short vectors of the lattice, and with d_i.s_j = 1 for i = j, else 0. 0 along axes that do not repeat.
+    double short_vector[3][3], dual[3][3];
     double slack;          // bound on the error of a difference of coordinates, except its own rounding
     double reach_squared;  // a corner beyond is wrong
     double point[3];       // see SignTest::may_hold

@@ -117,8 +117,10 @@ bool SignKernel<Isa>::test(const SignFrame& frame, std::size_t seed, const KeptC
         wrong += !(margin > 0);
     }
     Wide way = Wide{frame.point[0], frame.point[1], frame.point[2], 0} - at;
-    for (int k = 0; k < 3; ++k)
-        if (frame.period[k] > 0) way[k] -= frame.period[k] * std::round(way[k] / frame.period[k]);
+    for (int j = 0; j < 3; ++j) {
+        const double *const s = frame.short_vector[j], *const d = frame.dual[j];
+        way -= std::round(way[0] * d[0] + way[1] * d[1] + way[2] * d[2]) * Wide{s[0], s[1], s[2], 0};
+    }
     const Wide ways = way * way;
     const double away = std::sqrt(ways[0] + ways[1] + ways[2]);
     way[3] = 1;

@@ -100,6 +100,21 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("follow: triclinic boxes, which may change") {
+        Moving m(test::by_size(1500, 1000));
+        m.options.box.reset();
+        votess::TriclinicBox& cell = m.options.cell.emplace();
+        cell.a = {1, 0, 0};
+        cell.b = {0.3, 1, 0};
+        cell.c = {0.2, -0.4, 0.9};
+        CHECK(m.call() == 0);
+        m.move(5e-3);
+        CHECK(m.call() > 0.9);
+        cell.b[0] += 1e-4;
+        m.move(1e-3);
+        CHECK(m.call() > 0.9);
+    }
+
     TEST_CASE("follow: ties are proven at each call") {
         Moving m(1);
         m.points.clear();

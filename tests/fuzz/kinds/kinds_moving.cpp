@@ -49,6 +49,20 @@ Vector sides_of(const Job& job) {
     return sides;
 }
 
+// Makes the box triclinic. By quarters, lattices keep their ties.
+void tilt(Job& job, Random& random) {
+    const Vector sides = sides_of(job);
+    const auto part = [&] { return random.chance(0.5) ? random.uniform(-0.6, 0.6) : 0.25 * random.integer(-2, 2); };
+    votess::TriclinicBox cell;
+    cell.origin = job.box->lower;
+    cell.a[0] = sides[0];
+    cell.b = {part() * sides[0], sides[1], 0};
+    cell.c = {part() * sides[0], part() * sides[1], sides[2]};
+    job.box.reset();
+    job.periodic = {};
+    job.cell = cell;
+}
+
 // Moves seeds, and changes what a call may change.
 void change(Job& job, const Job& first, Random& random) {
     const Vector sides = sides_of(job);
@@ -117,8 +131,8 @@ void change(Job& job, const Job& first, Random& random) {
 }  // namespace
 
 std::vector<Job> moving_seeds(Random& random) {
-    constexpr Base others[] = {ties,        wrapped_pairs,  thin_cells, tight_clusters,
-                               any_weights, smooth_weights, lattices,   walls_through};
+    constexpr Base others[] = {ties,           wrapped_pairs, thin_cells,    tight_clusters, any_weights,
+                               smooth_weights, lattices,      walls_through, skewed_cells};
     Job job;
     const auto kind = random.below(10);
     if (kind < 6)
@@ -133,6 +147,7 @@ std::vector<Job> moving_seeds(Random& random) {
         const double unit = square * decades(random, -3, random.chance(0.2) ? 1 : -0.5);
         for (std::size_t i = 0; i < job.size(); ++i) job.weights.push_back(unit * random.uniform());
     }
+    if (kind < 8 && job.box && random.chance(0.25)) tilt(job, random);
     const Job first = job;
     std::vector<Job> jobs;
     for (auto count = 3 + random.below(8); count > 0; --count) {
