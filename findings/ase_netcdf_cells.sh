@@ -35,13 +35,15 @@ changed = False
 for name, atoms, by_netcdf in (("edges as ASE builds them", turned, 2.0145), ("edges in standard form", straight, 2.2590)):
     ase.io.write("run.nc", atoms, format="netcdftrajectory")
     ase.io.write("one.pdb", atoms)
-    seen = {"written": atoms, "PDB, ASE": ase.io.read("one.pdb"), "NetCDF, ASE": ase.io.read("run.nc", format="netcdftrajectory"),
+    seen = {"written": atoms, "PDB, ASE": ase.io.read("one.pdb"),
+            "NetCDF, ASE": ase.io.read("run.nc", format="netcdftrajectory"),
             "NetCDF, OVITO": ovito_to_ase(import_file("run.nc").compute())}
     for way, found in seen.items():
         distance = found.get_distance(0, 1, mic=True)
         stated = by_netcdf if "NetCDF" in way else 2.2590
         same = abs(distance - stated) < 5e-3 and np.isclose(found.get_volume(), 23.328, rtol=1e-3)
         changed |= not same
-        print(f"{name}, {way:14} distance {distance:.4f}, volume {found.get_volume():.3f}", "" if same else f"CHANGED, was {stated}")
+        print(f"{name}, {way:14} distance {distance:.4f}, volume {found.get_volume():.3f}",
+              "" if same else f"CHANGED, was {stated}")
 sys.exit(changed)
 EOF

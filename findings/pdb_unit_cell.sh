@@ -29,7 +29,8 @@ from ase.neighborlist import neighbor_list
 
 print({name: version(name) for name in ("MDAnalysis", "ase", "gemmi")})
 count = 20
-universe = MDAnalysis.Universe.empty(count, atom_resindex=range(count), n_residues=count, residue_segindex=[0] * count, trajectory=True)
+universe = MDAnalysis.Universe.empty(count, atom_resindex=range(count), n_residues=count, residue_segindex=[0] * count,
+                                     trajectory=True)
 for name, values in (("names", ["CA"] * count), ("elements", ["C"] * count), ("resnames", ["ALA"] * count),
                      ("resids", range(1, count + 1)), ("chainIDs", ["A"] * count)):
     universe.add_TopologyAttr(name, list(values))

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# pymatgen reads a tilted box that OVITO wrote for LAMMPS as a cube of 1 angstrom, or as a negative length, without a message.
+# pymatgen reads every box that OVITO wrote for LAMMPS as a cube of 1 angstrom, or with negative edges, without a message.
 #
-# Surprise: since 2024 LAMMPS files may state the edges of a box in any orientation, as avec, bvec, cvec in data files and as
-#   "abc origin" in dumps. OVITO writes those for every tilted box. OVITO and ASE read them back. pymatgen gives a cube of
-#   volume 1 for the data file and a box with the length -1.8 for the dump. Boxes without tilt are read by all.
+# Surprise: LAMMPS files may state the edges of a box in any orientation, as avec, bvec, cvec in data files and as "abc
+#   origin" in dumps. OVITO does so by default, also for a cubic box. OVITO and ASE read the edges back. pymatgen gives a cube
+#   of volume 1 for a data file, and edges of length 0 and below for a dump.
 # Versions: OVITO 3.17.2, ASE 3.29.0, pymatgen-core 2026.10.16
 # Seen: 2026-11
-# Do: read by ASE or OVITO, or hand over extended XYZ or POSCAR; in LAMMPS leave triclinic/general out.
+# Do: export with restricted_triclinic=True, or read by ASE or OVITO.
 # Source: LAMMPS manual, "read_data command" (avec, bvec, cvec, abc origin), "dump command" (BOX BOUNDS abc origin), "Howto
 #   triclinic" (general triclinic boxes).
 set -euo pipefail
@@ -30,14 +30,14 @@ from pymatgen.io.lammps.data import LammpsData
 from pymatgen.io.lammps.outputs import parse_lammps_dumps
 
 print({name: version(name) for name in ("ovito", "ase", "pymatgen-core")})
-primitive = ase.build.bulk("Cu", a=3.6) * (2, 1, 1)
-straight = ase.build.bulk("Cu", a=3.6, cubic=True)
+primitive, cubic = ase.build.bulk("Cu", a=3.6), ase.build.bulk("Cu", a=3.6, cubic=True)
+columns = ["Particle Identifier", "Particle Type", "Position.X", "Position.Y", "Position.Z"]
 changed = False
-for name, atoms in (("general", primitive), ("straight", straight)):
+cases = (("primitive", primitive, {}), ("cubic", cubic, {}), ("cubic, restricted", cubic, {"restricted_triclinic": True}))
+for name, atoms, how in cases:
     pipeline = Pipeline(source=StaticSource(data=ase_to_ovito(atoms)))
-    columns = ["Particle Identifier", "Particle Type", "Position.X", "Position.Y", "Position.Z"]
-    export_file(pipeline, "box.dump", "lammps/dump", columns=columns)
-    export_file(pipeline, "box.data", "lammps/data", atom_style="atomic")
+    export_file(pipeline, "box.dump", "lammps/dump", columns=columns, **how)
+    export_file(pipeline, "box.data", "lammps/data", atom_style="atomic", **how)
     print("".join(open("box.dump").readlines()[4:8]), end="")
     seen = {
         "dump, OVITO": import_file("box.dump").compute().cell[:, :3].T,
@@ -49,10 +49,11 @@ for name, atoms in (("general", primitive), ("straight", straight)):
     }
     for way, edges in seen.items():
         right = np.allclose(edges, atoms.cell[:], atol=1e-4)
-        same = right == (name == "straight" or "pymatgen" not in way) and \
-            (right or np.allclose(edges, np.eye(3) if "data" in way else np.diag([3.6, -1.8, 0])))
+        same = right == (bool(how) or "pymatgen" not in way)
+        if not right:
+            same &= np.allclose(edges, np.eye(3)) if "data" in way else np.min(edges) < 0
         changed |= not same
-        print(f"{name}, {way}: volume {np.linalg.det(edges):.3f}, the edges are {'right' if right else 'wrong: ' + str(edges.tolist())}",
-              "" if same else "CHANGED")
+        text = "right" if right else "wrong: " + str(np.asarray(edges).tolist())
+        print(f"{name}, {way}: the edges are {text}", "" if same else "CHANGED")
 sys.exit(changed)
 EOF
