@@ -216,7 +216,7 @@ TEST_SUITE("cases") {
     // All planes pass through 0, so that only seeds on the convex hull have cells, with a corner there.
     TEST_CASE("weights: the squared distance to 0, in a corner of the box or inside of it") {
         test::Random random(11);
-        const std::size_t n = test::by_size(2000, 400);
+        const std::size_t n = test::by_size(200, 100);
         Coordinates points(3 * n);
         std::vector<double> weights;
         for (double& x : points) x = std::ldexp(static_cast<double>(random.below(1 << 20)), -20);
@@ -229,7 +229,7 @@ TEST_SUITE("cases") {
             options.box = votess::Box{{lower, lower, lower}, {1, 1, 1}};
             const auto t = votess::tessellate(points, options);
             CHECK(votess::verify(t, points).failure == "");
-            CHECK(t.stats().empty_cells > n - n / 5);
+            CHECK(t.stats().empty_cells > n / 2);
         }
     }
 }
