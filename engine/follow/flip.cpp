@@ -5,8 +5,6 @@
 namespace votess::cpu {
 namespace {
 
-constexpr int max_shift = 2;
-
 NearShift minus(const NearShift& a, const NearShift& b) {
     NearShift c;
     for (std::size_t k = 0; k < 3; ++k) c[k] = static_cast<std::int8_t>(a[k] - b[k]);
@@ -14,11 +12,7 @@ NearShift minus(const NearShift& a, const NearShift& b) {
 }
 
 bool is_short(const NearShift& shift) {
-    return std::ranges::all_of(shift, [](int by) { return by >= -max_shift && by <= max_shift; });
-}
-
-double determinant(const double* a, const double* b, const double* c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+    return std::ranges::all_of(shift, [](int by) { return by >= -KeptCell::max_shift && by <= KeptCell::max_shift; });
 }
 
 // The shift of one member as another sees it.

@@ -19,6 +19,7 @@ public:
         std::uint8_t faces, corners, used, tests;
         bool shifted, tied;  // some neighbor is an image; some sign was 0
     };
+    static constexpr int max_shift = 2;  // of neighbors whose signs are tested
     using NearShift = std::array<std::int8_t, 3>;
     using Corner = std::array<std::uint8_t, 3>;  // planes, counterclockwise seen from outside
     // An edge: a corner at one end, and the plane that ends it at the other, outside of which the corner must not lie.

@@ -22,11 +22,6 @@ constexpr double max_wrong = 0.2, max_made = 0.04, max_pending = 0.15;
 // The order gets worse as seeds move. After so many times the number of seeds, they are sorted again.
 constexpr std::size_t made_until_sort = 16;
 constexpr std::size_t max_flips = 256;  // for one cell and those that it changes
-constexpr int max_shift = 2;            // of neighbors whose signs are tested
-
-double determinant(const double* a, const double* b, const double* c) {
-    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-}
 
 }  // namespace
 
@@ -199,7 +194,7 @@ void KeptCells::store(unsigned index, std::size_t seed, std::span<const std::int
     if (shape.corners > CellShape::max_corners) return store_large(seed, ids);
     for (const exact::Shift& shift : shifts)
         for (const auto by : shift)
-            if (std::abs(by) > max_shift) return store_large(seed, ids);
+            if (std::abs(by) > KeptCell::max_shift) return store_large(seed, ids);
     LooseCell& loose = worker.loose;
     loose.faces = faces;
     loose.corners = corners;

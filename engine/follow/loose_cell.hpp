@@ -15,6 +15,10 @@ namespace votess::cpu {
 
 using NearShift = KeptCell::NearShift;
 
+inline double determinant(const double* a, const double* b, const double* c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
 // Scratch: the edges of a cell from corner to corner, by ordered pair of planes.
 class Edges {
 public:
