@@ -68,5 +68,5 @@ for way, (atoms, corner, key) in ways.items():
     changed |= not same
     print(f"{way:18} position {atoms.positions[0]}, celldisp {atoms.get_celldisp().ravel()}, corner in info: {keys}",
           "" if same else "CHANGED")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

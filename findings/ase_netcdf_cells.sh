@@ -45,5 +45,5 @@ for name, atoms, by_netcdf in (("edges as ASE builds them", turned, 2.0145), ("e
         changed |= not same
         print(f"{name}, {way:14} distance {distance:.4f}, volume {found.get_volume():.3f}",
               "" if same else f"CHANGED, was {stated}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

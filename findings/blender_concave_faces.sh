@@ -79,5 +79,5 @@ for name, module, read in (("U.obj", "meshio", meshio.read), ("binary.ply", "tri
         seen = f"{type(error).__name__}: {error}"
     check(f"{name}, {module}", seen.split(":")[0], "ValueError")
     print(f"    {seen}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

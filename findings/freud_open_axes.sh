@@ -62,5 +62,5 @@ for periodic, right in (((True, True, True), 1540), ((True, True, False), 1350),
     print(f"periodic {periodic}: OVITO {entries} entries; freud {len(of_ovito.nlist)} from OVITO, {len(of_box.nlist)} from "
           f"its box, longest {np.linalg.norm(of_box.nlist.vectors, axis=1).max():.1f}; {off:.0%} of the volumes differ by more "
           "than 1 %", "" if same else "CHANGED")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

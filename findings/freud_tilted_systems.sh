@@ -76,5 +76,5 @@ for name, edges, make in (("MDAnalysis", tilted, by_mdanalysis), ("OVITO", primi
     print(f"{name} -> freud: {wrong:.0%} of the volumes are off by more than 1 %, up to a factor {max(seen / right):.3g}; sum "
           f"{seen.sum():.2f} of {right.sum():.2f}; with box and points passed by hand: {abs(hand / right - 1).max():.1e}",
           "" if same else "CHANGED")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

@@ -56,5 +56,5 @@ for reader, found in seen.items():
     same = np.allclose(found, stated[reader], rtol=1e-4)
     changed |= not same
     print(f"{reader:10}", np.round(found, 4), "" if same else f"CHANGED, was {stated[reader]}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

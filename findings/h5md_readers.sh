@@ -90,5 +90,5 @@ for name, (mdanalysis, zn) in stated.items():
     changed |= not same
     print(f"{name:13} MDAnalysis, rows of NaN or (exception, has text): {seen[0]}; ZnH5MD, atoms or exception: {seen[1]}",
           "" if same else f"CHANGED, was {mdanalysis}, {zn}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

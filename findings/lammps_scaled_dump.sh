@@ -83,5 +83,5 @@ for reader, read in {"ovito": by_ovito, "ase": by_ase, "MDAnalysis": by_mdanalys
         same = np.allclose(seen, stated, atol=1e-4)
         changed |= not same
         print(f"{reader:10} {name:6} {np.round(seen, 4)}", "" if same else f"CHANGED, was {stated}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

@@ -63,5 +63,5 @@ for cutoff, ghosts, total, factor in ((2.5, None, 1035.415, 1.377), (1, None, 10
     changed |= not same
     print(f"LAMMPS {version}, SciPy {scipy.__version__}: cutoff {cutoff}, ghosts {ghosts}: sum {found.sum():.3f}, SciPy "
           f"{right.sum():.3f}; largest factor {(found / right).max():.3f}", "" if same else f"CHANGED, was {total}, {factor}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

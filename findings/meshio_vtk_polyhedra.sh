@@ -93,5 +93,5 @@ check("volume of meshio's polyhedron by VTK", by_vtk("meshio.vtu"), 1)
 check("cells of meshio's polyhedron by meshio", by_meshio("meshio.vtu"), 1)
 check("cells of VTK's hexahedra by meshio", by_meshio("hexahedra.vtu"), 2)
 check("cells of VTK's polyhedra by meshio", by_meshio("polyhedra.vtu"), "SystemExit")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

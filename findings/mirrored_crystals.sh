@@ -88,5 +88,5 @@ for name, atoms in (("right", right), ("left", left)):
     check(f"{name}, pymatgen, CIF", by_pymatgen(atoms), wrong)
     check(f"{name}, pymatgen, POSCAR direct", by_pymatgen(atoms, direct=True), wrong)
     check(f"{name}, pymatgen, POSCAR Cartesian", by_pymatgen(atoms, direct=False), False)
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

@@ -60,5 +60,5 @@ for name, edges, stated in (("straight", [[10, 0, 0], [0, 9, 0], [0, 0, 8]], 720
     changed |= not same
     print(f"{name}: volume {abs(np.linalg.det(edges)):.2f}; box in the file {np.round(frame.configuration.box, 3)}, volume "
           f"{box.volume:.2f}, by OVITO {back:.2f}; {off:.0%} of the cells are off by more than 1 %", "" if same else "CHANGED")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

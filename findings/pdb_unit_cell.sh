@@ -57,5 +57,5 @@ check("ASE, largest distance by the minimum image is below 0.87", bool(atoms.get
 check("ASE, neighbors within 1.2 of the first atom are itself", bool((neighbor_list("ij", atoms, 1.2)[0] == 0).sum() > 6), True)
 atoms.write("chain.xyz", format="extxyz")
 check("ASE, extended XYZ has a lattice", 'Lattice="1.0 0.0 0.0 0.0 1.0 0.0 0.0 0.0 1.0"' in open("chain.xyz").read(), True)
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

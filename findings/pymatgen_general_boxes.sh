@@ -55,5 +55,5 @@ for name, atoms, how in cases:
         changed |= not same
         text = "right" if right else "wrong: " + str(np.asarray(edges).tolist())
         print(f"{name}, {way}: the edges are {text}", "" if same else "CHANGED")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

@@ -53,5 +53,5 @@ for (count, dimension), lost in stated.items():
     changed |= not same
     print(f"{count} points in {dimension}D: {len(of_delaunay)} edges, {len(of_voronoi)} ridges; "
           f"lost with a cube around: {len((of_delaunay - of_voronoi) - boxed)}", "" if same else f"CHANGED, was {lost}")
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF

@@ -99,5 +99,5 @@ for place in places[:20]:
         inside += bool(cell.IsInside(place, 1e-9))
 check(f"20 points: EvaluatePosition accepts {accepted} cells, the bounds of {bounded} hold one, IsInside accepts {inside}",
       accepted == bounded > 20 and inside == 20)
-sys.exit(changed)
+sys.exit(bool(changed))
 EOF
