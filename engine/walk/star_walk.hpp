@@ -48,6 +48,7 @@ private:
     static constexpr float parallel = 0x1p-18f;  // a ray that is nearly parallel to a plane does not leave it
     static constexpr int max_new_seeds = 24;     // seeds added at once from beyond the window
     static constexpr int max_ties = 64;
+    static constexpr std::uint32_t no_group = ~0u;
     static constexpr int max_batch = 4;  // blocks tested at once
     static constexpr int max_found = max_batch * box_fan;
     static constexpr std::int16_t no_slot = -1;

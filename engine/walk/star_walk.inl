@@ -570,12 +570,12 @@ void StarWalk<Isa>::search_ball(const Ball& ball, Visit visit) {
     }
 }
 
-// Returns the group whose box is the nearest to a vertex.
+// Returns the group whose box is the nearest to a vertex, or no_group if that is too far away for numbers.
 template <class Isa>
 std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
     const auto farther = [](const NearNode& a, const NearNode& b) { return a.square > b.square; };
     near_nodes_.assign(1, {0, std::max(0, hierarchy_.top_level() - 1) + 1, 0});
-    for (;;) {
+    while (!near_nodes_.empty()) {
         std::ranges::pop_heap(near_nodes_, farther);
         const auto [least, level, node] = near_nodes_.back();
         near_nodes_.pop_back();
@@ -585,7 +585,8 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
             double square = 0;
             for (std::size_t k = 0; k < 3; ++k) {
                 const double at = p_[k] + x.x[k] * unscale_;
-                const double gap = std::max({0.0, boxes.lower[k][child] - at, at - boxes.upper[k][child]});
+                // NaN stays NaN. Places without a box are infinitely far away.
+                const double gap = std::max(std::max(boxes.lower[k][child] - at, at - boxes.upper[k][child]), 0.0);
                 square += gap * gap;
             }
             if (!(square < std::numeric_limits<double>::infinity())) continue;
@@ -593,6 +594,7 @@ std::uint32_t StarWalk<Isa>::group_near(const Four& x) {
             std::ranges::push_heap(near_nodes_, farther);
         }
     }
+    return no_group;
 }
 
 // Adds seeds beyond the candidates that may lie in the ball around the vertex, which shrinks with each.
@@ -642,7 +644,7 @@ bool StarWalk<Isa>::add_inside(const Line& line, double length2, Four x, const s
         return true;
     };
     // A large ball may hold very many seeds. Those near its center cut off nearly as much of the edge as all together.
-    for (std::uint32_t last = ~0u; 4 * length2 > far_share * covered_;) {
+    for (std::uint32_t last = no_group; 4 * length2 > far_share * covered_;) {
         const std::uint32_t group = group_near(x);
         if (group == std::exchange(last, group)) break;
         if (!visit({&last, 1})) return room;
