@@ -166,7 +166,10 @@ VOTESS_INLINE void heavier_at_place(const BoxBlock& b, const WeightBlock& w, con
             size += length_by + (steep_apart + steep) * half;
         }
         const Lanes most = excess - t.least + residual_slack * size;
-        out[i / 4] = (gaps2 < std::numeric_limits<double>::infinity()) &
+        // Neither test sees that there is no box when the place is not a number.
+        const Long4 exists =
+            *reinterpret_cast<const Lanes*>(b.lower[0] + i) <= *reinterpret_cast<const Lanes*>(b.upper[0] + i);
+        out[i / 4] = exists & (gaps2 < std::numeric_limits<double>::infinity()) &
                      ~(s * gaps2 * (1 - 1e-12) - most - square > smallest_area);
     }
 }
