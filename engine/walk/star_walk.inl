@@ -664,6 +664,8 @@ bool StarWalk<Isa>::step_along(const Wide& nearest, const Wide& along, Visit vis
     for (int step = 0; step < max_steps; ++step, length2 *= 4) {
         Four x;
         wide(x) = nearest + std::sqrt((length2 - start2) / square) * along;
+        // Planes that are parallel have no line: NaN.
+        if (!(dot(wide(x), wide(x)) < infinity)) return false;
         if (visit(x, length2)) return true;
     }
     return false;
