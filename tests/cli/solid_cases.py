@@ -262,7 +262,7 @@ class Mesh(CliTest):
         run = [points, "--mesh", "a.off", "--want", "neighbors"]
         areas = self.arrays(points, "--mesh", "a.off", "--want", "areas")["face_areas"]
         self.assertEqual(len(areas), 6)
-        self.assertEqual(len(self.arrays(*run, "--min-area", repr(1.001 * areas.min()))["indices"]), 4)
+        self.assertEqual(len(self.arrays(*run, "--min-area", repr(1.001 * float(areas.min())))["indices"]), 4)
 
     def test_vtu(self):
         """Each piece is a polyhedron with the numbers of its row."""
