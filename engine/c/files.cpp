@@ -137,23 +137,25 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     return out;
 }
 
-files::Pieces checked(const votess_piece_arrays& given) {
+// dimensions: of the vertices; a triangle has as many corners, and is an edge in the plane.
+files::Pieces checked(const votess_piece_arrays& given, std::size_t dimensions) {
     if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
     files::Pieces pieces;
     pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
     const auto count = static_cast<std::uint64_t>(pieces.indptr.back());
     pieces.ids = array(given.ids, given.rows, "ids", "pieces");
     pieces.vertex_offsets = offsets(given.vertex_offsets, count, "vertex_offsets", "pieces");
-    pieces.vertices =
-        array(given.vertices, 3 * static_cast<std::uint64_t>(pieces.vertex_offsets.back()), "vertices", "pieces");
+    pieces.vertices = array(given.vertices, dimensions * static_cast<std::uint64_t>(pieces.vertex_offsets.back()),
+                            "vertices", "pieces");
     pieces.triangle_offsets = offsets(given.triangle_offsets, count, "triangle_offsets", "pieces");
     const auto triangles = static_cast<std::uint64_t>(pieces.triangle_offsets.back());
-    pieces.triangles = array(given.triangles, 3 * triangles, "triangles", "pieces");
+    pieces.triangles = array(given.triangles, dimensions * triangles, "triangles", "pieces");
     for (std::size_t p = 0; p < count; ++p) {
         const std::int64_t vertices = pieces.vertex_offsets[p + 1] - pieces.vertex_offsets[p];
         if (vertices == 0) refuse("the piece " + std::to_string(p) + " has no vertices");
-        for (std::int64_t k = 3 * pieces.triangle_offsets[p]; k < 3 * pieces.triangle_offsets[p + 1]; ++k) {
-            const std::int32_t v = pieces.triangles[static_cast<std::size_t>(k)];
+        const auto end = dimensions * static_cast<std::size_t>(pieces.triangle_offsets[p + 1]);
+        for (auto k = dimensions * static_cast<std::size_t>(pieces.triangle_offsets[p]); k < end; ++k) {
+            const std::int32_t v = pieces.triangles[k];
             if (v < 0 || v >= vertices)
                 refuse("pieces.triangles[" + std::to_string(k) + "] is " + std::to_string(v) + ", but the piece has " +
                        std::to_string(vertices) + " vertices");
@@ -162,7 +164,7 @@ files::Pieces checked(const votess_piece_arrays& given) {
     pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
     if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
         refuse("pieces.on_surface must hold 0 and 1");
-    pieces.centroids = array(given.centroids, 3 * count, "centroids", "pieces");
+    pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
     return pieces;
 }
 
@@ -257,9 +259,9 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
         require(format, "format");
         require_struct_size(pieces->struct_size, first_pieces_size, "pieces.struct_size",
                             "give sizeof(votess_piece_arrays)");
-        const files::Pieces arrays = checked(*pieces);
-        files::ByteSink out = sink(write, user);
         const std::string_view name = format;
+        const files::Pieces arrays = checked(*pieces, name == ".geojson" ? 2 : 3);
+        files::ByteSink out = sink(write, user);
         if (name == ".glb") {
             files::write_pieces_glb(arrays, out);
         } else if (name == ".obj") {
@@ -268,8 +270,10 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
             files::write_pieces_stl(arrays, out);
         } else if (name == ".3mf") {
             files::write_pieces_3mf(arrays, out);
+        } else if (name == ".geojson") {
+            files::write_pieces_geojson(arrays, out);
         } else {
-            refuse_format(name, ".glb .obj .stl .3mf");
+            refuse_format(name, ".glb .obj .stl .3mf .geojson");
         }
         out.flush();
     });

@@ -16,7 +16,8 @@ votess_status votess_pieces_new(const votess_result* result, double gap, uint32_
             options.progress = [progress, user](double fraction) {
                 return call_back("progress", [&] { return progress(fraction, user) != 0; });
             };
-        *out = new votess_pieces{votess::pieces(result->tessellation, options)};
+        *out =
+            new votess_pieces{votess::pieces(result->tessellation, options), result->tessellation.planar() ? 2u : 3u};
     });
 }
 
@@ -27,10 +28,14 @@ void votess_pieces_free(votess_pieces* pieces) {
 votess_status votess_pieces_array(const votess_pieces* pieces, const char* name, votess_array* array) {
     return expose(pieces, "pieces", name, array, [](const votess_pieces& of) {
         const votess::Pieces& p = of.pieces;
-        return std::array{named("indptr", p.indptr),          named("vertex_offsets", p.vertex_offsets),
-                          named("vertices", p.vertices, 3),   named("triangle_offsets", p.triangle_offsets),
-                          named("triangles", p.triangles, 3), named("on_surface", p.on_surface),
-                          named("sources", p.sources),        named("volumes", p.volumes),
-                          named("centroids", p.centroids, 3)};
+        return std::array{named("indptr", p.indptr),
+                          named("vertex_offsets", p.vertex_offsets),
+                          named("vertices", p.vertices, of.dimensions),
+                          named("triangle_offsets", p.triangle_offsets),
+                          named("triangles", p.triangles, of.dimensions),
+                          named("on_surface", p.on_surface),
+                          named("sources", p.sources),
+                          named("volumes", p.volumes),
+                          named("centroids", p.centroids, of.dimensions)};
     });
 }

@@ -27,5 +27,7 @@ void write_pieces_glb(const Pieces& pieces, ByteSink& out);
 void write_pieces_obj(const Pieces& pieces, ByteSink& out);
 void write_pieces_stl(const Pieces& pieces, ByteSink& out);
 void write_pieces_3mf(const Pieces& pieces, ByteSink& out);
+// Pieces of the plane: vertices with two components, and edges instead of triangles, ring after ring.
+void write_pieces_geojson(const Pieces& pieces, ByteSink& out);
 
 }  // namespace votess::files

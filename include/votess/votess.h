@@ -136,9 +136,9 @@ typedef struct votess_options {
     int32_t has_mesh;
     int32_t mesh_merge;  // nonzero: vertices at equal places are one
     uint64_t mesh_vertex_count;
-    const double* mesh_vertices;  // 3 * mesh_vertex_count
+    const double* mesh_vertices;  // 3 * mesh_vertex_count; 2 with planar
     uint64_t mesh_triangle_count;
-    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
+    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count; 2 with planar: edges, see TriangleMesh in votess.hpp
     double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
 } votess_options;
 
@@ -560,6 +560,7 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
+//   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);
 

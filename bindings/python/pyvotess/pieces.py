@@ -6,7 +6,7 @@ import ctypes
 import operator
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Iterator, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Union
 
 import numpy as np
 
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     Int32Array = npt.NDArray[np.int32]
 
 _FORMATS = (".glb", ".obj", ".stl", ".3mf", ".html")
+_FLAT_FORMATS = (".geojson",)
 
 
 class Piece(NamedTuple):
@@ -47,6 +48,10 @@ class Pieces:
     for each cavity. An edge occurs once in each direction, and more often in two cases: where more than two triangles of
     the mesh meet in it, and where ties leave triangles without an area. Pieces that touch share no vertices. Where a
     surface intersects itself, pieces overlap.
+
+    In the plane pieces are polygons with holes. Arrays then have two columns instead of three, and ``triangles`` are
+    edges, ring after ring, the outline first, with the piece on the left. :meth:`rings` returns places, and
+    ``shapely.geometry.shape(f["geometry"]) for f in pieces.__geo_interface__["features"]`` makes polygons of Shapely.
     """
 
     indptr: Int64Array  #: (N + 1,) the first piece of each cell
@@ -77,11 +82,51 @@ class Pieces:
             self.sources[part],
         )
 
+    @property
+    def planar(self) -> bool:
+        """Whether the pieces are polygons of the plane."""
+        return self.vertices.shape[1] == 2
+
+    def rings(self, index: int) -> List[Float64Array]:
+        """Returns the rings of a piece of the plane: (n, 2) places each, the outline counterclockwise, holes clockwise.
+
+        Raises ValueError for pieces in three dimensions.
+
+        >>> square = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (1, 1), (0, 1)]]}
+        >>> [len(ring) for ring in vt.tessellate([(0.5, 0.5)], mesh=square).pieces().rings(0)]
+        [4]
+        """
+        if not self.planar:
+            raise ValueError("rings() needs pieces of the plane: these are triangle meshes, take pieces[k]")
+        piece = self[index]
+        starts = piece.triangles[:, 0]
+        found, begin = [], 0
+        for k, end in enumerate(piece.triangles[:, 1]):
+            if end == starts[begin]:
+                found.append(piece.vertices[starts[begin : k + 1]])
+                begin = k + 1
+        return found
+
+    @property
+    def __geo_interface__(self) -> Dict[str, Any]:
+        """GeoJSON of pieces of the plane: a feature for each cell that has pieces, with the ``id`` of its seed."""
+        features = []
+        for row, number in enumerate(self.ids.tolist()):
+            polygons = [
+                [ring.tolist() + ring[:1].tolist() for ring in self.rings(k)]
+                for k in range(self.indptr[row], self.indptr[row + 1])
+            ]
+            if polygons:
+                geometry = {"type": "MultiPolygon", "coordinates": polygons}
+                features.append({"type": "Feature", "id": number, "properties": {"id": number}, "geometry": geometry})
+        return {"type": "FeatureCollection", "features": features}
+
     def __iter__(self) -> Iterator[Piece]:
         return (self[k] for k in range(len(self)))
 
     def __repr__(self) -> str:
-        return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} triangles>"
+        what = "edges" if self.planar else "triangles"
+        return f"<pyvotess.Pieces: {len(self)} pieces of {len(self.indptr) - 1} cells, {len(self.triangles)} {what}>"
 
     def _repr_html_(self) -> str:
         """Returns a table for notebooks, and a small picture."""
@@ -123,6 +168,7 @@ class Pieces:
         - ``.3mf``: for printers, in millimeters.
         - ``.stl``: all pieces in one, without names and materials.
         - ``.html``: the page of :meth:`view`.
+        - ``.geojson``: pieces of the plane alone, a feature for each cell.
 
         ids : (N,) whole numbers to name cells by.
 
@@ -138,8 +184,10 @@ class Pieces:
 
         file = as_path(path, "path")
         extension = os.path.splitext(file)[1].lower()
-        if extension not in _FORMATS:
-            raise ValueError(f"path is {file!r}: known are {' '.join(_FORMATS)}")
+        known = _FLAT_FORMATS if self.planar else _FORMATS
+        if extension not in known:
+            where = " for pieces of the plane" if self.planar else ""
+            raise ValueError(f"path is {file!r}: known{where} are {' '.join(known)}")
         numbers = as_array(self.ids if ids is None else ids, "ids")
         if numbers.shape != self.ids.shape or numbers.dtype.kind not in "iu":
             raise ValueError(
