@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "c/handles.hpp"
+#include "c/piece_arrays.hpp"
 #include "files/mesh.hpp"
 #include "files/pieces.hpp"
 #include "files/shared_mesh.hpp"
@@ -22,7 +23,7 @@ constexpr std::size_t first_mesh_size = offsetof(votess_mesh, box_upper) + sizeo
 static_assert(sizeof(votess_mesh) >= first_mesh_size && sizeof(votess_mesh) <= VOTESS_LARGEST_STRUCT);
 constexpr std::size_t first_pieces_size =
     offsetof(votess_piece_arrays, centroids) + sizeof(votess_piece_arrays::centroids);
-static_assert(sizeof(votess_piece_arrays) == first_pieces_size && first_pieces_size <= VOTESS_LARGEST_STRUCT);
+static_assert(sizeof(votess_piece_arrays) >= first_pieces_size && sizeof(votess_piece_arrays) <= VOTESS_LARGEST_STRUCT);
 constexpr auto max_count = static_cast<std::uint64_t>(std::numeric_limits<std::int32_t>::max());
 
 template <class Element>
@@ -137,8 +138,27 @@ CheckedMesh checked(const votess_mesh& given, bool writes_faces_once) {
     return out;
 }
 
-// dimensions: of the vertices; a triangle has as many corners, and is an edge in the plane.
-files::Pieces checked(const votess_piece_arrays& given, std::size_t dimensions) {
+files::ByteSink sink(votess_write_callback write, void* user) {
+    if (write == nullptr) refuse("write is NULL");
+    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total, const std::string& file) {
+        const votess_bytes piece{bytes.data(), bytes.size(), total, file.empty() ? nullptr : file.c_str()};
+        if (call_back("write", [&] { return write(&piece, user); }) == 0)
+            throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
+    });
+}
+
+[[noreturn]] void refuse_format(std::string_view name, const char* known) {
+    refuse("the format is '" + std::string(name) + "': known are " + known);
+}
+
+}  // namespace
+
+files::Pieces votess::c::checked_pieces(const votess_piece_arrays* arrays, std::size_t dimensions) {
+    require(arrays, "pieces");
+    require_struct_size(arrays->struct_size, first_pieces_size, "pieces.struct_size",
+                        "give sizeof(votess_piece_arrays)");
+    votess_piece_arrays given{};
+    std::memcpy(&given, arrays, std::min<std::size_t>(arrays->struct_size, sizeof given));
     if (given.rows > max_count) refuse("pieces.rows may be " + std::to_string(max_count) + " at most");
     files::Pieces pieces;
     pieces.indptr = offsets(given.indptr, given.rows, "indptr", "pieces");
@@ -164,24 +184,10 @@ files::Pieces checked(const votess_piece_arrays& given, std::size_t dimensions) 
     pieces.on_surface = array(given.on_surface, triangles, "on_surface", "pieces");
     if (std::ranges::any_of(pieces.on_surface, [](std::uint8_t flag) { return flag > 1; }))
         refuse("pieces.on_surface must hold 0 and 1");
+    if (given.sources != nullptr) pieces.sources = {given.sources, triangles};
     pieces.centroids = array(given.centroids, dimensions * count, "centroids", "pieces");
     return pieces;
 }
-
-files::ByteSink sink(votess_write_callback write, void* user) {
-    if (write == nullptr) refuse("write is NULL");
-    return files::ByteSink([write, user](std::string_view bytes, std::uint64_t total, const std::string& file) {
-        const votess_bytes piece{bytes.data(), bytes.size(), total, file.empty() ? nullptr : file.c_str()};
-        if (call_back("write", [&] { return write(&piece, user); }) == 0)
-            throw votess::Error(votess::ErrorCode::cancelled, "the callback write stopped the file");
-    });
-}
-
-[[noreturn]] void refuse_format(std::string_view name, const char* known) {
-    refuse("the format is '" + std::string(name) + "': known are " + known);
-}
-
-}  // namespace
 
 votess_status votess_write_mesh(const votess_mesh* mesh, const char* format, votess_write_callback write, void* user) {
     return guarded([&] {
@@ -257,10 +263,8 @@ votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char*
     return guarded([&] {
         require(pieces, "pieces");
         require(format, "format");
-        require_struct_size(pieces->struct_size, first_pieces_size, "pieces.struct_size",
-                            "give sizeof(votess_piece_arrays)");
         const std::string_view name = format;
-        const files::Pieces arrays = checked(*pieces, name == ".geojson" ? 2 : 3);
+        const files::Pieces arrays = checked_pieces(pieces, name == ".geojson" ? 2 : 3);
         files::ByteSink out = sink(write, user);
         if (name == ".glb") {
             files::write_pieces_glb(arrays, out);

@@ -17,6 +17,7 @@ struct Pieces {
     std::span<const std::int64_t> triangle_offsets;
     std::span<const std::int32_t> triangles;
     std::span<const std::uint8_t> on_surface;
+    std::span<const std::int32_t> sources;  // may be empty: no file holds them
     std::span<const double> centroids;
 
     [[nodiscard]] std::size_t size() const { return vertex_offsets.size() - 1; }

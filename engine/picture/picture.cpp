@@ -281,6 +281,8 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
     if (pieces.size() == 0) throw Error(ErrorCode::invalid_argument, "picture: there are no pieces to draw");
+    if (pieces.centroids.size() != 3 * pieces.size())
+        throw Error(ErrorCode::invalid_argument, "picture: pieces of the plane are polygons: write them as .geojson");
     if (options.slice) throw Error(ErrorCode::invalid_argument, "picture: pieces have no slice: leave it out");
     PictureOptions of_pieces = options;
     of_pieces.wall_cells = WallCells::show;

@@ -552,6 +552,7 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
+    const int32_t* sources;           // triangle_offsets[P], or NULL: votess_render_pieces() reads them, for its lines
 } votess_piece_arrays;
 
 // Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the

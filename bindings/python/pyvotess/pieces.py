@@ -6,20 +6,21 @@ import ctypes
 import operator
 import os
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c_api
 from ._arguments import as_count, as_number, as_path
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
-from ._input import as_array
+from ._input import as_array, as_one_each
 from ._library import lib
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._state import SeedCells
+    from .export.image import Image
     from .export.viewer import View
 
     BoolArray = npt.NDArray[np.bool_]
@@ -143,6 +144,46 @@ class Pieces:
     def cells(self) -> Int64Array:
         """(P,) the row of each piece, as a new array."""
         return np.repeat(np.arange(len(self.indptr) - 1), self.counts)
+
+    def image(
+        self,
+        file: Union[None, str, os.PathLike[str]] = None,
+        *,
+        color: Union[str, npt.ArrayLike] = "volume",
+        colormap: str = "tide",
+        cut: str = "none",
+        view: Tuple[float, float] = (36.0, 27.0),
+        size: Tuple[int, int] = (800, 600),
+        limits: Optional[Tuple[float, float]] = None,
+        threads: int = 0,
+    ) -> Image:
+        """Returns a picture of the pieces that the library draws. Arguments are those of :meth:`Tessellation.image`.
+
+        color : "volume", or (P,) values, one for each piece; NaN is gray.
+
+        Raises ValueError for pieces of the plane, no pieces, and values that do not fit; OSError when the file cannot be
+        written.
+
+        >>> corners = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
+        >>> solid = (corners, [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+        >>> vt.tessellate(points, mesh=solid).pieces(gap=0.05).image(size=(200, 150))
+        <pyvotess image of 200 x 150 pixels>
+        """
+        from .export.image import image_of_pieces, png_path
+
+        if self.planar:
+            raise ValueError("image() works in three dimensions only: use plot(), or save the pieces as .geojson")
+        path = None if file is None else png_path(file, "file")
+        values, label = (self.volumes, "volume") if isinstance(color, str) and color == "volume" else (color, "")
+        if isinstance(values, str):
+            raise ValueError(f"color is {values!r}: give 'volume', or a value for each of the {len(self)} pieces")
+        numbers = as_one_each(values, "color", len(self), "pieces")
+        names = ("vertex_offsets", "vertices", "triangle_offsets", "triangles", "on_surface", "centroids", "sources")
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        picture = image_of_pieces({name: getattr(self, name) for name in names}, numbers, label, **look)
+        if path is not None:
+            picture.save(path)
+        return picture
 
     def view(self) -> View:
         """Returns a page that shows the pieces in a browser, where the reader turns, cuts and parts them.
