@@ -11,6 +11,7 @@
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
+#include "exact/double_double.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
 #include "input/option_name.hpp"
@@ -262,11 +263,41 @@ void ClosedMesh::find_volume() {
     }
     double volume = sum.value();
     volume_ = volume * length * length * length;
-    if (!(std::abs(volume) > sure_volume * size)) volume = volume_ = exact_volume();
+    if (!(std::abs(volume) > sure_volume * size)) {  // as of the high prism over polygons
+        volume = volume_ = long_volume(length);
+        if (std::isnan(volume)) volume = volume_ = exact_volume();
+    }
     if (volume == 0) refuse("it encloses no volume");
     if (volume < 0)
         refuse("its triangles face inward, so that it encloses the volume " + number(volume_) +
                ": reverse the vertices of each");
+}
+
+// In two doubles. NaN if the digits do not suffice for a rounded sum.
+double ClosedMesh::long_volume(double length) const {
+    using exact::DoubleDouble;
+    constexpr double sure = 0x1p-40;
+    const int power = -std::ilogb(length);  // so that no product leaves the range
+    const exact::Point& first = vertex(given_.front()[0]);
+    DoubleDouble six_fold;
+    double size = 0;
+    for (const auto& t : given_) {
+        std::array<std::array<DoubleDouble, 3>, 3> x;
+        double bound = 1;
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < 3; ++k)
+                x[i][k] = exact::two_sum(std::ldexp(vertex(t[i])[k], power), -std::ldexp(first[k], power));
+            bound *= length3(x[i][0].high, x[i][1].high, x[i][2].high);
+        }
+        const auto minor = [&](std::size_t k, std::size_t l) {
+            const DoubleDouble p = x[1][k] * x[2][l], q = x[1][l] * x[2][k];
+            return p + DoubleDouble{-q.high, -q.low};
+        };
+        six_fold = six_fold + (x[0][0] * minor(1, 2) + x[0][1] * minor(2, 0) + x[0][2] * minor(0, 1));
+        size += bound;
+    }
+    if (!(std::abs(six_fold.high) > sure * size)) return std::numeric_limits<double>::quiet_NaN();
+    return std::ldexp((six_fold.high + six_fold.low) / 6, -3 * power);
 }
 
 double ClosedMesh::exact_volume() const {

@@ -78,6 +78,7 @@ private:
     [[nodiscard]] std::string between(std::int32_t a, std::int32_t b, const char* word) const;
     void check_closed() const;
     void find_volume();
+    [[nodiscard]] double long_volume(double length) const;
     [[nodiscard]] double exact_volume() const;
     void make_tree();
     void split(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
