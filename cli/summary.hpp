@@ -28,8 +28,9 @@ struct FramesSummary {
 struct Summary {
     votess::Stats stats;
     std::string domain, domain_json;
-    std::string mesh;                       // the file of --mesh; may be empty
-    std::uint64_t triangles = 0;            // of the mesh
+    std::string mesh;             // the file of --mesh; may be empty
+    std::uint64_t triangles = 0;  // of the mesh, or edges
+    const char* mesh_parts = "triangles";
     std::optional<const char*> plane_from;  // in two dimensions: "option" or "assumed"
     bool has_volumes = false;
     std::string input_note;  // the part of the file that was read, such as a frame; may be empty

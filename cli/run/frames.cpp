@@ -105,8 +105,8 @@ std::optional<Input> Frames::read() {
     if (!file_) {
         if (any_) return std::nullopt;
         if (arguments_.random_count && arguments_.options.mesh)
-            return random_points_in(*arguments_.options.mesh, *arguments_.random_count, arguments_.rng_seed,
-                                    request.threads);
+            return random_points_in(*arguments_.options.mesh, arguments_.options.planar ? 2 : 3,
+                                    *arguments_.random_count, arguments_.rng_seed, request.threads);
         return arguments_.random_count ? random_points(*arguments_.random_count, arguments_.rng_seed, request)
                                        : read_input(arguments_.input, request);
     }

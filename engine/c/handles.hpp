@@ -76,6 +76,7 @@ struct votess_network {
 
 struct votess_pieces {
     votess::Pieces pieces;
+    std::size_t dimensions;
 };
 
 struct votess_alpha {

@@ -11,7 +11,7 @@ votess_status votess_pieces_new(const votess_result* result, double gap, uint32_
         options.gap = gap;
         options.threads = threads;
         if (progress != nullptr) options.progress = watching(progress, user);
-        return votess_pieces{votess::pieces(result->tessellation, options)};
+        return votess_pieces{votess::pieces(result->tessellation, options), dimensions_of(result->tessellation)};
     });
 }
 
@@ -22,10 +22,14 @@ void votess_pieces_free(votess_pieces* pieces) {
 votess_status votess_pieces_array(const votess_pieces* pieces, const char* name, votess_array* array) {
     return expose(pieces, "pieces", name, array, [](const votess_pieces& of) {
         const votess::Pieces& p = of.pieces;
-        return std::array{named("indptr", p.indptr),          named("vertex_offsets", p.vertex_offsets),
-                          named("vertices", p.vertices, 3),   named("triangle_offsets", p.triangle_offsets),
-                          named("triangles", p.triangles, 3), named("on_surface", p.on_surface),
-                          named("sources", p.sources),        named("volumes", p.volumes),
-                          named("centroids", p.centroids, 3)};
+        return std::array{named("indptr", p.indptr),
+                          named("vertex_offsets", p.vertex_offsets),
+                          named("vertices", p.vertices, of.dimensions),
+                          named("triangle_offsets", p.triangle_offsets),
+                          named("triangles", p.triangles, of.dimensions),
+                          named("on_surface", p.on_surface),
+                          named("sources", p.sources),
+                          named("volumes", p.volumes),
+                          named("centroids", p.centroids, of.dimensions)};
     });
 }

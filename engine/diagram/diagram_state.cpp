@@ -73,21 +73,15 @@ void include(const Edges& edges, const Box& box, Box& bounds) {
 }  // namespace
 
 std::shared_ptr<DiagramState> make_state(Settled run) {
-    std::optional<solid::ClosedMesh> mesh;
     Region& region = run.region;
-    if (region.mesh) {
-        mesh.emplace(*region.mesh);
-        solid::check_inside(*mesh, region);
-    }
-    region.mesh.reset();
     if (!region.box && !region.cell && region.walls.empty()) region.box = region.planar ? no_ends_of_plane : all_space;
     std::vector<double> places;
+    std::optional<Sheet> sheet;
     double thickness = 0;
     if (region.planar) {
-        Sheet sheet(std::move(run));
-        run = sheet.take_in_space();
-        places = sheet.take_points();
-        thickness = sheet.thickness();
+        run = sheet.emplace(std::move(run)).take_in_space();
+        places = sheet->take_points();
+        thickness = sheet->thickness();
     } else {
         const auto& points = run.points.f64;
         places.reserve(points.size());
@@ -96,7 +90,13 @@ std::shared_ptr<DiagramState> make_state(Settled run) {
                           points.begin() + static_cast<std::ptrdiff_t>(end));
         });
     }
+    std::optional<solid::ClosedMesh> mesh;
     const EndlessSides sides(region);
+    if (region.mesh) {
+        mesh.emplace(*region.mesh);
+        if (!sides.any()) solid::check_inside(*mesh, region);
+    }
+    region.mesh.reset();
     std::optional<Edges> endless;
     std::optional<FlatEnds> flat_ends;
     Box ends;

@@ -195,19 +195,19 @@ void fit_into(Settled whole, std::span<const double> targets, const FitOptions& 
     ThreadPool pool(whole.threads);
     Snapshot snapshot;
     whole.points = snapshot.take(whole.points, pool);
-    const std::optional<TriangleMesh> mesh = whole.region.mesh;
     Settled in_space = whole;
     double mesh_volume = 0, unit = 1;  // the latter: the volume of the sheet for an area of 1
-    if (mesh) {
-        solid::check_want(whole.want);
-        const solid::ClosedMesh closed(*mesh);
-        in_space.region = solid::region_around(closed, whole);
-        mesh_volume = closed.volume();
-    }
-    std::optional<Sheet> sheet;  // whose weights are those of the plane
+    std::optional<Sheet> sheet;        // whose weights are those of the plane
     if (whole.region.planar) {
         in_space = sheet.emplace(std::move(in_space)).in_space();
         unit = sheet->thickness();
+    }
+    const std::optional<TriangleMesh> mesh = in_space.region.mesh;
+    if (mesh) {
+        solid::check_want(whole.want);
+        const solid::ClosedMesh closed(*mesh);
+        in_space.region = solid::region_around(closed, in_space);
+        mesh_volume = volume_in(closed, in_space.region);
     }
     const Job job = make_job(std::move(in_space));
     const std::size_t count = job.points.count();

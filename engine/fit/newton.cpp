@@ -141,8 +141,9 @@ bool Newton::run(Vector weights) {
     Eigen::Index smallest_cell = 0;
     if (!(now_.volumes.minCoeff(&smallest_cell) > 0)) {  // in a mesh, or outside of a periodic domain
         const double* const p = problem_.points.data() + 3 * smallest_cell;
-        why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) + ", " + number(p[2]) +
-               ") has no cell, move it into the " + (problem_.run.region.mesh ? "mesh" : "domain");
+        why_ = "without weights the point (" + number(p[0]) + ", " + number(p[1]) +
+               (problem_.dimensions == 3 ? ", " + number(p[2]) : "") + ") has no cell, move it into the " +
+               (problem_.run.region.mesh ? "mesh" : "domain");
         return false;
     }
     first_residual_ = now_.residual;

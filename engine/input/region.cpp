@@ -21,7 +21,8 @@ void check_flat(double z, const std::string& what) {
 }
 
 void check_with_mesh(const Region& region) {
-    if (region.planar) refuse_with_mesh("it works in three dimensions only: leave out Options::planar");
+    if (region.cell && (region.planar || region.in_sheet))
+        refuse_with_mesh("a triclinic box needs three dimensions: give Options::box, which may be periodic");
     if (region.cell && region.cell->periodic != std::array{true, true, true})
         refuse_with_mesh(
             "a triclinic box must repeat along all its edges: set Options::cell.periodic so, or give Options::box");
@@ -61,6 +62,7 @@ std::int32_t EndlessSides::id() const {
 
 Region in_sheet(Region region, double height) {
     region.planar = false;
+    region.in_sheet = true;
     if (region.periodic[2]) refuse("Options::periodic: z repeats, but points of the plane have none: leave it out");
     if (region.box) {
         check_flat(region.box->lower[2], "Options::box");

@@ -271,6 +271,8 @@ Picture render(const Pieces& pieces, const PictureOptions& options) {
     picture::check_look(options);
     picture::check_values(options, pieces.size(), "pieces");
     if (pieces.size() == 0) refuse("picture: there are no pieces to draw");
+    if (pieces.centroids.size() != 3 * pieces.size())
+        refuse("picture: pieces of the plane are polygons: write them as .geojson");
     if (options.slice) refuse("picture: pieces have no slice: leave it out");
     PictureOptions of_pieces = options;
     of_pieces.wall_cells = WallCells::show;

@@ -541,8 +541,10 @@ VerifyReport verify(const Tessellation& t, std::span<const double> points, const
     // Proofs compare all numbers; other checks compare rows, volumes and areas.
     if (report.passed && (t.in_mesh() || (!(in_box && report.proven) && !options.sample))) {
         std::optional<solid::MeshArrays> mesh;
+        std::optional<Rings> rings;
         if (t.in_mesh()) {
             again.region.mesh = mesh.emplace(result.mesh_cells->mesh, result.mesh_cells->scale).view();
+            if (t.planar()) again.region.mesh = rings.emplace(*again.region.mesh).view();
             again.region.outside = Outside::error;
         }
         report.failure = difference_from_second_run(result, std::move(again), tolerance_of(t));

@@ -136,9 +136,9 @@ typedef struct votess_options {
     int32_t has_mesh;
     int32_t mesh_merge;  // nonzero: vertices at equal places are one
     uint64_t mesh_vertex_count;
-    const double* mesh_vertices;  // 3 * mesh_vertex_count
+    const double* mesh_vertices;  // 3 * mesh_vertex_count; 2 with planar
     uint64_t mesh_triangle_count;
-    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count
+    const int32_t* mesh_triangles;  // 3 * mesh_triangle_count; 2 with planar: edges, see TriangleMesh in votess.hpp
     double mesh_tolerance;          // with mesh_merge: see TriangleMesh::tolerance in votess.hpp
 } votess_options;
 
@@ -552,6 +552,7 @@ typedef struct votess_piece_arrays {
     const int32_t* triangles;         // 3 * triangle_offsets[P]
     const uint8_t* on_surface;        // triangle_offsets[P]
     const double* centroids;          // 3 * P
+    const int32_t* sources;           // triangle_offsets[P], or NULL: votess_render_pieces() reads them, for its lines
 } votess_piece_arrays;
 
 // Writes pieces as a file, the same way. Each piece is an object, named by its cell: "17", or "17.0", "17.1" if the
@@ -560,6 +561,7 @@ typedef struct votess_piece_arrays {
 //   - ".obj": the same materials, without a file of them
 //   - ".3mf": the same materials, in millimeters
 //   - ".stl": binary; all pieces in one
+//   - ".geojson": pieces of the plane, whose vertices and centroids have two components and whose triangles are edges
 VOTESS_API votess_status votess_write_pieces(const votess_piece_arrays* pieces, const char* format,
                                              votess_write_callback write, void* user);
 

@@ -312,6 +312,7 @@ class PieceArrays(ctypes.Structure):
         ("triangles", c_void_p),
         ("on_surface", c_void_p),
         ("centroids", c_void_p),
+        ("sources", c_void_p),
     ]
 
 

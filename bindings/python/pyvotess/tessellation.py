@@ -337,7 +337,8 @@ class Tessellation(SeedCells):
         from .export.image import image, png_path
 
         path = None if file is None else png_path(file, "file")
-        picture = image(self, self._handle(), color, colormap, slice, cut, view, size, limits, seeds, gap, open, threads)
+        look = dict(colormap=colormap, cut=cut, view=view, size=size, limits=limits, threads=threads)
+        picture = image(self, self._handle(), color, slice, seeds, gap, open, **look)
         if path is not None:
             picture.save(path)
         return picture

@@ -110,6 +110,8 @@ def kinds():
         Kind("periodic plane", 2, size=1, inside=everywhere, periods=unit[:2, :2], box=SQUARE, periodic=True),
         Kind("plane without end", 2, inside=everywhere, box="none"),
         Kind("mesh", size=0.512, inside=inner(0.1, 0.9), mesh=(CUBE[0] * 0.8 + 0.1, CUBE[1]), box=(0, 0, 0, 1, 1, 1)),
+        Kind("polygons", 2, size=0.8836, inside=inner(0.03, 0.97), box=SQUARE,
+             mesh=([(0.03, 0.03), (0.97, 0.03), (0.97, 0.97), (0.03, 0.97)], [(0, 1), (1, 2), (2, 3), (3, 0)])),
     ]
 
 

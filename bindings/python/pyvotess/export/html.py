@@ -158,13 +158,15 @@ def html_of_pieces(pieces: Any) -> str:
         if len(pieces):
             found += [
                 ("most of one cell", f"{pieces.counts.max()}"),
-                ("triangles", f"{len(pieces.triangles)}, {int(pieces.on_surface.sum())} on the surface"),
-                ("volume sum", f"{pieces.volumes.sum():.10g}"),
-                ("volumes", f"{pieces.volumes.min():.6g} to {pieces.volumes.max():.6g}"),
+                ("edges" if pieces.planar else "triangles", f"{len(pieces.triangles)}, {int(pieces.on_surface.sum())} on the surface"),
+                ("area sum" if pieces.planar else "volume sum", f"{pieces.volumes.sum():.10g}"),
+                ("areas" if pieces.planar else "volumes", f"{pieces.volumes.min():.6g} to {pieces.volumes.max():.6g}"),
             ]
         return found
 
     def picture() -> str:
+        if pieces.planar:
+            return ""
         counts = np.diff(pieces.triangle_offsets)
         triangles = pieces.triangles + np.repeat(pieces.vertex_offsets[:-1], counts)[:, None]
         a, b, c = np.moveaxis(_seen(pieces.vertices)[triangles], 1, 0)
