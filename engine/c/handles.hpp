@@ -22,6 +22,8 @@
 #include <votess/votess.hpp>
 #include <votess/zones.hpp>
 
+#include "core/errors.hpp"
+
 struct votess_tessellator {
     votess::Tessellator tessellator;
 };
@@ -96,7 +98,7 @@ void copy_text(std::string_view text, char* out, std::size_t out_size) noexcept;
 VOTESS_API void set_last_error(std::string_view message) noexcept;
 VOTESS_API void set_internal_error(const char* message) noexcept;
 
-[[noreturn]] VOTESS_API void refuse(const std::string& message);
+using votess::refuse;
 VOTESS_API void require(const void* pointer, const char* name);
 void require_text_buffer(const char* buffer, std::size_t size, const char* name);
 
@@ -157,6 +159,16 @@ Value value_of(const Handle* handle, const char* error, const Get& get) noexcept
     return 0;
 }
 
+// Returns numbers nx, ny, nz and d of each wall.
+inline std::vector<double> rows_of(const std::vector<Wall>& walls) {
+    std::vector<double> rows;
+    for (const Wall& wall : walls) {
+        rows.insert(rows.end(), wall.normal.begin(), wall.normal.end());
+        rows.push_back(wall.offset);
+    }
+    return rows;
+}
+
 // Those of queries, which have the dimensions of the seeds.
 inline std::span<const double> queries_of(const votess_diagram& diagram, const double* queries, std::size_t count,
                                           const char* name = "queries") {
@@ -174,6 +186,11 @@ auto call_back(const char* name, const Function& function) {
     } catch (...) {
         throw Error(ErrorCode::cancelled, threw + "an exception of unknown type");
     }
+}
+
+// Returns a callback of the engine for one of C, which is not NULL.
+inline ProgressCallback watching(votess_progress_callback callback, void* user) {
+    return [=](double fraction) { return call_back("progress", [&] { return callback(fraction, user) != 0; }); };
 }
 
 // Calls function(data). Meanwhile the callback of votess_set_progress() may stop it.
@@ -197,6 +214,16 @@ votess_status guarded(Function&& function) noexcept {
         set_internal_error("an exception of unknown type");
         return VOTESS_ERROR_INTERNAL;
     }
+}
+
+// Makes a handle: *out = make(), or NULL after an error.
+template <typename Handle, typename Make>
+votess_status create(Handle** out, const Make& make) noexcept {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        *out = new Handle(make());
+    });
 }
 
 // An array of a handle, and its name.

@@ -127,11 +127,7 @@ Options convert_options(const votess_options* given, std::size_t count) {
     options.want = convert_want(c_options.want, "options.want");
     convert_domain(c_options, count, options);
     each_option([&](auto, auto member, auto c_member, auto) { assign(options.*member, c_options.*c_member); });
-    if (c_options.progress != nullptr) {
-        options.progress = [callback = c_options.progress, user = c_options.progress_user](double fraction) {
-            return call_back("progress", [&] { return callback(fraction, user) != 0; });
-        };
-    }
+    if (c_options.progress != nullptr) options.progress = watching(c_options.progress, c_options.progress_user);
     if (c_options.log != nullptr) {
         options.log = [callback = c_options.log, user = c_options.log_user](std::string_view message) {
             call_back("log", [&] { callback(std::string(message).c_str(), user); });

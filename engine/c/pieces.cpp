@@ -5,19 +5,13 @@ using namespace votess::c;
 
 votess_status votess_pieces_new(const votess_result* result, double gap, uint32_t threads,
                                 votess_progress_callback progress, void* user, votess_pieces** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         require(result, "result");
         votess::PieceOptions options;
         options.gap = gap;
         options.threads = threads;
-        if (progress != nullptr)
-            options.progress = [progress, user](double fraction) {
-                return call_back("progress", [&] { return progress(fraction, user) != 0; });
-            };
-        *out =
-            new votess_pieces{votess::pieces(result->tessellation, options), result->tessellation.planar() ? 2u : 3u};
+        if (progress != nullptr) options.progress = watching(progress, user);
+        return votess_pieces{votess::pieces(result->tessellation, options), dimensions_of(result->tessellation)};
     });
 }
 

@@ -8,7 +8,7 @@
 #include <limits>
 #include <tuple>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "domain/lattice_reach.hpp"
 
@@ -39,18 +39,9 @@ bool farther_images(const FarEntry& a, const FarEntry& b) {
     return a.distance_squared > b.distance_squared;
 }
 
-double gap(double a_lower, double a_upper, double b_lower, double b_upper) {
-    return std::max({0.0, a_lower - b_upper, b_lower - a_upper});
-}
-
 // Returns a lower bound of the squared distance between any point of a and any of b.
 double box_distance(const Box& a, const Box& b) {
-    double sum = 0;
-    for (int k = 0; k < 3; ++k) {
-        const double d = gap(a.lower[k], a.upper[k], b.lower[k], b.upper[k]);
-        sum += d * d;
-    }
-    return sum * (1 - 1e-14);
+    return distance_squared(a, b) * (1 - 1e-14);
 }
 
 // Visits the children of a node, or the root for a level above the top.
@@ -86,6 +77,18 @@ double least_power(const Hierarchy& hierarchy, const Lift& lift, int level, std:
     return power;
 }
 
+// Returns the first of the heaviest seeds in a power diagram.
+std::int32_t heaviest_of(const SortedSeeds& seeds, const Hierarchy& hierarchy) {
+    const double weight = hierarchy.largest_weight(hierarchy.top_level(), 0);
+    std::size_t node = 0;
+    for (int level = hierarchy.top_level(); level-- > 0;)
+        for (node *= Hierarchy::fan; hierarchy.largest_weight(level, node) < weight; ++node) {
+        }
+    std::size_t seed = node * group_size;
+    while (seeds.weights[seed] < weight) ++seed;
+    return static_cast<std::int32_t>(seed);
+}
+
 }  // namespace
 
 CellBuilder::CellBuilder(const SortedSeeds& seeds, const Hierarchy& hierarchy, const Kernels& kernels)
@@ -102,8 +105,7 @@ void CellBuilder::begin_job(const Domain& domain) {
     more_weight_ = 0;
     heaviest_ = -1;
     own_images_.clear();
-    if (domain.is_periodic() && !seeds_.weights.empty())
-        heaviest_ = static_cast<std::int32_t>(std::ranges::max_element(seeds_.weights) - seeds_.weights.begin());
+    if (domain.is_periodic() && !seeds_.weights.empty()) heaviest_ = heaviest_of(seeds_, hierarchy_);
     group_ = ~std::size_t{0};
     reach_ = 0;
 }

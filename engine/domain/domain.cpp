@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/errors.hpp"
 #include "core/vector3.hpp"
 #include "domain/lattice_reach.hpp"
 #include "exact/integer/rows.hpp"
@@ -344,13 +345,13 @@ Domain triclinic_domain(const TriclinicBox& cell) {
     domain.edges.vector = domain.vector;
     invert(domain.edges);
     if (!(domain.edges.condition < worst_condition))
-        throw Error(ErrorCode::invalid_argument,
-                    "cell: its three vectors lie in one plane, or so nearly that its volume is lost: give three "
-                    "independent vectors");
+        refuse(
+            "cell: its three vectors lie in one plane, or so nearly that its volume is lost: give three "
+            "independent vectors");
     if (!(domain.edges.volume > min_volume))
-        throw Error(ErrorCode::invalid_argument,
-                    "cell: its vectors are too short compared with its largest number: move its origin towards 0, or "
-                    "give vectors of similar length");
+        refuse(
+            "cell: its vectors are too short compared with its largest number: move its origin towards 0, or "
+            "give vectors of similar length");
     domain.handedness = dot(cell.a, cross(cell.b, cell.c)) < 0 ? -1 : 1;
     if (domain.has_cell_walls()) {
         exact::BitRange range;
@@ -359,9 +360,9 @@ Domain triclinic_domain(const TriclinicBox& cell) {
         // 2^-1000.
         constexpr int lowest_bit = -500;
         if (range.low < lowest_bit)
-            throw Error(ErrorCode::invalid_argument,
-                        "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
-                        "set them to 0");
+            refuse(
+                "cell: its vectors hold numbers that are too small compared with the largest for exact walls: "
+                "set them to 0");
         exact::set_across(domain.lattice);
     }
     for (int k = 0; k < 3; ++k) {

@@ -7,6 +7,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "core/errors.hpp"
 #include "core/vector3.hpp"
 #include "files/gltf.hpp"
 
@@ -106,9 +107,8 @@ void put_zip(std::span<const std::pair<std::string, std::string>> members, ByteS
     std::uint64_t size = 22;
     for (const auto& [name, bytes] : members) size += bytes.size() + 2 * name.size() + 76;
     if (size > largest_glb)
-        throw Error(ErrorCode::invalid_argument, "the .3mf file would take " +
-                                                     std::to_string((size + 999'999) / 1'000'000) +
-                                                     " MB, but it ends at 4 GiB: write fewer pieces");
+        refuse("the .3mf file would take " + std::to_string((size + 999'999) / 1'000'000) +
+               " MB, but it ends at 4 GiB: write fewer pieces");
     out.set_total(size);
     const auto put16 = [](ByteSink& to, std::size_t x) { to.put_binary(static_cast<std::uint16_t>(x)); };
     const auto put32 = [](ByteSink& to, std::size_t x) { to.put_binary(static_cast<std::uint32_t>(x)); };

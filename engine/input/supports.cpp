@@ -3,6 +3,8 @@
 #include <array>
 #include <string>
 
+#include "core/errors.hpp"
+
 namespace votess {
 namespace {
 
@@ -28,8 +30,7 @@ unsigned properties_of(const Tessellation& t) {
 void require(const Tessellation& tessellation, SupportRow function) {
     const unsigned refused = (*function).refused & properties_of(tessellation);
     for (const Reason& reason : reasons)
-        if ((refused & reason.property) != 0)
-            throw Error(ErrorCode::invalid_argument, std::string((*function).function) + "(): " + reason.text);
+        if ((refused & reason.property) != 0) refuse(std::string((*function).function) + "(): " + reason.text);
 }
 
 }  // namespace votess

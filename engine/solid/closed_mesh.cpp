@@ -8,20 +8,19 @@
 #include <string>
 #include <utility>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
+#include "core/sum.hpp"
 #include "core/text.hpp"
 #include "exact/double_double.hpp"
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
 #include "input/option_name.hpp"
 #include "solid/mesh_signs.hpp"
-#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {
 
-constexpr Box nowhere{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 constexpr std::uint32_t leaf_triangles = 4;
 constexpr double max_tolerance = 0.01;
 constexpr double thin = 1e-6;            // of the sine of a triangle's angle: its plane is then not used
@@ -30,13 +29,6 @@ constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a t
 
 [[noreturn]] void refuse(const std::string& message) {
     throw Error(ErrorCode::invalid_argument, option("mesh") + ": " + message);
-}
-
-void include(Box& box, const exact::Point& x) {
-    for (std::size_t k = 0; k < 3; ++k) {
-        box.lower[k] = std::min(box.lower[k], x[k]);
-        box.upper[k] = std::max(box.upper[k], x[k]);
-    }
 }
 
 // An edge of a triangle, from its lower vertex.
@@ -88,7 +80,7 @@ std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> triangle) {
 
 }  // namespace
 
-ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
+ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(empty_box) {
     const auto shape = [](const char* what, std::size_t size, const char* rows) {
         if (size % 3 != 0)
             refuse(std::string(what) + " hold " + std::to_string(size) +
@@ -130,7 +122,7 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(nowhere) {
 }
 
 void ClosedMesh::find_bounds() {
-    bounds_ = nowhere;
+    bounds_ = empty_box;
     for (const auto& triangle : given_)
         for (const std::int32_t v : triangle) include(bounds_, vertex(v));
 }
@@ -349,7 +341,7 @@ void ClosedMesh::scale_by(double scale) {
 }
 
 void ClosedMesh::make_tree() {
-    std::vector<Box> boxes(triangles_.size(), nowhere);
+    std::vector<Box> boxes(triangles_.size(), empty_box);
     for (std::size_t t = 0; t < boxes.size(); ++t)
         for (const std::int32_t v : triangles_[t].vertex) include(boxes[t], vertex(v));
     std::vector<std::uint32_t> order(boxes.size());
@@ -368,13 +360,12 @@ void ClosedMesh::make_tree() {
 
 void ClosedMesh::split(std::uint32_t at, std::uint32_t begin, std::uint32_t end, std::vector<std::uint32_t>& order,
                        const std::vector<Box>& boxes) {
-    Box box = nowhere, middles = nowhere;
+    Box box = empty_box, middles = empty_box;
     const auto twice_middle = [&](std::uint32_t t, std::size_t k) { return boxes[t].lower[k] + boxes[t].upper[k]; };
     for (std::uint32_t i = begin; i < end; ++i) {
         const std::uint32_t t = order[i];
-        include(box, boxes[t].lower);
-        include(box, boxes[t].upper);
-        include(middles, {twice_middle(t, 0), twice_middle(t, 1), twice_middle(t, 2)});
+        include(box, boxes[t]);
+        include(middles, Vector3{twice_middle(t, 0), twice_middle(t, 1), twice_middle(t, 2)});
     }
     nodes_[at].box = box;
     if (end - begin <= leaf_triangles) {

@@ -9,6 +9,7 @@
 
 #include "core/arithmetic.hpp"
 #include "core/progress.hpp"
+#include "core/sum.hpp"
 #include "core/text.hpp"
 #include "core/thread_pool.hpp"
 #include "input/default_box.hpp"
@@ -19,7 +20,6 @@
 #include "solid/closed_mesh.hpp"
 #include "solid/cut_cell.hpp"
 #include "solid/mesh_cells.hpp"
-#include "solid/sum.hpp"
 
 namespace votess::solid {
 namespace {

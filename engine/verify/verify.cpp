@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/arithmetic.hpp"
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "core/vector3.hpp"
@@ -51,9 +52,8 @@ void require_points_of(const Tessellation& t, const Result& result, std::span<co
     if (!result.is_subset) return require_points(t, points, "verify");
     const std::size_t dimensions = t.planar() ? 2 : 3, count = result.all_seeds->count;
     if (points.size() != dimensions * count)
-        throw Error(ErrorCode::invalid_argument, "verify(): points hold " + std::to_string(points.size()) +
-                                                     " coordinates, the run of some of the cells had " +
-                                                     std::to_string(count) + " points");
+        refuse("verify(): points hold " + std::to_string(points.size()) +
+               " coordinates, the run of some of the cells had " + std::to_string(count) + " points");
 }
 
 class WholeResult : public RunBlocks {

@@ -19,7 +19,7 @@ from ctypes import (
     c_void_p,
 )
 from enum import IntEnum
-from typing import Any, Dict, Iterable, Literal, Tuple
+from typing import Any, Dict, Literal, Tuple
 
 OK = 0
 
@@ -439,8 +439,8 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
 }
 
 
-def declare(library: ctypes.CDLL, names: Iterable[str] = tuple(SIGNATURES)) -> None:
+def declare(library: ctypes.CDLL, signatures: Dict[str, Tuple[Any, Tuple[Any, ...]]] = SIGNATURES) -> None:
     """Sets the signatures of these functions. Raises AttributeError when the library lacks one."""
-    for name in names:
+    for name, signature in signatures.items():
         function = getattr(library, name)
-        function.restype, function.argtypes = SIGNATURES[name]
+        function.restype, function.argtypes = signature

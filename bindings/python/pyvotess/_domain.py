@@ -19,9 +19,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._c_api import OutsideWord, RepairWord
-
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
+    from ._types import Float64Array, Int32Array
 
 
 class DomainKeywords(TypedDict, total=False):

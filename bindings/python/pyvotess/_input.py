@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from . import _c_api
-
-    Float64Array = npt.NDArray[np.float64]
+    from ._types import Float64Array
 
 
 #: DLPack's types of memory that a program on the CPU reads: its own, pinned for CUDA or ROCm, and managed by CUDA.

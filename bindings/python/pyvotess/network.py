@@ -16,15 +16,9 @@ from ._library import lib
 from .pairs import edges_of
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._state import SeedCells
+    from ._types import BoolArray, Float64Array, Int8Array, Int32Array
     from .export.image import Image
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int8Array = npt.NDArray[np.int8]
-    Int32Array = npt.NDArray[np.int32]
 
 
 class IncludedSphere(NamedTuple):
@@ -193,11 +187,7 @@ class Network(WithHandle):
 
 def make_network(t: SeedCells, result: Handle) -> Network:
     points = np.ascontiguousarray(t.points, dtype=np.float64)
-    handle = Handle("network")
-    raise_on_failure(
-        watched(lib.votess_network_new, result.pointer, points.ctypes.data, len(points), ctypes.byref(handle.pointer))
-    )
-
+    handle = Handle.made("network", lib.votess_network_new, result.pointer, points.ctypes.data, len(points))
     places, edges = handle.array("points"), handle.array("edges")
     vectors = places[edges[:, 1]] - places[edges[:, 0]]
     shifts = None
@@ -206,13 +196,11 @@ def make_network(t: SeedCells, result: Handle) -> Network:
         moved = shifts.any(axis=1)
         vectors[moved] += shifts[moved] @ edges_of(t)
     return Network(
+        **handle.arrays("vertices", "vertex_radii", "edge_radii"),
         points=places,
-        vertices=handle.array("vertices"),
-        vertex_radii=handle.array("vertex_radii"),
         at_walls=handle.array("at_walls").view(np.bool_),
         edges=edges,
         shifts=shifts,
         vectors=vectors,
-        edge_radii=handle.array("edge_radii"),
         _handle=handle,
     )

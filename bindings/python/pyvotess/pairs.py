@@ -8,14 +8,8 @@ from typing import TYPE_CHECKING, Optional
 import numpy as np
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from ._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int32Array = npt.NDArray[np.int32]
-    Int64Array = npt.NDArray[np.int64]
-    Int8Array = npt.NDArray[np.int8]
+    from ._types import Float64Array, Int8Array, Int32Array, Int64Array
 
 
 @dataclass(frozen=True)

@@ -20,13 +20,9 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from ._state import SeedCells
+    from ._types import BoolArray, Float64Array, Int32Array, Int64Array
     from .export.image import Image
     from .export.viewer import View
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
 
 _FORMATS = (".glb", ".obj", ".stl", ".3mf", ".html")
 _FLAT_FORMATS = (".geojson",)
@@ -263,14 +259,8 @@ def make_pieces(
     raise_on_failure(status)
 
     return Pieces(
-        indptr=handle.array("indptr"),
-        vertex_offsets=handle.array("vertex_offsets"),
-        vertices=handle.array("vertices"),
-        triangle_offsets=handle.array("triangle_offsets"),
-        triangles=handle.array("triangles"),
+        **handle.arrays("indptr", "vertex_offsets", "vertices", "triangle_offsets", "triangles"),
+        **handle.arrays("sources", "volumes", "centroids"),
         on_surface=handle.array("on_surface").view(np.bool_),
-        sources=handle.array("sources"),
-        volumes=handle.array("volumes"),
-        centroids=handle.array("centroids"),
         ids=np.arange(len(t)) if t.ids is None else np.asarray(t.ids, np.int64),
     )

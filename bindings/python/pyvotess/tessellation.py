@@ -104,8 +104,7 @@ class Tessellation(SeedCells):
         >>> t.delaunay().tetrahedra.shape[1]
         4
         """
-        handle = Handle("delaunay")
-        raise_on_failure(watched(lib.votess_delaunay_new, self._handle().pointer, ctypes.byref(handle.pointer)))
+        handle = Handle.made("delaunay", lib.votess_delaunay_new, self._handle().pointer)
         return make_delaunay(handle, self.box.shape[1], self.shifts is not None)
 
     def network(self) -> Network:
@@ -191,10 +190,9 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_one_each(values, "values", len(self), "cells")
-        handle = Handle("zones")
         falls = as_flag(maxima, "maxima")
-        arguments = (array.ctypes.data, len(array), falls, ctypes.byref(handle.pointer))
-        raise_on_failure(watched(lib.votess_zones_new, self._handle().pointer, *arguments))
+        arguments = (array.ctypes.data, len(array), falls)
+        handle = Handle.made("zones", lib.votess_zones_new, self._handle().pointer, *arguments)
         return read_zones(handle, self.lists_walls, falls)
 
     def groups(self, labels: npt.ArrayLike) -> Groups:
@@ -214,10 +212,8 @@ class Tessellation(SeedCells):
         """
         self._check_wanted("neighbors")
         array = as_labels(labels, "labels", len(self), "cells")
-        handle = Handle("groups")
-        arguments = (array.ctypes.data, len(array), ctypes.byref(handle.pointer))
-        raise_on_failure(watched(lib.votess_groups_new, self._handle().pointer, *arguments))
-        return read_groups(handle)
+        arguments = (array.ctypes.data, len(array))
+        return read_groups(Handle.made("groups", lib.votess_groups_new, self._handle().pointer, *arguments))
 
     def shapes(self, open: Optional[str] = None) -> Shapes:
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.

@@ -13,12 +13,10 @@ from .columns import color_values
 from .plot import sections_in_box
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
     from .._state import SeedCells
+    from .._types import Float64Array
 
     Rows = List[Tuple[str, str]]
-    Float64Array = npt.NDArray[np.float64]
 
 _PIXELS = 260  # of the longer side
 _MAX_SEEDS = 200_000  # the section takes well below a second

@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .._state import SeedCells
-
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
+    from .._types import Float64Array, Int64Array
 
 _AXES = "xyz"
 

@@ -21,10 +21,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from .._domain import DomainKeywords
+    from .._types import BoolArray, Float64Array
     from ..tessellation import Tessellation
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
 
 # A seed nearer to a wall than this, in units of the box, moves to its centroid at most.
 _MARGIN = 1e-9

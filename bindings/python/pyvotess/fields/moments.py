@@ -14,12 +14,8 @@ from ..pairs import edges_of
 from .simplices import simplices
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
+    from .._types import BoolArray, Float64Array
     from ..tessellation import Tessellation
-
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
 
 #: A function of (K, 3) or (K, 2) points that returns (K,) finite numbers >= 0.
 Density = Callable[[Any], Any]
