@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "core/system.hpp"
+#include "core/text.hpp"
 #include "gpu/device_choice.hpp"
 #include "gpu/frames/frame.hpp"
 #include "gpu/frames/host_frames.hpp"
@@ -45,8 +46,6 @@ void check_options(const Options& options) {
     refuse_if(!options.radii.empty(), "radii", "are given: frames have a range of weights, the squares of radii");
     refuse_if(want.counts || want.normals || want.surfaces || want.radii || want.vertices || want.faces, "want",
               "has more than neighbors, volumes, centroids and areas, which frames make");
-    refuse_if(options.device == "cpu", "device",
-              "= cpu: frames need a Vulkan device, give gpu, lavapipe or an index, or use tessellate()");
     if (options.cell) return;
     refuse_if(!options.box, "box", "is missing: frames need a box, or Options::cell, that all of them share");
     for (std::size_t k = 0; k < 3; ++k)
@@ -59,7 +58,7 @@ votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settle
     if (settings.max_points == 0 || settings.max_points > most)
         refuse("max_points = " + std::to_string(settings.max_points) + ": give 1 to " + std::to_string(most));
     if (!(settings.margin >= 0) || !std::isfinite(settings.margin))
-        refuse("margin = " + std::to_string(settings.margin) + ": give a length, or 0 for a usual one");
+        refuse("margin = " + number(settings.margin) + ": give a length, or 0 for a usual one");
     // Offsets are int32.
     constexpr std::uint64_t max_entries = std::numeric_limits<std::int32_t>::max();
     const std::uint64_t entries =
@@ -87,6 +86,9 @@ votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settle
 }
 
 std::shared_ptr<gpu::vulkan::Device> open_device(const std::string& name) {
+    if (name == "cpu")
+        refuse(
+            "Options::device = cpu: frames need a Vulkan device, give gpu, lavapipe or an index, or use tessellate()");
     if (auto device = gpu::choose_device(name)) return device;
     try {
         return gpu::choose_device("lavapipe");
@@ -104,14 +106,18 @@ struct Frames::State {
     std::atomic_flag at_work;
     system::HomeProcess home;  // where the device was opened
 
+    void check_process() const {
+        if (home.is_this()) return;
+        throw Error(
+            ErrorCode::unsupported,
+            "these frames opened a device before fork(), and the child process cannot use it: make frames there, "
+            "or start the process afresh instead of by fork()");
+    }
     // Allows one call at a time.
     class Call {
     public:
         explicit Call(State& state) : state_(state) {
-            if (!state.home.is_this())
-                throw Error(ErrorCode::unsupported,
-                            "these frames opened a device before fork(), and the child process cannot use it: make "
-                            "frames there, or start the process afresh instead of by fork()");
+            state.check_process();
             if (state.at_work.test_and_set(std::memory_order_acquire))
                 throw Error(ErrorCode::invalid_use,
                             "these frames are in use by another call: make frames for each thread");
@@ -130,8 +136,7 @@ Frames::Frames(const FramesSettings& settings, const Options& options, const Fra
     check_options(options);
     const Settled run = settle(options);
     const votess::vulkan::PlanOptions plan = plan_of(settings, run);
-    std::optional<State::Call> call;
-    if (share != nullptr) call.emplace(*share->state_);
+    if (share != nullptr) share->state_->check_process();
     state_->frames.emplace(share != nullptr ? share->state_->frames->device() : open_device(run.device), plan, run.want,
                            run.threads);
 }
