@@ -1,6 +1,6 @@
-// Frames: cells of points in the host's memory on any Vulkan device, again and again, with int32 rows and float32 sizes
-// for tensors. votess makes the device, the buffers and the commands. votess/vulkan.hpp has the same for programs with
-// a device of their own. Rules, options and errors are those of votess/votess.h.
+// Frames: cells of points that move, call after call, on any Vulkan device. Rows are int32 and sizes float32, as
+// tensors have them. votess owns the device, the buffers and the commands; votess/vulkan.hpp is for programs with a
+// device of their own. Rules, options and errors are those of votess/votess.h.
 //
 //     votess_frames_options frames = {sizeof frames, 100000};  // at most 100,000 points
 //     votess_frames_new(&frames, &options, NULL, &f);          // options: box, periodic, cell, walls, want, device ...
@@ -30,10 +30,10 @@ typedef struct votess_frames_options {
     int32_t reserved;
 } votess_frames_options;
 
-// Opens the device and makes its pipelines, which may take seconds. options: the domain is a finite box or a cell,
-// `want` may have neighbors, volumes, centroids and areas, and `device` "auto" is a GPU, or a software device where
-// there is none. Refused: planar, mesh, only, min_face, min_area, follow, weights, radii, outside = keep, duplicates =
-// error, precision = double. share: frames whose device and pipelines the new ones use too, in milliseconds; or NULL.
+// Opens the device and makes its pipelines, which may take seconds. The domain of the options is a finite box or a
+// cell. `want` may have neighbors, volumes, centroids and areas. The device "auto" is a GPU, or without one a software
+// device. Refused: planar, mesh, only, min_face, min_area, follow, weights, radii, outside = keep, duplicates = error,
+// precision = double. share: frames whose device and pipelines the new ones use too, in milliseconds; or NULL.
 VOTESS_API votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
                                            const votess_frames* share, votess_frames** out);
 VOTESS_API void votess_frames_free(votess_frames* frames);  // NULL does nothing

@@ -86,8 +86,7 @@ class FrameCells:
     shifts: Int8Array  #: (indptr[N], 3) int8 numbers of box vectors, in periodic domains
     face_areas: Float32Array  #: (indptr[N],) float32, length unit squared
     volumes: Float32Array  #: (N,) float32, with a relative error of at most 1e-5; 0 without a cell
-    #: (N, 3) of the type of the points, for the cells around these as given; NaN without a cell
-    centroids: npt.NDArray[Any]
+    centroids: npt.NDArray[Any]  #: (N, 3), in the type of the points, of the cells around these as given; or NaN
 
     def __init__(self, frames: Frames, number: int, handle: Handle) -> None:
         self._frames, self._number = frames, number
@@ -122,7 +121,7 @@ class FrameCells:
     @property
     def neighbors(self) -> Lists:
         """Neighbor lists, N rows of ascending ids, walls (negative) first."""
-        return Lists(self.indptr, self.indices)
+        return Lists(self.indptr.astype(np.int64), self.indices)
 
     def resolve(self) -> FrameCells:
         """Makes the unresolved cells on the CPU, exactly, and returns this object. The arrays are new ones.
@@ -198,7 +197,7 @@ class Frames:
             limits = as_float64_or_float32(weights, "weights")
             if limits.shape != (2,):
                 raise ValueError(f"weights has shape {limits.shape}: give the least and the largest one of all calls")
-            frames.has_weights, frames.least_weight, frames.largest_weight = 1, *limits.tolist()
+            frames.has_weights, (frames.least_weight, frames.largest_weight) = 1, limits.tolist()
         if share is not None and not isinstance(share, Frames):
             raise TypeError(f"share is {shown(share)}: give other Frames")
         where = as_domain(domain, keywords)

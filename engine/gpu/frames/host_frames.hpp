@@ -13,8 +13,8 @@
 
 namespace votess::gpu {
 
-// One call at a time. A frame leaves rows in the order in which the device made them; the host puts them in the order
-// of the points, with those of resolve().
+// One call at a time. The device leaves rows in the order in which it made them. The host puts them in the order of the
+// points, with those of resolve().
 class HostFrames {
 public:
     // options: their format is float64, and points of float32 are widened. Throws as Plan().
