@@ -15,7 +15,7 @@ See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`
 
 from typing import List
 
-from . import autodiff, walls
+from . import autodiff, gpu, walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._domain import Domain
@@ -84,6 +84,7 @@ __all__ = [
     "devices",
     "fit_volumes",
     "from_ase",
+    "gpu",
     "lloyd",
     "read_frames",
     "tessellate",
