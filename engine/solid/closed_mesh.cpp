@@ -126,8 +126,7 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given, std::string name) : name_(std:
                                                      ": give a share of the mesh's size, from 0 to " +
                                                      number(max_tolerance));
     if (given.tolerance > 0 && !merged_)
-        throw Error(ErrorCode::invalid_argument,
-                    name_ + ".tolerance needs " + name_ + ".merge: set both");
+        throw Error(ErrorCode::invalid_argument, name_ + ".tolerance needs " + name_ + ".merge: set both");
     if (merged_) merge_vertices(given.tolerance);
 }
 

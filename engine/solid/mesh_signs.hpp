@@ -19,9 +19,10 @@
 // (e^2, e^3, e^4) (Edelsbrunner and Mücke, ACM TOG 9(1), 1990). So no four planes meet, and a triangle that meets a
 // cell meets its interior. The center is the seed, or another place where weights put the seed outside of its cell.
 //
-// With ranks of seeds, ties have another rule, by which cells tile a surface: the weight of each seed counts as larger by
-// less than any number, most for the lowest rank. Then s_k(u) grows with the weight of the neighbor, and falls with that
-// of the seed, the same in a row. The coefficient of each such step is a determinant of lower order, so no sign is 0.
+// With ranks of seeds, ties have another rule, by which cells tile a surface: the weight of each seed counts as larger
+// by less than any number, most for the lowest rank. Then s_k(u) grows with the weight of the neighbor, and falls with
+// that of the seed, the same in a row. The coefficient of each such step is a determinant of lower order, so no sign is
+// 0.
 //
 // Values are computed in double with a bound on their error. Where the bound hides a sign, integers decide, on the
 // float64 input.

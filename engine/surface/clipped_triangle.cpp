@@ -62,7 +62,7 @@ bool ClippedTriangle::clip(std::int32_t triangle, std::int32_t seed, std::span<c
     bool is_empty = false;
     if (!is_done) {
         const auto skip = [&](const SeedTree::Node& node, double) { return is_empty || !in_reach(node); };
-        surface_.tree().visit_from(origin, skip, [&](std::int32_t id) {
+        surface_.tree().visit_from(origin, skip, [&](std::int32_t id, const exact::Point&) {
             if (is_empty || id == seed || !in_reach(id) || std::ranges::find(ids_, id) != ids_.end()) return;
             is_empty = !try_seed(id);
         });
@@ -78,7 +78,8 @@ bool ClippedTriangle::in_reach(std::int32_t id) const {
     for (const Corner& c : corners_) {
         const double s = 2 * dot(q, c.x) - square + (other - own);
         const double size = std::sqrt(square);
-        const double error = 2 * size * c.error + search_rounding * (size * (c.radius + size) + std::abs(own) + std::abs(other));
+        const double error =
+            2 * size * c.error + search_rounding * (size * (c.radius + size) + std::abs(own) + std::abs(other));
         if (!(s < -error)) return true;
     }
     return false;

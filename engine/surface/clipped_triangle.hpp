@@ -1,8 +1,8 @@
 // One triangle, clipped to one cell.
 //
-// The part is a convex polygon. A list of its sides describes it: edges of the triangle, and bisectors. Clipping it by a
-// bisector needs the side of each corner, which MeshSigns decides. Ranks decide ties: see mesh_signs.hpp. So the parts
-// are those of a power diagram in general position, and tile the triangle.
+// The part is a convex polygon. A list of its sides describes it: edges of the triangle, and bisectors. Clipping it by
+// a bisector needs the side of each corner, which MeshSigns decides. Ranks decide ties: see mesh_signs.hpp. So the
+// parts are those of a power diagram in general position, and tile the triangle.
 //
 // A seed cuts the part only if a corner is nearer to it. So seeds are tried in the order of their distance, until the
 // balls around all corners that touch the seed are searched. Their places need only be good enough for that.

@@ -173,7 +173,8 @@ void CellOnSurface::find_pieces(std::span<const std::size_t> own) {
     }
     std::ranges::sort(vertices_);
     const auto vertices = std::unique(vertices_.begin(), vertices_.end()) - vertices_.begin();
-    euler = static_cast<std::int32_t>(vertices) - static_cast<std::int32_t>(edges) + static_cast<std::int32_t>(own.size());
+    euler =
+        static_cast<std::int32_t>(vertices) - static_cast<std::int32_t>(edges) + static_cast<std::int32_t>(own.size());
     pieces = 0;
     for (std::size_t i = 0; i < own.size(); ++i) pieces += joined_[i] == i ? 1 : 0;
 }

@@ -13,7 +13,7 @@
 namespace votess::surface {
 namespace {
 
-constexpr std::size_t near_count = 24;  // seeds tried first
+constexpr std::size_t near_count = 20;  // seeds tried first
 constexpr std::size_t pairs_per_task = 128, vertices_per_task = 256, seeds_per_task = 256, triangles_per_task = 1024;
 
 // A triangle and a seed, in the order of parts.
@@ -40,8 +40,8 @@ public:
             const double weight = surface_.has_weights() ? node.weight : 0;
             return square - weight - rounding * (square + std::abs(weight)) > least;
         };
-        surface_.tree().visit_from(x, skip, [&](std::int32_t id) {
-            const Vector3 d = minus(surface_.seed(id), x);
+        surface_.tree().visit_from(x, skip, [&](std::int32_t id, const exact::Point& place) {
+            const Vector3 d = minus(place, x);
             const double square = dot(d, d), weight = surface_.weight(id), power = square - weight;
             const double error = rounding * (square + std::abs(weight));
             if (power - error > least) return;
@@ -93,7 +93,8 @@ bool has_place(const Surface& surface, std::int32_t triangle, std::int32_t seed,
 
 class Distribution {
 public:
-    Distribution(const Surface& surface, ThreadPool& pool) : surface_(surface), pool_(pool), near_at_(surface.seeds(), -1) {
+    Distribution(const Surface& surface, ThreadPool& pool)
+        : surface_(surface), pool_(pool), near_at_(surface.seeds(), unknown) {
         for (unsigned i = 0; i < pool.size(); ++i) workers_.push_back(std::make_unique<ClippedTriangle>(surface));
     }
 
@@ -123,7 +124,8 @@ private:
         pool_.run_stage(ceil_div(owner.size(), vertices_per_task), [&](std::size_t index, unsigned) {
             check_stop();
             Owner find(surface_);
-            for (std::size_t v = index * vertices_per_task; v < std::min(owner.size(), (index + 1) * vertices_per_task); ++v)
+            for (std::size_t v = index * vertices_per_task; v < std::min(owner.size(), (index + 1) * vertices_per_task);
+                 ++v)
                 if (owner[v] == 0) owner[v] = find.of(surface_.vertices()[v]);
         });
         std::vector<Pair> pairs;
@@ -135,12 +137,20 @@ private:
 
     // Finds the nearest seeds of those that are new.
     void find_near(const std::vector<Pair>& pairs) {
-        std::vector<std::int32_t> seeds;
+        std::size_t fresh = 0;
         for (const Pair pair : pairs) {
             std::int64_t& at_seed = near_at_[at(seed_of(pair))];
-            if (at_seed >= 0) continue;
-            at_seed = 0;
-            seeds.push_back(seed_of(pair));
+            if (at_seed == unknown) at_seed = wanted, ++fresh;
+        }
+        if (fresh == 0) return;
+        std::vector<std::int32_t> seeds;  // in the order of the tree, because near ones need the same memory
+        if (fresh < surface_.seeds() / 64) {
+            for (const Pair pair : pairs)
+                if (std::int64_t& at_seed = near_at_[at(seed_of(pair))]; at_seed == wanted)
+                    at_seed = listed, seeds.push_back(seed_of(pair));
+        } else {
+            for (const std::int32_t seed : surface_.tree().order())
+                if (near_at_[at(seed)] == wanted) seeds.push_back(seed);
         }
         const std::size_t count = std::min(near_count, surface_.seeds() - 1), before = near_.size();
         near_.resize(before + count * seeds.size());
@@ -149,14 +159,15 @@ private:
         pool_.run(ceil_div(seeds.size(), seeds_per_task), [&](std::size_t index, unsigned) {
             check_stop();
             std::vector<std::pair<double, std::int32_t>> heap;
-            for (std::size_t i = index * seeds_per_task; i < std::min(seeds.size(), (index + 1) * seeds_per_task); ++i) {
+            for (std::size_t i = index * seeds_per_task; i < std::min(seeds.size(), (index + 1) * seeds_per_task);
+                 ++i) {
                 const exact::Point& x = surface_.seed(seeds[i]);
                 heap.clear();
                 const auto skip = [&](const SeedTree::Node&, double square) {
                     return count == 0 || (heap.size() == count && square > heap.front().first);
                 };
-                surface_.tree().visit_from(x, skip, [&](std::int32_t id) {
-                    const Vector3 d = minus(surface_.seed(id), x);
+                surface_.tree().visit_from(x, skip, [&](std::int32_t id, const exact::Point& place) {
+                    const Vector3 d = minus(place, x);
                     const std::pair entry(dot(d, d), id);
                     if (id == seeds[i] || (heap.size() == count && !(entry < heap.front()))) return;
                     if (heap.size() == count) {
@@ -185,7 +196,8 @@ private:
                 const std::int32_t triangle = triangle_of(pairs[k]), seed = seed_of(pairs[k]);
                 const std::int32_t* const near = near_.data() + near_at_[at(seed)];
                 if (!part.clip(triangle, seed, {near, count}))
-                    throw Error(ErrorCode::internal, "a triangle of a surface has no part beyond a bisector that cuts it");
+                    throw Error(ErrorCode::internal,
+                                "a triangle of a surface has no part beyond a bisector that cuts it");
                 part.find_ties();
                 add(part, triangle, seed, chunk);
             }
@@ -275,8 +287,8 @@ private:
         const auto for_each = [&](const auto& visit) {
             pool_.run(ceil_div(parts.size(), triangles_per_task), [&](std::size_t index, unsigned) {
                 check_stop();
-                for (std::size_t p = index * triangles_per_task; p < std::min(parts.size(), (index + 1) * triangles_per_task);
-                     ++p)
+                for (std::size_t p = index * triangles_per_task;
+                     p < std::min(parts.size(), (index + 1) * triangles_per_task); ++p)
                     visit(p);
             });
         };
@@ -310,7 +322,8 @@ private:
             for (std::size_t d = parts.begin(q); d < parts.end(q); ++d)
                 if (parts.before(q, d) == from && parts.sides[d] == to) return parts.corners[d];
         } else {
-            const std::int32_t other = std::max(in, out), lowest = std::min(seed, other), higher = std::max(seed, other);
+            const std::int32_t other = std::max(in, out), lowest = std::min(seed, other),
+                               higher = std::max(seed, other);
             const std::int32_t edge = surface_.triangles()[at(triangle)].edge[corner_of(std::min(in, out))];
             const std::int32_t first = surface_.edges()[at(edge)].first;
             const auto& edges = surface_.triangles()[at(first)].edge;
@@ -327,7 +340,8 @@ private:
     const Surface& surface_;
     ThreadPool& pool_;
     std::vector<std::unique_ptr<ClippedTriangle>> workers_;
-    std::vector<std::int64_t> near_at_;  // by seed: offset into near_, -1 before it is needed
+    static constexpr std::int64_t unknown = -1, wanted = -2, listed = -3;
+    std::vector<std::int64_t> near_at_;  // by seed: offset into near_, if it is known
     std::vector<std::int32_t> near_;
     std::vector<Chunk> chunks_;
     std::vector<std::pair<Pair, std::uint32_t>> order_;  // of chunks: pairs, and their chunk

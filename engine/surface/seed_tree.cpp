@@ -19,6 +19,8 @@ SeedTree::SeedTree(std::span<const exact::Point> seeds, std::span<const double> 
         if (at % 1024 == 0) check_stop();
         split(at, seeds, weights);
     }
+    places_.reserve(order_.size());
+    for (const std::int32_t id : order_) places_.push_back(seeds[static_cast<std::size_t>(id)]);
 }
 
 // Finds the box of a node and, unless it is a leaf, makes its children.

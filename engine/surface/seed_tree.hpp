@@ -24,8 +24,10 @@ public:
     // weights: may be empty.
     SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights);
 
-    // Visits seeds in the order of boxes by their distance from a place. Passes over boxes with skip(node, square of
-    // the distance).
+    // The seeds, such that those of a box follow each other.
+    [[nodiscard]] const std::vector<std::int32_t>& order() const { return order_; }
+    // Calls visit(seed, its place) in the order of boxes by their distance from x. Passes over boxes with skip(node,
+    // square of the distance).
     template <class Skip, class Visit>
     void visit_from(const exact::Point& x, Skip skip, Visit visit) const {
         std::array<std::pair<std::uint32_t, double>, max_depth> pending;
@@ -35,7 +37,7 @@ public:
             const Node& node = nodes_[at];
             if (skip(node, square)) continue;
             if (node.child == 0) {
-                for (std::uint32_t k = node.begin; k < node.end; ++k) visit(order_[k]);
+                for (std::uint32_t k = node.begin; k < node.end; ++k) visit(order_[k], places_[k]);
                 continue;
             }
             std::pair near{node.child, square_distance(nodes_[node.child], x)};
@@ -60,6 +62,7 @@ private:
 
     std::vector<Node> nodes_;
     std::vector<std::int32_t> order_;
+    std::vector<exact::Point> places_;  // in that order
 };
 
 }  // namespace votess::surface

@@ -14,8 +14,8 @@
 namespace votess::surface {
 namespace {
 
-constexpr double thin = 1e-3;              // of the sine of an angle, below which areas are rounded from exact ones
-constexpr double max_weight = 0x1p500;     // scaled
+constexpr double thin = 1e-3;           // of the sine of an angle, below which areas are rounded from exact ones
+constexpr double max_weight = 0x1p500;  // scaled
 constexpr std::size_t max_seeds = 0x7fffffff;
 
 [[noreturn]] void refuse(const std::string& message) {
@@ -25,7 +25,8 @@ constexpr std::size_t max_seeds = 0x7fffffff;
 // Returns a value at a scale.
 double scaled(double value, double scale, const std::string& name) {
     if (value * scale / scale != value)
-        refuse(name + " = " + number(value) + " is too small beside the others to represent both at one scale: move it to 0");
+        refuse(name + " = " + number(value) +
+               " is too small beside the others to represent both at one scale: move it to 0");
     return value * scale;
 }
 
@@ -53,7 +54,8 @@ double area_of(const exact::Point& u, const exact::Point& v, const exact::Point&
 
 Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::span<const double> weights) {
     if (points.size() % 3 != 0)
-        refuse("points hold " + std::to_string(points.size()) + " numbers, not a multiple of 3: the shape must be (N,3)");
+        refuse("points hold " + std::to_string(points.size()) +
+               " numbers, not a multiple of 3: the shape must be (N,3)");
     const std::size_t count = points.size() / 3;
     if (count == 0) refuse("there are no points: give at least one");
     if (count > max_seeds) refuse(std::to_string(count) + " points are too many: give at most 2147483647");
@@ -65,7 +67,8 @@ Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::
     };
     double largest = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        if (!std::isfinite(points[i])) refuse(name("point", i / 3, i % 3) + " = " + number(points[i]) + " is not finite");
+        if (!std::isfinite(points[i]))
+            refuse(name("point", i / 3, i % 3) + " = " + number(points[i]) + " is not finite");
         largest = std::max(largest, std::abs(points[i]));
     }
     const auto given = solid::ClosedMesh::any_surface(mesh, "surface");
@@ -77,7 +80,8 @@ Surface::Surface(std::span<const double> points, const TriangleMesh& mesh, std::
     scale_ = std::ldexp(1.0, -std::clamp(exponent, -1000, 1000));
     seeds_.resize(count);
     for (std::size_t i = 0; i < points.size(); ++i)
-        seeds_[i / 3][i % 3] = scale_ >= 1 ? points[i] * scale_ : scaled(points[i], scale_, name("point", i / 3, i % 3));
+        seeds_[i / 3][i % 3] =
+            scale_ >= 1 ? points[i] * scale_ : scaled(points[i], scale_, name("point", i / 3, i % 3));
     std::vector<std::uint8_t> used(given.vertices());
     for (const auto& triangle : given.given())
         for (const std::int32_t v : triangle) used[at(v)] = 1;
@@ -108,7 +112,8 @@ void Surface::read_weights(std::span<const double> weights) {
         if (!std::isfinite(weights[i])) refuse(name + " = " + number(weights[i]) + " is not finite");
         weights_.push_back(scaled(weights[i], square, name));
         if (std::abs(weights_.back()) > max_weight)
-            refuse(name + " = " + number(weights[i]) + " is too large beside the coordinates: subtract a constant from all");
+            refuse(name + " = " + number(weights[i]) +
+                   " is too large beside the coordinates: subtract a constant from all");
     }
     if (std::ranges::all_of(weights_, [&](double w) { return w == weights_.front(); })) weights_.clear();
 }

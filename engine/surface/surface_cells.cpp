@@ -98,7 +98,7 @@ private:
             for (std::size_t c = parts_.begin(p); c < parts_.end(p); ++c) {
                 if (parts_.without_length[c] != 0) continue;
                 out_.corners.push_back(parts_.corners[c]);
-                out_.beyond.push_back(std::max(parts_.sides[c], -1));
+                out_.beyond.push_back(parts_.sides[c]);
             }
             out_.polygon_offsets.push_back(static_cast<std::int64_t>(out_.corners.size()));
         }
@@ -135,8 +135,8 @@ private:
         }
     }
 
-    // Three cells meet at a corner inside of a triangle; around it, a part's seed precedes the one beyond the side before
-    // the corner.
+    // Three cells meet at a corner inside of a triangle; around it, a part's seed precedes the one beyond the side
+    // before the corner.
     void make_dual() {
         struct Meeting {
             std::array<std::int32_t, 3> sorted;
@@ -149,7 +149,8 @@ private:
                 const Side in = parts_.before(p, c), out = parts_.sides[c];
                 const std::int32_t seed = parts_.seeds[p];
                 if (seed < in && seed < out)
-                    meetings.push_back({{seed, std::min(in, out), std::max(in, out)}, meetings.size(), {seed, in, out}});
+                    meetings.push_back(
+                        {{seed, std::min(in, out), std::max(in, out)}, meetings.size(), {seed, in, out}});
             }
         check_stop();
         std::ranges::sort(meetings, {}, [](const Meeting& m) { return std::tie(m.sorted, m.order); });

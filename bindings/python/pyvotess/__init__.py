@@ -37,7 +37,7 @@ from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
-from .surface import Remesh, SurfaceCells, remesh, surface
+from .surface import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
@@ -76,6 +76,7 @@ __all__ = [
     "StreamResult",
     "StreamRows",
     "SurfaceCells",
+    "SurfaceRelaxation",
     "Tessellation",
     "Tessellator",
     "VerifyReport",
@@ -88,6 +89,7 @@ __all__ = [
     "fit_volumes",
     "from_ase",
     "lloyd",
+    "lloyd_on_surface",
     "read_frames",
     "remesh",
     "surface",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, List, Optional, Tuple, Union
+from typing import TYPE_CHECKING, Any, List, Optional, Union
 
 import numpy as np
 
@@ -13,13 +13,18 @@ from ._arguments import as_count, as_flag, as_number
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
+from .fields.lloyd import _as_mask, _share
 
 if TYPE_CHECKING:
     import numpy.typing as npt
 
+    BoolArray = npt.NDArray[np.bool_]
     Float64Array = npt.NDArray[np.float64]
     Int64Array = npt.NDArray[np.int64]
     Int32Array = npt.NDArray[np.int32]
+
+# A seed stays on a feature if its cell holds at least this much of it, in units of the cell's size.
+_LEAST_SHARE = 0.5
 
 
 @dataclass(frozen=True)
@@ -48,7 +53,8 @@ class SurfaceCells:
     polygon_areas: Float64Array  #: (P,)
     polygon_offsets: Int64Array  #: (P + 1,) offsets into ``corners`` and ``beyond``
     corners: Int32Array  #: rows of ``vertices``
-    beyond: Int32Array  #: beyond the side that begins at each corner: a seed, or -1 for an edge of the triangle
+    #: the side that begins at each corner: the seed beyond it, or -1 - k on the triangle's edge from its corner k
+    beyond: Int32Array
     vertices: Float64Array  #: (W, 3)
     #: (D, 3) restricted Delaunay triangles of seeds, each once, ascending; the lowest seed first. A triangle turns as the
     #: surface does where the three cells first meet.
@@ -74,6 +80,20 @@ class SurfaceCells:
         rows = np.repeat(np.arange(len(self)), np.diff(self.indptr))
         shared: Float64Array = np.bincount(rows, self.lengths, minlength=len(self))
         return shared + self.borders
+
+
+@dataclass(frozen=True)
+class SurfaceRelaxation:
+    """The outcome of S steps of :func:`lloyd_on_surface`. S is smaller than requested if the tolerance was reached."""
+
+    points: Float64Array  #: (N, 3) on the surface
+    energies: Float64Array  #: (S + 1,) the sum of ``cells.energies`` before the first step and after each
+    moved: Float64Array  #: (S,) the largest move in each step, in units of the mean spacing
+    cells: SurfaceCells  #: of ``points``
+
+    def __repr__(self) -> str:
+        first, last = self.energies[[0, -1]]
+        return f"<pyvotess.SurfaceRelaxation of {len(self.points)} seeds, {len(self.moved)} steps: energy {first:.6g} to {last:.6g}>"
 
 
 @dataclass(frozen=True)
@@ -169,35 +189,134 @@ def surface(
 
 
 def lloyd_on_surface(
-    points: Float64Array,
-    vertices: Any,
-    triangles: Any,
+    points: npt.ArrayLike,
+    vertices: npt.ArrayLike,
+    triangles: npt.ArrayLike,
     *,
-    steps: int,
-    moving: npt.NDArray[np.bool_],
+    steps: int = 100,
+    fixed: npt.ArrayLike = (),
     tolerance: float = 0.0,
     merge: bool = False,
     threads: int = 0,
-    show: Optional[Progress] = None,
-) -> Tuple[Float64Array, Float64Array, Float64Array, SurfaceCells]:
-    """Returns points moved to the centroids of their parts, put back onto the surface; energies, moves and cells."""
+    progress: Union[None, bool, Progress] = None,
+) -> SurfaceRelaxation:
+    """Moves each seed to its part of a surface, as near as possible to the part's centroid, ``steps`` times.
+
+    The seeds spread evenly over the surface. Those without a part stay.
+
+    Parameters
+    ----------
+    points, vertices, triangles, merge : as for :func:`surface`.
+    steps : maximum number of steps.
+    fixed : (N,) bool, or a list of indices: seeds that do not move.
+    tolerance : stop when no seed moved farther than this, in units of the mean spacing: the square root of the area for
+        each seed.
+    threads : as for :func:`tessellate`.
+    progress : as for :func:`tessellate`, as a fraction of all steps.
+
+    >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
+    >>> relaxed = vt.lloyd_on_surface(points, square, two, steps=5)
+    >>> bool(relaxed.energies[-1] < relaxed.energies[0])
+    True
+    """
+    array = as_points(points).astype(np.float64)
+    moving, limit = ~_as_mask(fixed, len(array)), as_number(tolerance, "tolerance")
+    if not 0 <= limit < np.inf:
+        raise ValueError(f"tolerance is {limit}: it must be finite and not negative")
+    return _relax(array, vertices, triangles, as_count(steps, "steps", 32), moving, limit, merge, threads, progress)
+
+
+def _relax(
+    points: Float64Array,
+    vertices: npt.ArrayLike,
+    triangles: npt.ArrayLike,
+    steps: int,
+    moving: BoolArray,
+    tolerance: float,
+    merge: bool,
+    threads: int,
+    progress: Union[None, bool, Progress],
+    features: Optional[_Features] = None,
+) -> SurfaceRelaxation:
     energies: List[float] = []
     moved: List[float] = []
-    for step in range(steps + 1):
-        cells = surface(points, vertices, triangles, merge=merge, threads=threads)
-        if show is not None and show((step + 1) / (steps + 1)) is False:
-            from ._c_api import ErrorCode
-            from ._call import VotessError
+    with showing(progress) as show:
+        for step in range(steps + 1):
+            part = None if show is None else _share(show, step, steps + 1)
+            cells = surface(points, vertices, triangles, merge=merge, threads=threads, progress=part)
+            energies.append(float(cells.energies.sum()))
+            if step == steps or (moved and moved[-1] <= tolerance):
+                break
+            places = cells.nearest if features is None else features.attract(cells)
+            way = places - points
+            way[~moving | np.isnan(way[:, 0])] = 0
+            moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0) * len(points) / cells.areas.sum())))
+            points = points + way
+    return SurfaceRelaxation(points, np.array(energies), np.array(moved), cells)
 
-            raise VotessError("the progress callback stopped the run", ErrorCode.CANCELLED)
-        energies.append(float(cells.energies.sum()))
-        if step == steps or (moved and moved[-1] <= tolerance):
-            break
-        way = cells.nearest - points
-        way[~moving | np.isnan(way[:, 0])] = 0
-        moved.append(float(np.sqrt((way**2).sum(axis=1).max(initial=0) * len(points) / cells.areas.sum())))
-        points = points + way
-    return points, np.array(energies), np.array(moved), cells
+
+class _Features:
+    """Edges of a surface that vertices of its remesh lie on: borders, sharp edges, those of more than two triangles."""
+
+    def __init__(self, vertices: Float64Array, triangles: Int32Array, angle: float) -> None:
+        x = vertices[triangles]
+        normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
+        lengths = np.linalg.norm(normals, axis=1)
+        normals = normals / np.where(lengths > 0, lengths, 1)[:, None]
+        real = np.flatnonzero(lengths > 0)
+        ends = np.stack((triangles[real], np.roll(triangles[real], -1, axis=1)), axis=-1).reshape(-1, 2)
+        edges, number, counts = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True, return_counts=True)
+        number = number.reshape(-1)
+        turned = np.where(ends[:, 0] < ends[:, 1], 1.0, -1.0)
+        order = np.argsort(number, kind="stable")
+        first = np.cumsum(counts) - counts
+        a, b = order[first], order[first + counts - 1]
+        # Two triangles of one orientation run along their edge in opposite directions.
+        cosines = -turned[a] * turned[b] * (normals[real[a // 3]] * normals[real[b // 3]]).sum(axis=1)
+        is_feature = (counts != 2) | (cosines < np.cos(np.radians(angle)))
+        self.counts = counts
+        self.edge_of = np.full((len(triangles), 3), -1)
+        self.edge_of[real] = number.reshape(-1, 3)
+        self.is_feature = np.append(is_feature, False)  # also of edge -1
+        chosen = edges[is_feature]
+        degree = np.bincount(chosen.ravel(), minlength=len(vertices))
+        # Ways from each vertex along its features: two that go on nearly straight sum to little.
+        ways = vertices[chosen[:, 1]] - vertices[chosen[:, 0]]
+        ways = ways / np.maximum(np.linalg.norm(ways, axis=1), np.finfo(float).tiny)[:, None]
+        sums = np.zeros((len(vertices), 3))
+        np.add.at(sums, chosen[:, 0], ways)
+        np.add.at(sums, chosen[:, 1], -ways)
+        bend = np.linalg.norm(sums, axis=1) > 2 * np.sin(np.radians(angle) / 2)
+        self.is_corner = (degree > 0) & ((degree != 2) | bend)
+
+    def attract(self, cells: SurfaceCells) -> Float64Array:
+        """Returns the places to which seeds move: corners, the middle of features in their cell, or ``nearest``."""
+        places = np.array(cells.nearest)
+        sizes = np.diff(cells.polygon_offsets)
+        polygon = np.repeat(np.arange(len(sizes)), sizes)
+        after = np.arange(len(polygon)) + 1
+        after[cells.polygon_offsets[1:] - 1] = cells.polygon_offsets[:-1]
+        slot = np.where(cells.beyond < 0, -1 - cells.beyond, 0)
+        edge = np.where(cells.beyond < 0, self.edge_of[cells.polygon_triangles[polygon], slot], -1)
+        on = np.flatnonzero(self.is_feature[edge])
+        seed = cells.polygon_seeds[polygon[on]]
+        a, b = cells.vertices[cells.corners[on]], cells.vertices[cells.corners[after[on]]]
+        length = np.linalg.norm(b - a, axis=1) / self.counts[edge[on]]
+        total = np.bincount(seed, length, minlength=len(cells))
+        middle = np.stack([np.bincount(seed, length * m, minlength=len(cells)) for m in ((a + b) / 2).T], axis=1)
+        takes = total > _LEAST_SHARE * np.sqrt(cells.areas)
+        middle[takes] /= total[takes, None]
+        way = b - a
+        square = np.maximum((way**2).sum(axis=1), np.finfo(float).tiny)
+        share = np.clip(((middle[seed] - a) * way).sum(axis=1) / square, 0, 1)
+        foot = a + share[:, None] * way
+        order = np.argsort(-((foot - middle[seed]) ** 2).sum(axis=1), kind="stable")  # the nearest last
+        order = order[takes[seed[order]]]
+        places[seed[order]] = foot[order]
+        given = cells.corners < len(self.is_corner)
+        at = np.flatnonzero(given & self.is_corner[np.where(given, cells.corners, 0)])[::-1]
+        places[cells.polygon_seeds[polygon[at]]] = cells.vertices[cells.corners[at]]
+        return places
 
 
 def sample_surface(
@@ -223,6 +342,7 @@ def remesh(
     n: int,
     *,
     steps: int = 30,
+    sharp: float = 40.0,
     rng_seed: int = 0,
     merge: bool = False,
     threads: int = 0,
@@ -230,15 +350,18 @@ def remesh(
 ) -> Remesh:
     """Returns a mesh of ``n`` vertices and well-shaped triangles for a surface.
 
-    Random places are spread by area, relaxed by Lloyd's method on the surface, and joined by the dual. ``cells.faults``
-    lists vertices at which the mesh may differ from the surface: thin parts and holes need more vertices. Borders and
-    sharp edges are not followed: vertices lie near them, not on them.
+    Random places are spread by area, relaxed by Lloyd's method on the surface, and joined by the dual. Seeds whose cells
+    hold a stretch of a border or of a sharp edge move along it, and one seed to each of their corners. So the mesh ends
+    where the surface does, up to the size of its triangles. ``cells.faults`` lists vertices at which it may differ from
+    the surface: thin parts and small holes need more vertices.
 
     Parameters
     ----------
     vertices, triangles, merge : as for :func:`surface`.
     n : number of vertices, at least 1.
     steps : of the relaxation.
+    sharp : angle in degrees by which the surface turns at sharp edges, and these at their corners, above 0. 180: keep
+        borders alone.
     rng_seed : of the random places.
     threads, progress : as for :func:`tessellate`.
 
@@ -249,15 +372,22 @@ def remesh(
     """
     places = as_points(vertices, "vertices").astype(np.float64, copy=False)
     rows = _as_triangles(triangles)
-    count, steps = as_count(n, "n", 31), as_count(steps, "steps", 32)
+    count, angle, merge = as_count(n, "n", 31), as_number(sharp, "sharp"), as_flag(merge, "merge")
     if count == 0:
         raise ValueError("n is 0: give at least 1")
+    if not 0 < angle <= 180:
+        raise ValueError(f"sharp is {angle}: give an angle above 0, up to 180")
+    if not np.isfinite(places).all():
+        raise ValueError(f"vertices[{np.argwhere(~np.isfinite(places))[0][0]}] is not finite")
     wrong = np.argwhere((rows < 0) | (rows >= len(places)))
     if len(wrong):
         raise ValueError(f"triangles[{wrong[0][0]}] has {rows[tuple(wrong[0])]}, but there are {len(places)} vertices")
+    if merge:
+        places, same = np.unique(places + 0.0, axis=0, return_inverse=True)  # both zeros are equal
+        rows = same.reshape(-1)[rows].astype(np.int32)
     points = sample_surface(places, rows, count, np.random.default_rng(as_count(rng_seed, "rng_seed", 64)))
-    with showing(progress) as show:
-        points, energies, _, cells = lloyd_on_surface(
-            points, places, rows, steps=steps, moving=np.ones(count, bool), merge=merge, threads=threads, show=show
-        )
-    return Remesh(points, cells.dual, cells, energies)
+    relaxed = _relax(
+        points, places, rows, as_count(steps, "steps", 32), np.ones(count, bool), 0.0, False, threads, progress,
+        _Features(places, rows, angle),
+    )  # fmt: skip
+    return Remesh(relaxed.points, relaxed.cells.dual, relaxed.cells, relaxed.energies)
