@@ -27,10 +27,6 @@ constexpr double thin = 1e-6;            // of the sine of a triangle's angle: i
 constexpr double sure_volume = 1e-3;     // of the terms it sums: the sum then has 1e-12 of it right
 constexpr double plane_rounding = 1e-8;  // of the distance to a vertex, for a triangle that is not thin
 
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, option("mesh") + ": " + message);
-}
-
 // An edge of a triangle, from its lower vertex.
 struct Edge {
     std::int32_t low, high;
@@ -80,8 +76,17 @@ std::array<std::int32_t, 3> sorted(std::array<std::int32_t, 3> triangle) {
 
 }  // namespace
 
-ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(empty_box) {
-    const auto shape = [](const char* what, std::size_t size, const char* rows) {
+ClosedMesh::ClosedMesh(const TriangleMesh& given) : ClosedMesh(given, option("mesh")) {
+    check_closed();
+    find_volume();
+}
+
+void ClosedMesh::refuse(const std::string& message) const {
+    throw Error(ErrorCode::invalid_argument, name_ + ": " + message);
+}
+
+ClosedMesh::ClosedMesh(const TriangleMesh& given, std::string name) : name_(std::move(name)), bounds_(empty_box) {
+    const auto shape = [&](const char* what, std::size_t size, const char* rows) {
         if (size % 3 != 0)
             refuse(std::string(what) + " hold " + std::to_string(size) +
                    " numbers, not a multiple of 3: the shape must be " + rows);
@@ -90,7 +95,7 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(empty_box) {
     };
     shape("vertices", given.vertices.size(), "(V,3)");
     shape("triangles", given.triangles.size(), "(T,3)");
-    if (given.triangles.empty()) refuse("it has no triangles: give a closed surface, of at least 4");
+    if (given.triangles.empty()) refuse("it has no triangles: give a surface");
     vertices_.resize(given.vertices.size() / 3);
     for (std::size_t v = 0; v < vertices_.size(); ++v)
         for (std::size_t k = 0; k < 3; ++k) {
@@ -110,15 +115,12 @@ ClosedMesh::ClosedMesh(const TriangleMesh& given) : bounds_(empty_box) {
     find_bounds();
     merged_ = given.merge;
     if (!(given.tolerance >= 0 && given.tolerance <= max_tolerance))
-        throw Error(ErrorCode::invalid_argument, option("mesh.tolerance") + " is " + number(given.tolerance) +
+        throw Error(ErrorCode::invalid_argument, name_ + ".tolerance is " + number(given.tolerance) +
                                                      ": give a share of the mesh's size, from 0 to " +
                                                      number(max_tolerance));
     if (given.tolerance > 0 && !merged_)
-        throw Error(ErrorCode::invalid_argument,
-                    option("mesh.tolerance") + " needs " + option("mesh.merge") + ": set both");
+        throw Error(ErrorCode::invalid_argument, name_ + ".tolerance needs " + name_ + ".merge: set both");
     if (merged_) merge_vertices(given.tolerance);
-    check_closed();
-    find_volume();
 }
 
 void ClosedMesh::find_bounds() {

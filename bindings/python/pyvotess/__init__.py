@@ -37,6 +37,7 @@ from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
+from .surface import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
@@ -67,12 +68,15 @@ __all__ = [
     "Probes",
     "RayCells",
     "Relaxation",
+    "Remesh",
     "Rows",
     "Shapes",
     "StageSeconds",
     "Stats",
     "StreamResult",
     "StreamRows",
+    "SurfaceCells",
+    "SurfaceRelaxation",
     "Tessellation",
     "Tessellator",
     "VerifyReport",
@@ -86,7 +90,10 @@ __all__ = [
     "from_ase",
     "gpu",
     "lloyd",
+    "lloyd_on_surface",
     "read_frames",
+    "remesh",
+    "surface",
     "tessellate",
     "tessellate_stream",
     "transport_cost",
