@@ -185,7 +185,7 @@ void CellOnSurface::find_row() {
     std::ranges::stable_sort(sides_, {}, &OnBisector::seed);
     for (std::size_t begin = 0, end = 0; begin < sides_.size(); begin = end) {
         while (end < sides_.size() && sides_[end].seed == sides_[begin].seed) ++end;
-        solid::Sum length;
+        Sum length;
         bool has_length = false;
         joined_.resize(end - begin);
         std::iota(joined_.begin(), joined_.end(), std::size_t{0});
