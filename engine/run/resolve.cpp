@@ -8,23 +8,14 @@
 #include "distributed/blocks/local_block.hpp"
 #include "domain/near_places.hpp"
 #include "gpu/frames/frame.hpp"
+#include "input/domain_of_result.hpp"
 #include "input/seeds.hpp"
 #include "input/settle.hpp"
 
 namespace votess::vulkan {
 namespace {
 
-bool is_unresolved(std::uint32_t status) {
-    switch (static_cast<CellStatus>(status)) {
-        case CellStatus::certified:
-        case CellStatus::duplicate:
-        case CellStatus::empty:
-        case CellStatus::outside:
-            return false;
-        default:
-            return true;
-    }
-}
+using detail::is_unresolved;
 
 // Returns whether the CPU uses a seed. It skips seeds that the frame skipped, and seeds without a cell, which are not
 // neighbors of any.
@@ -147,6 +138,8 @@ private:
     [[nodiscard]] Resolved gather() const {
         Resolved out;
         out.indptr.push_back(0);
+        std::vector<std::vector<double>> wrapped;
+        for (const blocks::Run& run : runs_) move_into_domain(run.job, wrapped.emplace_back(run.seeds.points));
         for (const Made& made : made_) {
             const blocks::Run& run = runs_[made.run];
             const votess::detail::Result& result = run.result;
@@ -166,7 +159,8 @@ private:
                 out.areas.insert(out.areas.end(), result.face_areas.begin() + begin, result.face_areas.begin() + end);
             out.indptr.push_back(static_cast<std::int64_t>(out.indices.size()));
             out.volumes.push_back(result.volumes[i]);
-            for (std::size_t k = 0; k < 3; ++k) out.centroids.push_back(result.centroids[3 * i + k]);
+            for (std::size_t k = 3 * i; k < 3 * i + 3; ++k)
+                out.centroids.push_back(result.centroids[k] + (run.seeds.points[k] - wrapped[made.run][k]));
         }
         return out;
     }

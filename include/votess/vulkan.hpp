@@ -214,6 +214,7 @@ struct RecordOptions {
 namespace detail {
 struct PlanState;
 struct FrameState;
+struct PlanAccess;
 }  // namespace detail
 
 // Buffers and descriptor sets of one frame in flight, shared by copies. Keep one until the commands have run. One
@@ -254,7 +255,7 @@ struct Resolved {
     std::vector<std::int8_t> shifts;    // 3 indptr[R] in a periodic plan, else empty
     std::vector<double> areas;          // indptr[R] in a plan with areas, else empty
     std::vector<double> volumes;        // R
-    std::vector<double> centroids;      // 3R, absolute
+    std::vector<double> centroids;      // 3R, absolute; of the cells around the seeds as given, not as wrapped
 };
 
 // Immutable, safe to use from several threads. The constructor makes all pipelines.
@@ -294,6 +295,7 @@ public:
                                    std::span<const Cell> cells, const ResolveOptions& options = {}) const;
 
 private:
+    friend struct detail::PlanAccess;
     explicit Plan(std::shared_ptr<const detail::PlanState> state) : state_(std::move(state)) {}
     std::shared_ptr<const detail::PlanState> state_;
 };

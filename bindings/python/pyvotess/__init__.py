@@ -15,7 +15,7 @@ See :func:`tessellate` for the options, :class:`Domain` for domains and :class:`
 
 from typing import List
 
-from . import autodiff, walls
+from . import autodiff, gpu, walls
 from ._c_api import CellStatus, ErrorCode
 from ._call import VotessError
 from ._domain import Domain
@@ -37,6 +37,7 @@ from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
+from .surface import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones
@@ -67,12 +68,15 @@ __all__ = [
     "Probes",
     "RayCells",
     "Relaxation",
+    "Remesh",
     "Rows",
     "Shapes",
     "StageSeconds",
     "Stats",
     "StreamResult",
     "StreamRows",
+    "SurfaceCells",
+    "SurfaceRelaxation",
     "Tessellation",
     "Tessellator",
     "VerifyReport",
@@ -84,8 +88,12 @@ __all__ = [
     "devices",
     "fit_volumes",
     "from_ase",
+    "gpu",
     "lloyd",
+    "lloyd_on_surface",
     "read_frames",
+    "remesh",
+    "surface",
     "tessellate",
     "tessellate_stream",
     "transport_cost",

@@ -297,6 +297,19 @@ class Bytes(ctypes.Structure):
 WriteCallback = CFUNCTYPE(c_int, POINTER(Bytes))
 
 
+class SurfaceOptions(ctypes.Structure):
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("threads", c_uint32),
+        ("weights", c_void_p),
+        ("tolerance", c_double),
+        ("merge", c_int32),
+        ("reserved", c_int32),
+        ("progress", ProgressCallback),
+        ("user", c_void_p),
+    ]
+
+
 class PieceArrays(ctypes.Structure):
     """``votess_piece_arrays``."""
 
@@ -436,6 +449,13 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_hull_array": _ARRAY,
     "votess_device_count": (c_size_t, ()),
     "votess_device_info": (c_int, (c_size_t, c_char_p, c_size_t, c_char_p, c_size_t, c_char_p, c_size_t)),
+    # votess/surface.h
+    "votess_surface_new": (
+        c_int,
+        (c_void_p, c_size_t, c_void_p, c_size_t, c_void_p, c_size_t, POINTER(SurfaceOptions), POINTER(_HANDLE)),
+    ),
+    "votess_surface_free": (None, (_HANDLE,)),
+    "votess_surface_array": _ARRAY,
 }
 
 

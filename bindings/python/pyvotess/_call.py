@@ -89,10 +89,11 @@ class Handle:
     def arrays(self, *names: str) -> Dict[str, npt.NDArray[Any]]:
         return {name: self.array(name) for name in names}
 
-    def array(self, name: str, *part: int) -> npt.NDArray[Any]:
-        """Returns a read-only view of an array, without a copy: (length,), or (length, components) if it has several.
+    def array(self, name: str, *part: int, writable: bool = False) -> npt.NDArray[Any]:
+        """Returns a view of an array, without a copy: (length,), or (length, components) if it has several.
 
-        ``part``: arguments before the name, for kinds with several arrays of a name.
+        ``part``: arguments before the name, for kinds with several arrays of a name. ``writable``: for an object of which
+        the library reads nothing more.
         """
         found = _c_api.Array()
         read = getattr(self._library, f"votess_{self._kind}_array")
@@ -100,9 +101,9 @@ class Handle:
         dtype = np.dtype(f"{found.kind.decode()}{found.bytes}")
         shape = (found.length,) if found.components == 1 else (found.length, found.components)
         if found.data:
-            return np.asarray(_Memory(self, found.data, shape, dtype))
+            return np.asarray(_Memory(self, found.data, shape, dtype, writable))
         none = np.empty(shape, dtype)
-        none.flags.writeable = False
+        none.flags.writeable = writable
         return none
 
     def free(self) -> None:
@@ -143,13 +144,15 @@ class WithHandle:
 class _Memory:
     """Wraps an array of the library for NumPy. It becomes the base of the ndarray and keeps the owner alive."""
 
-    def __init__(self, owner: Handle, address: int, shape: Tuple[int, ...], dtype: np.dtype[Any]) -> None:
+    def __init__(
+        self, owner: Handle, address: int, shape: Tuple[int, ...], dtype: np.dtype[Any], writable: bool
+    ) -> None:
         self._owner = owner
         self.__array_interface__ = {
             "version": 3,
             "shape": shape,
             "typestr": dtype.str,
-            "data": (address, True),  # True: read-only
+            "data": (address, not writable),
         }
 
 
@@ -237,6 +240,20 @@ def watched(function: Any, *arguments: Any) -> int:
             return int(function(*arguments))
         finally:
             lib.votess_set_progress(_c_api.ProgressCallback(), None)
+
+
+@contextlib.contextmanager
+def alone(lock: threading.Lock, what: str) -> Iterator[None]:
+    """Lets one call at a time into the block. ``what``: the object, for the error."""
+    if not lock.acquire(blocking=False):
+        raise VotessError(
+            f"this {what} is in use by another call, or was during fork(): use one for each thread",
+            ErrorCode.INVALID_USE,
+        )
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 # Display of progress=True: a bar of tqdm if it is installed, else a line on stderr.

@@ -42,6 +42,8 @@ def as_array(values: Any, name: str) -> npt.NDArray[Any]:
     """Returns an array, without a copy of one that has the interface of NumPy or DLPack. Refuses masked values."""
     if np.ma.is_masked(values):
         raise ValueError(f"{name} has masked values: remove them, for example by numpy.ma.compress_rows({name})")
+    if getattr(values, "requires_grad", False) is True:  # of PyTorch
+        raise ValueError(f"{name} requires gradients: give {name}.detach(), or use pyvotess.autodiff.torch")
     values = _of_pandas(values)
     known = ("__array__", "__array_interface__", "__array_struct__")
     if not hasattr(values, "__dlpack__") or any(hasattr(values, attribute) for attribute in known):

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import threading
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Iterable, Iterator, List, Optional, Union
+from typing import TYPE_CHECKING, Any, Iterable, List, Optional, Union
 
 from . import _c_api
-from ._c_api import DuplicatesWord, ErrorCode, PrecisionWord, WantName
-from ._call import Handle, Progress, VotessError, raise_on_failure
+from ._c_api import DuplicatesWord, PrecisionWord, WantName
+from ._call import Handle, Progress, alone, raise_on_failure
 from ._domain import Domain, with_short_forms
 from ._library import lib
 from ._run import new_options, tessellate_points
@@ -151,18 +150,6 @@ class Tessellator:
         self._handle = Handle("tessellator")
         raise_on_failure(lib.votess_tessellator_new(ctypes.byref(self._handle.pointer)))
 
-    @contextlib.contextmanager
-    def _alone(self) -> Iterator[None]:
-        if not self._lock.acquire(blocking=False):
-            raise VotessError(
-                "this Tessellator is in use by another call, or was during fork(): use one for each thread",
-                ErrorCode.INVALID_USE,
-            )
-        try:
-            yield
-        finally:
-            self._lock.release()
-
     @with_short_forms
     def tessellate(
         self,
@@ -188,7 +175,7 @@ class Tessellator:
         """
         given = dict(locals())
         del given["self"]
-        with self._alone():
+        with alone(self._lock, "Tessellator"):
             if not self._handle.pointer:
                 raise ValueError("this Tessellator is closed")
             options = _c_api.Options.from_buffer_copy(self._options)  # its texts stay owned by the original
@@ -200,7 +187,7 @@ class Tessellator:
         >>> tessellator = vt.Tessellator()
         >>> tessellator.close()
         """
-        with self._alone():
+        with alone(self._lock, "Tessellator"):
             self._handle.free()
 
     def __reduce__(self) -> Any:

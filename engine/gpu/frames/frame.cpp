@@ -22,6 +22,18 @@ void detail::refuse(const std::string& what) {
     throw Error(ErrorCode::invalid_argument, what);
 }
 
+bool detail::is_unresolved(std::uint32_t status) {
+    switch (static_cast<CellStatus>(status)) {
+        case CellStatus::certified:
+        case CellStatus::duplicate:
+        case CellStatus::empty:
+        case CellStatus::outside:
+            return false;
+        default:
+            return true;
+    }
+}
+
 Frame::Frame() = default;
 
 void Frame::record(VkCommandBuffer commands, const RecordOptions& options) const {

@@ -45,6 +45,14 @@ private:
 
 [[noreturn]] void refuse(const std::string& what);  // throws invalid_argument
 
+// Makes plans on devices of votess.
+struct PlanAccess {
+    [[nodiscard]] static Plan plan(std::shared_ptr<gpu::vulkan::Device> device, const PlanOptions& options);
+};
+
+// Returns whether a cell waits for resolve(). status: CellStatus.
+[[nodiscard]] bool is_unresolved(std::uint32_t status);
+
 // The domain of recorded frames: box, images, weights and walls of a plan (frame_domain.cpp).
 
 inline constexpr std::uint32_t max_of_all = 1u << 27;  // seeds: entries of rows have 32 bits

@@ -140,9 +140,13 @@ Plan::Plan(const HostDevice& host, const PlanOptions& options) {
                        options);
 }
 
-Plan Plan::with(const PlanOptions& options) const {
+Plan detail::PlanAccess::plan(std::shared_ptr<gpu::vulkan::Device> device, const PlanOptions& options) {
     check(options);
-    return Plan(make_plan(state_->device, options));
+    return Plan(make_plan(std::move(device), options));
+}
+
+Plan Plan::with(const PlanOptions& options) const {
+    return detail::PlanAccess::plan(state_->device, options);
 }
 
 const BufferSizes& Plan::sizes() const noexcept {

@@ -5,6 +5,7 @@
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
+#include <votess/frames.h>
 #include <votess/stream.h>
 #include <votess/votess.h>
 
@@ -686,6 +687,33 @@ static void check_stream(void) {
     votess_result_free(whole);
 }
 
+// Refusals, which open no device; tests in Python have one.
+static void check_frames(void) {
+    votess_options options = options_with_box(2);
+    options.device = "cpu";
+    votess_frames_options frames = {0};
+    votess_frames* made = (votess_frames*)&frames;
+    votess_frame_cells* cells = (votess_frame_cells*)&frames;
+    CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "frames.struct_size is 0");
+    CHECK(made == NULL);
+    frames.struct_size = sizeof frames;
+    CHECK_REFUSES(votess_frames_new(NULL, &options, NULL, &made), "frames is NULL");
+    CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "max_points = 0");
+    frames.max_points = 10;
+    CHECK_REFUSES(votess_frames_new(&frames, NULL, NULL, &made), "options.box is missing");
+    CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "options.device = cpu");
+    options.outside = VOTESS_OUTSIDE_KEEP;
+    CHECK_REFUSES(votess_frames_new(&frames, &options, NULL, &made), "options.outside = keep");
+    CHECK_REFUSES(votess_frames_run(NULL, cube, NULL, 8, &cells), "frames is NULL");
+    CHECK(cells == NULL);
+    CHECK_REFUSES(votess_frames_resolve(NULL, &cells), "frames is NULL");
+    CHECK_REFUSES(votess_frames_device(NULL, NULL, 0), "frames is NULL");
+    CHECK_REFUSES(votess_frame_cells_array(NULL, "status", &last), "cells is NULL");
+    CHECK(votess_frame_cells_unresolved(NULL) == 0);
+    votess_frames_free(NULL);
+    votess_frame_cells_free(NULL);
+}
+
 int main(void) {
     check_version();
     check_tessellations();
@@ -702,6 +730,7 @@ int main(void) {
     check_network();
     check_alpha();
     check_stream();
+    check_frames();
     if (failures != 0) {
         fprintf(stderr, "c_consumer: %d checks failed\n", failures);
         return 1;

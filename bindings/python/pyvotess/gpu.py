@@ -1,0 +1,273 @@
+"""Cells of points that move, again and again, on a Vulkan device: int32 rows and float32 sizes, for tensors.
+
+>>> frames = vt.gpu.Frames(100_000, box=box, want="neighbors,volumes")   # doctest: +SKIP
+>>> cells = frames(points)                                               # doctest: +SKIP
+>>> torch.from_dlpack(cells.volumes)                                     # doctest: +SKIP
+"""
+
+from __future__ import annotations
+
+import ctypes
+import threading
+from ctypes import POINTER, c_char_p, c_double, c_int, c_int32, c_size_t, c_uint32, c_void_p
+from typing import TYPE_CHECKING, Any, Dict, Iterable, Optional, Tuple, Union
+
+import numpy as np
+
+from . import _c_api
+from ._arguments import as_count, as_number, shown
+from ._c_api import WantName
+from ._call import Handle, alone, raise_on_failure, watched
+from ._domain import Domain, as_domain, with_short_forms
+from ._input import as_float64_or_float32, as_one_each, as_points
+from ._library import lib
+from ._run import implied_words, new_options
+from ._state import ARRAYS, no_attribute
+from .mesh import Lists
+
+if TYPE_CHECKING:
+    from types import TracebackType
+
+    import numpy.typing as npt
+    from typing_extensions import Unpack
+
+    from ._domain import DomainKeywords
+
+    Int8Array = npt.NDArray[np.int8]
+    Int32Array = npt.NDArray[np.int32]
+    Float32Array = npt.NDArray[np.float32]
+
+__all__ = ["FrameCells", "Frames"]
+
+
+class _Options(ctypes.Structure):
+    """``votess_frames_options``."""
+
+    _fields_ = [
+        ("struct_size", c_uint32),
+        ("max_points", c_uint32),
+        ("has_weights", c_int32),
+        ("max_entries", c_uint32),
+        ("least_weight", c_double),
+        ("largest_weight", c_double),
+        ("margin", c_double),
+        ("max_images", c_uint32),
+        ("reserved", c_int32),
+    ]
+
+
+# As _c_api.SIGNATURES, for votess/frames.h.
+SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
+    "votess_frames_new": (c_int, (POINTER(_Options), POINTER(_c_api.Options), c_void_p, POINTER(c_void_p))),
+    "votess_frames_free": (None, (c_void_p,)),
+    "votess_frames_device": (c_int, (c_void_p, c_char_p, c_size_t)),
+    "votess_frames_run": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
+    "votess_frames_run_f32": (c_int, (c_void_p, c_void_p, c_void_p, c_size_t, POINTER(c_void_p))),
+    "votess_frames_resolve": (c_int, (c_void_p, POINTER(c_void_p))),
+    "votess_frame_cells_free": (None, (c_void_p,)),
+    "votess_frame_cells_unresolved": (c_size_t, (c_void_p,)),
+    "votess_frame_cells_array": _c_api.SIGNATURES["votess_result_array"],
+}
+for _name, (_result, _arguments) in SIGNATURES.items():
+    _function = getattr(lib, _name)
+    _function.restype, _function.argtypes = _result, _arguments
+
+
+class FrameCells:
+    """The cells of one call of :class:`Frames`, in the order of the N points.
+
+    Arrays are views of the library's memory, which later calls leave alone. PyTorch, JAX and others take them without a
+    copy by DLPack. Arrays that are not in ``want`` are missing.
+    """
+
+    status: Int32Array  #: (N,) int32, values of :class:`CellStatus`
+    indptr: Int32Array  #: (N + 1,) int32: row i of the lists is ``indices[indptr[i]:indptr[i+1]]``
+    indices: Int32Array  #: (indptr[N],) int32: neighbors, ascending in each row, walls (negative) first
+    shifts: Int8Array  #: (indptr[N], 3) int8 numbers of box vectors, in periodic domains
+    face_areas: Float32Array  #: (indptr[N],) float32, length unit squared
+    volumes: Float32Array  #: (N,) float32, with a relative error of at most 1e-5; 0 without a cell
+    centroids: npt.NDArray[Any]  #: (N, 3), in the type of the points, of the cells around these as given; or NaN
+
+    def __init__(self, frames: Frames, number: int, handle: Handle) -> None:
+        self._frames, self._number = frames, number
+        self._take(handle)
+
+    def _take(self, handle: Handle) -> None:
+        names = ["status", *(name for word in self._frames._wanted for name in ARRAYS[word])]
+        if self._frames._periodic and "indices" in names:
+            names.append("shifts")
+        self.__dict__.update({name: handle.array(name, writable=True) for name in names})
+        self._unresolved = int(lib.votess_frame_cells_unresolved(handle.pointer))
+
+    if not TYPE_CHECKING:  # a type checker would accept any name
+
+        def __getattr__(self, name: str) -> Any:
+            if name == "shifts" and "indices" in self.__dict__:
+                raise AttributeError("shifts are those of periodic domains")
+            raise no_attribute(self, name, self._frames._wanted if "_frames" in self.__dict__ else None)
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        arrays = [name for name in self.__dict__ if not name.startswith("_")]
+        return f"<pyvotess.gpu.FrameCells of {len(self)} points, {self.unresolved} unresolved: {', '.join(arrays)}>"
+
+    @property
+    def unresolved(self) -> int:
+        """Cells that the device left, see ``status``. They have no row."""
+        return self._unresolved
+
+    @property
+    def neighbors(self) -> Lists:
+        """Neighbor lists, N rows of ascending ids, walls (negative) first."""
+        return Lists(self.indptr.astype(np.int64), self.indices)
+
+    def resolve(self) -> FrameCells:
+        """Makes the unresolved cells on the CPU, exactly, and returns this object. The arrays are new ones.
+
+        ValueError after another call of the same :class:`Frames`, and after its ``close()``.
+        """
+        if self._unresolved:
+            self._take(self._frames._resolve(self._number))
+        return self
+
+    def __reduce__(self) -> Any:
+        raise TypeError("cells of a frame cannot be copied or pickled: copy their arrays")
+
+
+class Frames:
+    """Makes cells of up to ``max_points`` points on a Vulkan device, call after call. A context manager.
+
+    The device stays open, with its buffers and its shaders, which may take seconds to compile. A call uploads the points
+    and returns a :class:`FrameCells`. Each cell is proven on the device, or its status says why it is not, as for
+    ``resolve()``. The results are those of :func:`tessellate`, with sizes in float32.
+
+    Parameters
+    ----------
+    max_points : of a call, at most 2**27.
+    domain, box, periodic, cell, origin, walls : as for :func:`tessellate`: a finite box or a cell, which all calls share.
+        Points outside, or not finite, have the status ``OUTSIDE`` and no cell.
+    want : some of "neighbors", "volumes", "centroids", "areas".
+    weights : (least, largest) of all calls, for power diagrams. Each call then takes weights. A point whose weight is
+        beyond them has no cell, so choose them as narrow as possible.
+    list_walls, threads, k_init, chunk_size : as for :func:`tessellate`.
+    device : "auto": a GPU, or a software device where there is none; "gpu", "lavapipe" or an index of :func:`devices`.
+    max_entries : of all rows together; 0: 20 a point. Cells whose rows do not fit stay unresolved.
+    margin, max_images : width of the layer of images around a periodic box, and how many it may hold; 0: as suits uniform
+        points. Cells that reach farther stay unresolved.
+    share : other frames, whose device and shaders these use too. They are made in milliseconds.
+
+    Raises
+    ------
+    ValueError, TypeError : wrong arguments, which the message names.
+    VotessError : no Vulkan device, or a domain that the device cannot hold.
+
+    >>> with vt.gpu.Frames(1000, box=box, periodic=True, want="neighbors,volumes", device="lavapipe") as frames:   # doctest: +SKIP
+    ...     cells = frames(points).resolve()
+    """
+
+    @with_short_forms
+    def __init__(
+        self,
+        max_points: int,
+        domain: Optional[Domain] = None,
+        *,
+        want: Union[str, Iterable[WantName]] = ("neighbors", "volumes"),
+        weights: Optional[npt.ArrayLike] = None,
+        list_walls: bool = False,
+        device: str = "auto",
+        threads: int = 0,
+        k_init: int = 0,
+        chunk_size: int = 0,
+        max_entries: int = 0,
+        margin: float = 0.0,
+        max_images: int = 0,
+        share: Optional[Frames] = None,
+        **keywords: Unpack[DomainKeywords],
+    ) -> None:
+        frames = _Options(
+            struct_size=ctypes.sizeof(_Options),
+            max_points=as_count(max_points, "max_points", 32),
+            max_entries=as_count(max_entries, "max_entries", 32),
+            margin=as_number(margin, "margin"),
+            max_images=as_count(max_images, "max_images", 32),
+        )
+        if weights is not None:
+            limits = as_float64_or_float32(weights, "weights")
+            if limits.shape != (2,):
+                raise ValueError(f"weights has shape {limits.shape}: give the least and the largest one of all calls")
+            frames.has_weights, (frames.least_weight, frames.largest_weight) = 1, limits.tolist()
+        if share is not None and not isinstance(share, Frames):
+            raise TypeError(f"share is {shown(share)}: give other Frames")
+        where = as_domain(domain, keywords)
+        options = new_options(
+            want=want, list_walls=list_walls, device=device, threads=threads, k_init=k_init, chunk_size=chunk_size
+        )
+        kept = where._fill(options, None)
+        self._wanted = implied_words(options)
+        self._periodic = any(where.periodic)
+        self._lock = threading.Lock()
+        self._calls = 0
+        self._handle = Handle("frames")
+        shared = None if share is None else share._open()
+        raise_on_failure(
+            watched(lib.votess_frames_new, ctypes.byref(frames), ctypes.byref(options), shared, ctypes.byref(self._handle.pointer))
+        )
+        del kept
+        text = ctypes.create_string_buffer(512)
+        raise_on_failure(lib.votess_frames_device(self._handle.pointer, text, len(text)))
+        self._text = f"up to {frames.max_points} points in a {where._text()} on {text.value.decode('utf-8', 'replace')}"
+
+    def _open(self) -> Any:
+        """Returns the library's object."""
+        if not self._handle.pointer:
+            raise ValueError("these Frames are closed")
+        return self._handle.pointer
+
+    def __call__(self, points: npt.ArrayLike, weights: Optional[npt.ArrayLike] = None) -> FrameCells:
+        """Returns the cells of (N, 3) points, float64 or float32: arrays of NumPy, or objects with DLPack on the CPU.
+
+        weights : (N,) length unit squared, for frames with a range of weights.
+        """
+        array = as_points(points)
+        masses = None if weights is None else as_one_each(weights, "weights", len(array), "points")
+        function = lib.votess_frames_run_f32 if array.dtype == np.float32 else lib.votess_frames_run
+        cells = Handle("frame_cells")
+        with alone(self._lock, "object of Frames"):
+            self._calls += 1
+            address = None if masses is None else masses.ctypes.data
+            raise_on_failure(
+                watched(function, self._open(), array.ctypes.data, address, len(array), ctypes.byref(cells.pointer))
+            )
+            return FrameCells(self, self._calls, cells)
+
+    def _resolve(self, number: int) -> Handle:
+        cells = Handle("frame_cells")
+        with alone(self._lock, "object of Frames"):
+            if number != self._calls:
+                raise ValueError("resolve() completes the last call of these Frames: call it before the next one")
+            raise_on_failure(watched(lib.votess_frames_resolve, self._open(), ctypes.byref(cells.pointer)))
+        return cells
+
+    def close(self) -> None:
+        """Frees device and buffers. Cells stay. Further calls do nothing."""
+        with alone(self._lock, "object of Frames"):
+            self._handle.free()
+
+    def __repr__(self) -> str:
+        return f"<pyvotess.gpu.Frames of {self._text}>"
+
+    def __reduce__(self) -> Any:
+        raise TypeError("Frames cannot be copied or pickled: create other ones")
+
+    def __enter__(self) -> Frames:
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[type[BaseException]],
+        error: Optional[BaseException],
+        traceback: Optional[TracebackType],
+    ) -> None:
+        self.close()

@@ -1,0 +1,217 @@
+"""vt.gpu.Frames: arguments; on the device that VOTESS_TEST_DEVICE names, cells against those of tessellate()."""
+
+import copy
+import inspect
+import os
+import pathlib
+import pickle
+import re
+import subprocess
+import sys
+import threading
+import unittest
+
+import numpy as np
+from helpers import CELL, CUBE, PACKAGE_PARENT, UNIT_BOX, uniform
+from test_wrong_values import RIGHT, VALUES
+
+import pyvotess as vt
+
+ALL = "neighbors,volumes,centroids,areas"
+DEVICE = os.environ.get("VOTESS_TEST_DEVICE")
+
+
+class Arguments(unittest.TestCase):
+    """None of them opens a device."""
+
+    def test_wrong_values_are_refused_by_name(self):
+        right = {
+            **RIGHT,
+            "max_points": {"1", "3"}, "max_entries": {"0", "1", "3"}, "max_images": {"0", "1", "3"},
+            "margin": {"0", "1", "3", "2**32 + 1", "2**70", "0.5", "0-d"}, "share": {"None"}, "weights": {"None", "[1, 2]"},
+            "device": set(), "box": set(),
+        }  # fmt: skip
+        wrong = []
+        for name in inspect.signature(vt.gpu.Frames).parameters:
+            for label, value in VALUES.items():
+                given = {"max_points": 10, "box": UNIT_BOX, "device": "cpu", name: value}
+                with self.assertRaises((ValueError, TypeError, vt.VotessError), msg=f"{name}={label}") as raised:
+                    vt.gpu.Frames(**given)
+                message = str(raised.exception)
+                names = "device" if label in right.get(name, ()) else name.rstrip("s")
+                if "\n" in message or not re.search(rf"\b{names}|\bmesh_repair", message):
+                    wrong.append(f"{name}={label}: {message}")
+        self.assertFalse(wrong, "\n".join(wrong))
+
+    def test_what_frames_do_not_have(self):
+        for words, given in {
+            "finite": {"box": "none"}, "box is missing": {}, "2 dimensions": {"box": (0, 0, 1, 1)}, "mesh is given": {"mesh": CUBE},
+            'outside="keep"': {"box": UNIT_BOX, "outside": "keep"}, "want has more": {"box": UNIT_BOX, "want": "faces"},
+            "walls= and periodic=": {"box": UNIT_BOX, "periodic": True, "walls": [(1, 0, 0, 0.5)]},
+            "134217728": {"box": UNIT_BOX, "max_points": 2**27 + 1}, "least and the largest": {"box": UNIT_BOX, "weights": (0, 1, 2)},
+        }.items():  # fmt: skip
+            with self.assertRaisesRegex(ValueError, words):
+                vt.gpu.Frames(**{"max_points": 10, "device": "cpu", **given})
+
+    def test_tensors_that_require_gradients(self):
+        class Tensor:
+            requires_grad = True
+
+        with self.assertRaisesRegex(ValueError, r"points\.detach\(\), or use pyvotess\.autodiff\.torch"):
+            vt.tessellate(Tensor())
+
+    def test_import_finds_no_device(self):
+        code = "import pyvotess, sys; sys.exit('libvulkan' in open('/proc/self/maps').read())"
+        if sys.platform.startswith("linux"):
+            subprocess.run([sys.executable, "-c", code], check=True, env={**os.environ, "PYTHONPATH": PACKAGE_PARENT})
+
+
+def centroids_near(t, points):
+    """Returns the centroids of the cells around the points as given, which lie outside of a periodic box."""
+    return t.centroids + (points - t.wrapped_points)
+
+
+@unittest.skipUnless(DEVICE, "VOTESS_TEST_DEVICE names no device")
+class OnDevice(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = vt.gpu.Frames(1, box=UNIT_BOX, want=ALL, device=DEVICE)
+
+    def frames(self, max_points, **options):
+        return vt.gpu.Frames(max_points, share=self.shared, **{"want": ALL, **options})
+
+    def compare(self, cells, points, weights=None, **domain):
+        """Compares all arrays with those of tessellate(), without points outside."""
+        outside = cells.status == vt.CellStatus.OUTSIDE
+        kept = np.flatnonzero(~outside)
+        weights = None if weights is None else weights[kept]
+        t = vt.tessellate(points[kept], weights=weights, want=ALL, device="cpu", **domain)
+        np.testing.assert_array_equal(cells.status[kept], t.status)
+        np.testing.assert_array_equal(np.diff(cells.indptr)[kept], np.diff(t.indptr))
+        np.testing.assert_array_equal(np.diff(cells.indptr)[outside], 0)
+        np.testing.assert_array_equal(cells.indices, np.where(t.indices < 0, t.indices, kept[t.indices]))
+        if any(t.periodic):
+            np.testing.assert_array_equal(cells.shifts, t.shifts)
+        np.testing.assert_allclose(cells.volumes[kept], t.volumes, rtol=1e-5)
+        size = np.cbrt(t.volumes.max(initial=0))
+        np.testing.assert_allclose(cells.centroids[kept], centroids_near(t, points[kept]), atol=1e-4 * size)
+        np.testing.assert_allclose(cells.face_areas, t.face_areas, atol=1e-5 * 6 * size**2)
+        self.assertTrue(np.isnan(cells.centroids[outside]).all())
+        self.assertEqual(cells.volumes[outside].tolist(), [0] * outside.sum())
+        self.assertEqual(cells.centroids.dtype, points.dtype)
+        for array, dtype in ((cells.indptr, "i4"), (cells.indices, "i4"), (cells.status, "i4"), (cells.volumes, "f4"), (cells.face_areas, "f4")):
+            self.assertEqual(array.dtype, np.dtype(dtype))
+
+    def test_domains(self):
+        points, rng = uniform(150, seed=7), np.random.default_rng(8)
+        moved = points.copy()
+        moved[::9] += (1, -1, 0)
+        jobs = [
+            ({"box": UNIT_BOX}, points, False),
+            ({"box": UNIT_BOX}, points.astype(np.float32), False),
+            ({"box": (0, 0, 0, 1, 1, 2), "periodic": "xy", "list_walls": True}, moved, False),
+            ({"box": UNIT_BOX, "periodic": True}, points, True),
+            ({"cell": CELL, "origin": (1, 2, 3)}, points @ CELL + (1, 2, 3), False),
+            ({"box": UNIT_BOX, "walls": [(1, 1, 0, 1.9), (0, 0.3, 1, 1.2)], "list_walls": True}, points, False),
+            ({"box": UNIT_BOX, "walls": [(1, 1, 0, 1.9), (0, 0.3, 1, 1.2)], "list_walls": True}, points[:20] / 2, False),
+            ({"box": UNIT_BOX}, points[:1], False),
+        ]
+        for domain, given, weighted in jobs:
+            with self.subTest(domain=domain, dtype=given.dtype):
+                weights = rng.uniform(-0.001, 0.002, len(given)) if weighted else None
+                limits = {"weights": (-0.001, 0.002)} if weighted else {}
+                frames = self.frames(200, **domain, **limits)
+                cells = frames(given, weights).resolve()
+                self.assertEqual(cells.unresolved, 0)
+                self.compare(cells, given, weights, **domain)
+
+    def test_points_without_a_cell_and_rows_that_do_not_fit(self):
+        points = uniform(100)
+        points[3], points[4], points[50, 1] = points[9], (2, 0, 0), np.nan
+        frames = self.frames(100, box=UNIT_BOX, max_entries=500)
+        cells = frames(points)
+        self.assertEqual(np.flatnonzero(cells.status == vt.CellStatus.OUTSIDE).tolist(), [4, 50])
+        self.assertGreater(cells.unresolved, 30)
+        self.assertLessEqual(len(cells.indices), 500)
+        before = cells.indices
+        first = before.copy()
+        self.assertIs(cells.resolve(), cells)
+        np.testing.assert_array_equal(before, first)
+        self.assertEqual(cells.status[9], vt.CellStatus.DUPLICATE)
+        self.compare(cells, points, box=UNIT_BOX)
+        self.assertEqual([len(frames(points[:0]).resolve()), frames(points[:0]).indptr.tolist()], [0, [0]])
+
+    def test_arrays_outlive_calls_and_frames(self):
+        points = uniform(100)
+        frames = self.frames(100, box=UNIT_BOX, max_entries=500)
+        cells = frames(points)
+        kept, volumes = cells.indices.copy(), cells.volumes
+        frames(points[:50])
+        with self.assertRaisesRegex(ValueError, "the last call"):
+            cells.resolve()
+        frames.close()
+        frames.close()
+        np.testing.assert_array_equal(cells.indices, kept)
+        cells.volumes[0] = 2  # they belong to the user
+        self.assertEqual(volumes[0], 2)
+        if hasattr(np, "from_dlpack"):
+            self.assertTrue(np.shares_memory(np.from_dlpack(cells.indices), cells.indices))
+        with self.assertRaisesRegex(ValueError, "closed"):
+            frames(points)
+        for use in (pickle.dumps, copy.deepcopy):
+            with self.assertRaisesRegex(TypeError, "copied or pickled"):
+                use(cells)
+
+    def test_refusals(self):
+        frames = self.frames(10, box=UNIT_BOX, want="neighbors,volumes")
+        cells = frames(uniform(10))
+        for call, words in (
+            (lambda: frames(uniform(11)), "11 points are more than max_points = 10"),
+            (lambda: frames(uniform(10), np.ones(10)), "weights are given"),
+            (lambda: frames(uniform(10), np.ones(9)), r"weights has shape \(9,\)"),
+            (lambda: frames(np.ones((3, 2))), r"\(N, 3\)"),
+            (lambda: self.frames(10, box=UNIT_BOX, weights=(2, 1)), "weights from 2 to 1 are no range"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                call()
+        with self.assertRaisesRegex(AttributeError, "put 'centroids' into want"):
+            cells.centroids
+        with self.assertRaisesRegex(AttributeError, "periodic"):
+            cells.shifts
+        self.assertIn("10 points", repr(cells))
+        self.assertIn("up to 10 points", repr(frames))
+        with self.assertRaises(vt.VotessError) as raised, frames._lock:
+            frames(uniform(10))
+        self.assertEqual(raised.exception.code, vt.ErrorCode.INVALID_USE)
+
+    def test_page(self):
+        """The code of the page, which tests of pages do not run: they have no device."""
+        page = pathlib.Path(PACKAGE_PARENT) / "docs/pages/tensors.md"
+        if not page.exists():
+            self.skipTest("the pages are not installed")
+        for code in re.findall(r"```python\n(.*?)```", page.read_text(), re.S):
+            if "import torch" not in code:
+                exec(code, {"DEVICE": DEVICE})  # noqa: S102
+
+    def test_threads(self):
+        """Each thread with frames of its own on one device."""
+        self.frames(50, box=UNIT_BOX)
+        wrong = []
+
+        def work(seed):
+            points = uniform(50, seed)
+            frames = self.frames(50, box=UNIT_BOX)
+            for _ in range(3):
+                if frames(points).resolve().indices.tolist() != vt.tessellate(points, box=UNIT_BOX, device="cpu").indices.tolist():
+                    wrong.append(seed)
+
+        threads = [threading.Thread(target=work, args=(seed,)) for seed in range(2)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(wrong, [])
+
+
+if __name__ == "__main__":
+    unittest.main()

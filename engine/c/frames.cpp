@@ -1,0 +1,113 @@
+// votess/frames.h.
+#include "run/frames.hpp"
+
+#include <votess/frames.h>
+
+#include <array>
+
+#include "c/handles.hpp"
+
+using namespace votess::c;
+
+struct votess_frames {
+    votess::Frames frames;
+};
+
+struct votess_frame_cells {
+    votess::detail::FrameRows rows;
+};
+
+namespace {
+
+template <class T>
+std::span<const T> all(const votess::Buffer<T>& array) {
+    return {array.data(), array.size()};
+}
+
+template <class Real>
+votess_status run_frame(votess_frames* frames, const Real* points, const double* weights, std::size_t count,
+                        votess_frame_cells** out) noexcept {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(frames, "frames");
+        const std::span<const double> given(weights, weights == nullptr ? 0 : count);
+        *out = new votess_frame_cells{frames->frames.run(coordinates(points, count), given)};
+    });
+}
+
+}  // namespace
+
+votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
+                                const votess_frames* share, votess_frames** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(frames, "frames");
+        require_struct_size(frames->struct_size, sizeof *frames, "frames.struct_size",
+                            "set it to sizeof(votess_frames_options)");
+        votess::FramesSettings settings{.max_points = frames->max_points,
+                                        .weights = {},
+                                        .max_entries = frames->max_entries,
+                                        .max_images = frames->max_images,
+                                        .margin = frames->margin};
+        if (frames->has_weights != 0) settings.weights.emplace(frames->least_weight, frames->largest_weight);
+        constexpr std::size_t any_count = 1;  // weights and radii are refused
+        *out = new votess_frames{
+            {settings, convert_options(options, any_count), share == nullptr ? nullptr : &share->frames}};
+    });
+}
+
+void votess_frames_free(votess_frames* frames) {
+    delete frames;
+}
+
+votess_status votess_frames_device(const votess_frames* frames, char* text, size_t size) {
+    return guarded([&] {
+        require_text_buffer(text, size, "text");
+        require(frames, "frames");
+        copy_text(frames->frames.device(), text, size);
+    });
+}
+
+votess_status votess_frames_run(votess_frames* frames, const double* points, const double* weights, size_t count,
+                                votess_frame_cells** out) {
+    return run_frame(frames, points, weights, count, out);
+}
+
+votess_status votess_frames_run_f32(votess_frames* frames, const float* points, const double* weights, size_t count,
+                                    votess_frame_cells** out) {
+    return run_frame(frames, points, weights, count, out);
+}
+
+votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** out) {
+    return guarded([&] {
+        require(out, "out");
+        *out = nullptr;
+        require(frames, "frames");
+        *out = new votess_frame_cells{frames->frames.resolve()};
+    });
+}
+
+void votess_frame_cells_free(votess_frame_cells* cells) {
+    delete cells;
+}
+
+size_t votess_frame_cells_unresolved(const votess_frame_cells* cells) {
+    return value_of<size_t>(cells, "cells is NULL", [](const votess_frame_cells& of) { return of.rows.unresolved; });
+}
+
+votess_status votess_frame_cells_array(const votess_frame_cells* cells, const char* name, votess_array* array) {
+    return expose(cells, "cells", name, array, [](const votess_frame_cells& of) {
+        const votess::detail::FrameRows& r = of.rows;
+        const bool narrow = r.centroids64.empty();
+        return std::array{
+            named("status", all(r.status)),
+            named("indptr", all(r.indptr)),
+            named("indices", all(r.indices)),
+            named("shifts", all(r.shifts), 3),
+            named("face_areas", all(r.face_areas)),
+            named("volumes", all(r.volumes)),
+            narrow ? named("centroids", all(r.centroids32), 3) : named("centroids", all(r.centroids64), 3)};
+    });
+}

@@ -1,0 +1,70 @@
+// Frames of points in the host's memory: a plan with buffers and commands of its own.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "core/thread_pool.hpp"
+#include "gpu/vulkan/commands.hpp"
+#include "result/frame_rows.hpp"
+#include "votess/vulkan.hpp"
+
+namespace votess::gpu {
+
+// One call at a time. The device leaves rows in the order in which it made them. The host puts them in the order of the
+// points, with those of resolve().
+class HostFrames {
+public:
+    // options: their format is float64, and points of float32 are widened. Throws as Plan().
+    HostFrames(std::shared_ptr<vulkan::Device> device, const votess::vulkan::PlanOptions& options, const Want& want,
+               unsigned threads);
+
+    [[nodiscard]] const std::shared_ptr<vulkan::Device>& device() const { return device_; }
+    [[nodiscard]] const votess::vulkan::Plan& plan() const { return plan_; }
+
+    // Returns the cells of at most most_seeds points. weights: one each in a plan with weights, else none. Throws
+    // device_lost, out_of_memory, `cancelled`.
+    template <class Real>
+    [[nodiscard]] detail::FrameRows run(std::span<const Real> points, std::span<const double> weights) {
+        begin(points.size() / 3, sizeof(Real) == sizeof(float));
+        std::ranges::copy(points, seeds_.as<double>().begin());
+        std::ranges::copy(weights, weights_.as<double>().begin());
+        submit();
+        return gather({});
+    }
+    // Whether a run has succeeded since the last one that failed.
+    [[nodiscard]] bool has_run() const { return has_run_; }
+    // Returns the cells of the last run. Those without a certificate are made on the CPU.
+    [[nodiscard]] detail::FrameRows resolve();
+
+private:
+    // A buffer that the device writes. Where the host does not see it, a copy that it sees.
+    struct Output {
+        vulkan::Buffer written, copy;
+        template <class T>
+        [[nodiscard]] std::span<const T> as() const {
+            return (copy ? copy : written).as<T>();
+        }
+    };
+    [[nodiscard]] Output output(VkDeviceSize bytes, const char* name);
+    void begin(std::size_t count, bool narrow);
+    void submit();
+    [[nodiscard]] detail::FrameRows gather(const votess::vulkan::Resolved& more);
+
+    std::shared_ptr<vulkan::Device> device_;
+    votess::vulkan::Plan plan_;
+    Want want_;
+    ThreadPool pool_;
+    vulkan::Memory memory_;
+    vulkan::Buffer seeds_, weights_, workspace_;
+    Output header_, cells_, indices_, geometry_, areas_, shifts_;
+    votess::vulkan::Frame frame_;
+    vulkan::Commands commands_;
+    std::size_t count_ = 0;
+    bool narrow_ = false;  // the points were float32
+    bool has_run_ = false;
+};
+
+}  // namespace votess::gpu

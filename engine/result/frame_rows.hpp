@@ -1,0 +1,24 @@
+// The cells of a frame in the host's memory, in the order of the points.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/buffer.hpp"
+
+namespace votess::detail {
+
+// Arrays that were not requested are empty.
+struct FrameRows {
+    Buffer<std::int32_t> status;           // N CellStatus
+    Buffer<std::int32_t> indptr, indices;  // N + 1 offsets; ids ascend in a row, walls first
+    Buffer<std::int8_t> shifts;            // 3 an entry of indices, in periodic domains
+    Buffer<float> face_areas;              // an entry of indices
+    Buffer<float> volumes;                 // N; 0 without a cell
+    // 3N, of the cells around the points as given; NaN without a cell. In the numbers of the points.
+    Buffer<float> centroids32;
+    Buffer<double> centroids64;
+    std::size_t unresolved = 0;  // cells that the device did not certify
+};
+
+}  // namespace votess::detail

@@ -1,0 +1,207 @@
+#include "run/frames.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#if VOTESS_HAVE_VULKAN
+#include <atomic>
+#include <cmath>
+
+#include "core/system.hpp"
+#include "core/text.hpp"
+#include "gpu/device_choice.hpp"
+#include "gpu/frames/frame.hpp"
+#include "gpu/frames/host_frames.hpp"
+#include "input/settle.hpp"
+#endif
+
+namespace votess {
+
+#if VOTESS_HAVE_VULKAN
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+    throw Error(ErrorCode::invalid_argument, message);
+}
+
+void check_options(const Options& options) {
+    const auto refuse_if = [](bool set, const char* name, const char* why) {
+        if (set) refuse("frames: Options::" + std::string(name) + " " + why);
+    };
+    const Want& want = options.want;
+    refuse_if(options.planar, "planar", "is set: frames are of space");
+    refuse_if(options.mesh.has_value(), "mesh", "is given: use tessellate(), or give Options::box or Options::cell");
+    refuse_if(options.only.has_value(), "only", "is given: a frame makes all cells, leave it out");
+    refuse_if(options.min_face > 0, "min_face", "is given: a frame has all faces, leave it out");
+    refuse_if(options.min_area > 0, "min_area", "is given: a frame has all faces, leave it out");
+    refuse_if(options.follow, "follow", "is set: a frame makes all cells, leave it out");
+    refuse_if(options.duplicates != Duplicates::merge, "duplicates",
+              "= error: a frame gives such points the status duplicate, leave it out");
+    refuse_if(options.outside == Outside::keep, "outside",
+              "= keep: a frame gives points outside the status outside, leave it out");
+    refuse_if(options.precision != Precision::single, "precision",
+              "= double: frames hold float32, use tessellate() or leave it out");
+    refuse_if(!options.weights.empty(), "weights", "are given: frames have a range, and each run its weights");
+    refuse_if(!options.radii.empty(), "radii", "are given: frames have a range of weights, the squares of radii");
+    refuse_if(want.counts || want.normals || want.surfaces || want.radii || want.vertices || want.faces, "want",
+              "has more than neighbors, volumes, centroids and areas, which frames make");
+    if (options.cell) return;
+    refuse_if(!options.box, "box", "is missing: frames need a box, or Options::cell, that all of them share");
+    for (std::size_t k = 0; k < 3; ++k)
+        refuse_if(!std::isfinite(options.box->lower[k]) || !std::isfinite(options.box->upper[k]), "box",
+                  "has an infinite bound: frames need a finite one");
+}
+
+votess::vulkan::PlanOptions plan_of(const FramesSettings& settings, const Settled& run) {
+    constexpr std::uint32_t most = vulkan::detail::max_of_all, usual_row = 20;
+    if (settings.max_points == 0 || settings.max_points > most)
+        refuse("max_points = " + std::to_string(settings.max_points) + ": give 1 to " + std::to_string(most));
+    if (!(settings.margin >= 0) || !std::isfinite(settings.margin))
+        refuse("margin = " + number(settings.margin) + ": give a length, or 0 for a usual one");
+    // Offsets are int32.
+    constexpr std::uint64_t max_entries = std::numeric_limits<std::int32_t>::max();
+    const std::uint64_t entries =
+        settings.max_entries != 0 ? settings.max_entries : usual_row * std::uint64_t{settings.max_points};
+    votess::vulkan::PlanOptions plan;
+    plan.most_seeds = settings.max_points;
+    if (run.region.cell)
+        plan.cell = run.region.cell;
+    else
+        plan.box = *run.region.box;
+    plan.periodic = run.region.periodic;
+    if (settings.weights) plan.weights = {.least = settings.weights->first, .largest = settings.weights->second};
+    plan.walls = run.region.walls;
+    plan.margin = settings.margin;
+    plan.most_images = settings.max_images;
+    plan.format = votess::vulkan::SeedFormat::float64;
+    plan.neighbors = run.want.neighbors;
+    plan.geometry = run.want.volumes || run.want.centroids;
+    plan.areas = run.want.areas;
+    plan.list_walls = run.list_walls;
+    plan.most_entries = static_cast<std::uint32_t>(std::min(entries, max_entries));
+    plan.chunk_size = run.chunk_size;
+    plan.k_init = run.k_init;
+    return plan;
+}
+
+std::shared_ptr<gpu::vulkan::Device> open_device(const std::string& name) {
+    if (name == "cpu")
+        refuse(
+            "Options::device = cpu: frames need a Vulkan device, give gpu, lavapipe or an index, or use tessellate()");
+    if (auto device = gpu::choose_device(name)) return device;
+    try {
+        return gpu::choose_device("lavapipe");
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::unsupported) throw;
+        throw Error(ErrorCode::unsupported, std::string("frames need a Vulkan device: ") + error.what() +
+                                                ". Use tessellate(), or install a driver, such as Mesa's lavapipe");
+    }
+}
+
+}  // namespace
+
+struct Frames::State {
+    std::optional<gpu::HostFrames> frames;
+    std::atomic_flag at_work;
+    system::HomeProcess home;  // where the device was opened
+
+    void check_process() const {
+        if (home.is_this()) return;
+        throw Error(
+            ErrorCode::unsupported,
+            "these frames opened a device before fork(), and the child process cannot use it: make frames there, "
+            "or start the process afresh instead of by fork()");
+    }
+    // Allows one call at a time.
+    class Call {
+    public:
+        explicit Call(State& state) : state_(state) {
+            state.check_process();
+            if (state.at_work.test_and_set(std::memory_order_acquire))
+                throw Error(ErrorCode::invalid_use,
+                            "these frames are in use by another call: make frames for each thread");
+        }
+        ~Call() { state_.at_work.clear(std::memory_order_release); }
+        Call(const Call&) = delete;
+        Call& operator=(const Call&) = delete;
+
+    private:
+        State& state_;
+    };
+};
+
+Frames::Frames(const FramesSettings& settings, const Options& options, const Frames* share)
+    : state_(std::make_unique<State>()) {
+    check_options(options);
+    const Settled run = settle(options);
+    const votess::vulkan::PlanOptions plan = plan_of(settings, run);
+    if (share != nullptr) share->state_->check_process();
+    state_->frames.emplace(share != nullptr ? share->state_->frames->device() : open_device(run.device), plan, run.want,
+                           run.threads);
+}
+
+Frames::~Frames() {
+    if (!state_->home.is_this()) (void)state_.release();  // the device is the parent's
+}
+
+std::string Frames::device() const {
+    const gpu::HostFrames& frames = *state_->frames;
+    return frames.device()->adapter().name + ": " + frames.plan().kernel();
+}
+
+template <class Real>
+detail::FrameRows Frames::run_any(std::span<const Real> points, std::span<const double> weights) {
+    const State::Call call(*state_);
+    const votess::vulkan::PlanOptions& plan = state_->frames->plan().options();
+    const std::size_t count = points.size() / 3;
+    if (count > plan.most_seeds)
+        refuse(std::to_string(count) + " points are more than max_points = " + std::to_string(plan.most_seeds) +
+               ": make frames for more");
+    if (plan.weights && weights.size() != count)
+        refuse("weights are missing: these frames were made with a range of weights, give one for each point");
+    if (!plan.weights && !weights.empty())
+        refuse("weights are given, but these frames have none: make frames with a range of weights");
+    return state_->frames->run(points, weights);
+}
+
+detail::FrameRows Frames::run(std::span<const double> points, std::span<const double> weights) {
+    return run_any(points, weights);
+}
+
+detail::FrameRows Frames::run(std::span<const float> points, std::span<const double> weights) {
+    return run_any(points, weights);
+}
+
+detail::FrameRows Frames::resolve() {
+    const State::Call call(*state_);
+    if (!state_->frames->has_run())
+        throw Error(ErrorCode::invalid_use,
+                    "resolve() completes the last run, and there is none: run these frames first");
+    return state_->frames->resolve();
+}
+
+#else
+
+struct Frames::State {};
+
+Frames::Frames(const FramesSettings&, const Options&, const Frames*) {
+    throw Error(ErrorCode::unsupported, "frames need Vulkan, and this votess was built without it: use tessellate()");
+}
+Frames::~Frames() = default;
+std::string Frames::device() const {
+    return {};
+}
+detail::FrameRows Frames::run(std::span<const double>, std::span<const double>) {
+    return {};
+}
+detail::FrameRows Frames::run(std::span<const float>, std::span<const double>) {
+    return {};
+}
+detail::FrameRows Frames::resolve() {
+    return {};
+}
+
+#endif
+
+}  // namespace votess

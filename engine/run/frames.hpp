@@ -1,0 +1,54 @@
+// Frames of points in the host's memory, on a Vulkan device. The form without Vulkan's types, for the C interface.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "result/frame_rows.hpp"
+#include "votess/votess.hpp"
+
+namespace votess {
+
+namespace gpu {
+class HostFrames;
+}
+
+// See votess/frames.h. 0: automatic.
+struct FramesSettings {
+    std::uint32_t max_points = 0;
+    std::optional<std::pair<double, double>> weights;  // least and largest
+    std::uint32_t max_entries = 0, max_images = 0;
+    double margin = 0;
+};
+
+// One call at a time: a second one throws invalid_use, and so does each in a child of fork().
+class Frames {
+public:
+    // Opens the device, or takes that of other frames. Throws invalid_argument for options that frames do not have, and
+    // as Plan() of votess/vulkan.hpp.
+    Frames(const FramesSettings& settings, const Options& options, const Frames* share);
+    ~Frames();
+    Frames(const Frames&) = delete;
+    Frames& operator=(const Frames&) = delete;
+
+    // Returns one line: device, kernel, numbers.
+    [[nodiscard]] std::string device() const;
+    // weights: empty without Frames::weights.
+    [[nodiscard]] detail::FrameRows run(std::span<const double> points, std::span<const double> weights);
+    [[nodiscard]] detail::FrameRows run(std::span<const float> points, std::span<const double> weights);
+    // Returns the cells of the last run, all of them: the CPU makes those that the device left.
+    [[nodiscard]] detail::FrameRows resolve();
+
+private:
+    struct State;
+    template <class Real>
+    detail::FrameRows run_any(std::span<const Real> points, std::span<const double> weights);
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace votess

@@ -1,0 +1,71 @@
+// Frames: cells of points that move, call after call, on any Vulkan device. Rows are int32 and sizes float32, as
+// tensors have them. votess owns the device, the buffers and the commands; votess/vulkan.hpp is for programs with a
+// device of their own. Rules, options and errors are those of votess/votess.h.
+//
+//     votess_frames_options frames = {sizeof frames, 100000};  // at most 100,000 points
+//     votess_frames_new(&frames, &options, NULL, &f);          // options: box, periodic, cell, walls, want, device ...
+//     votess_frames_run(f, points, NULL, count, &cells);       // every step
+//     votess_frame_cells_array(cells, "indices", &array);
+#ifndef VOTESS_FRAMES_H
+#define VOTESS_FRAMES_H
+
+#include <votess/votess.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct votess_frames votess_frames;            // a device, its buffers and commands; one call at a time
+typedef struct votess_frame_cells votess_frame_cells;  // the cells of one run; independent of later runs
+
+typedef struct votess_frames_options {
+    uint32_t struct_size;  // set it to sizeof(votess_frames_options)
+    uint32_t max_points;   // of a run, 1 to 2^27
+    int32_t has_weights;   // 1: each run has weights from least_weight to largest_weight; or 0
+    uint32_t max_entries;  // of all rows; 0: 20 a point. Cells whose rows do not fit stay unresolved
+    double least_weight;   // length unit squared; points outside the range have no cell
+    double largest_weight;
+    double margin;        // width of the layer of images around a periodic box; 0: as suits uniform points
+    uint32_t max_images;  // in that layer; 0: a quarter more than uniform points have
+    int32_t reserved;
+} votess_frames_options;
+
+// Opens the device and makes its pipelines, which may take seconds. The domain of the options is a finite box or a
+// cell. `want` may have neighbors, volumes, centroids and areas. The device "auto" is a GPU, or without one a software
+// device. Refused: planar, mesh, only, min_face, min_area, follow, weights, radii, outside = keep, duplicates = error,
+// precision = double. share: frames whose device and pipelines the new ones use too, in milliseconds; or NULL.
+VOTESS_API votess_status votess_frames_new(const votess_frames_options* frames, const votess_options* options,
+                                           const votess_frames* share, votess_frames** out);
+VOTESS_API void votess_frames_free(votess_frames* frames);  // NULL does nothing
+// Writes a line that names the device and its kernel.
+VOTESS_API votess_status votess_frames_device(const votess_frames* frames, char* text, size_t size);
+
+// Makes the cells of `count` points, 3 * count coordinates. weights: count, or NULL without has_weights. A point
+// outside the domain or not finite has the status VOTESS_CELL_OUTSIDE and no cell. The device proves each cell that it
+// returns; the others have no row and a status that says why.
+VOTESS_API votess_status votess_frames_run(votess_frames* frames, const double* points, const double* weights,
+                                           size_t count, votess_frame_cells** out);
+VOTESS_API votess_status votess_frames_run_f32(votess_frames* frames, const float* points, const double* weights,
+                                               size_t count, votess_frame_cells** out);
+// Returns all cells of the last run: the CPU makes those that the device left.
+VOTESS_API votess_status votess_frames_resolve(votess_frames* frames, votess_frame_cells** out);
+
+VOTESS_API void votess_frame_cells_free(votess_frame_cells* cells);  // NULL does nothing
+// Returns the number of cells that the device left.
+VOTESS_API size_t votess_frame_cells_unresolved(const votess_frame_cells* cells);
+// Sets an array, in the order of the points. Arrays that were not requested are empty.
+//   status      int32 N
+//   indptr      int32 N + 1: row i is indices[indptr[i]] to indices[indptr[i + 1] - 1]
+//   indices     int32, ids ascend in a row, then shifts; walls first, with list_walls
+//   shifts      int8 x 3, for each entry of indices, in periodic domains
+//   face_areas  float32, for each entry of indices; within about 1e-5 of the cell's surface
+//   volumes     float32 N, relative error at most 1e-5; 0 without a cell
+//   centroids   N x 3 in the type of the points, of the cells around these as given; NaN without a cell
+VOTESS_API votess_status votess_frame_cells_array(const votess_frame_cells* cells, const char* name,
+                                                  votess_array* array);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
