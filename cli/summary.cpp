@@ -166,6 +166,11 @@ void Summary::set_mesh(const std::string& file, const Surface& surface) {
     mesh_parts = surface.planar ? "edges" : "triangles";
 }
 
+void Summary::set_domain(const votess::Tessellation& tessellation, const DomainFrom& from) {
+    domain = domain_text(tessellation, from);
+    domain_json = clvotess::domain_json(tessellation, from);
+}
+
 void Summary::set_dimensions(bool planar, Dimensions requested) {
     plane_from.reset();
     if (planar) plane_from = requested == Dimensions::two ? "option" : "assumed";

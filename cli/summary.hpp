@@ -6,6 +6,7 @@
 #include <vector>
 #include <votess/votess.hpp>
 
+#include "domain.hpp"
 #include "read/input.hpp"
 #include "read/surface.hpp"
 
@@ -51,6 +52,7 @@ struct Summary {
     // Adds the numbers of a frame, or takes those of the only one.
     void add(const Summary& one, std::uint64_t number, std::uint64_t points);
     void set_mesh(const std::string& file, const Surface& surface);
+    void set_domain(const votess::Tessellation& tessellation, const DomainFrom& from);
     void set_dimensions(bool planar, Dimensions requested);
     // Returns why no file was written; empty on success.
     [[nodiscard]] std::string failure() const;

@@ -19,6 +19,13 @@ double length(const Vector& a) {
     return std::sqrt(dot(a, a));
 }
 
+// Returns the size of the larger term of each coordinate of x - origin.
+Vector sizes_of(const Domain& domain, const Vector& x) {
+    Vector size;
+    for (std::size_t k = 0; k < 3; ++k) size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
+    return size;
+}
+
 // Returns the signed volume of three vectors. The condition may cost nine digits, so double would not do.
 double triple_product(const std::array<Vector, 3>& v) {
     exact::Quad sum = 0;
@@ -381,12 +388,7 @@ exact::Plane Domain::box_wall(int wall) const {
 }
 
 bool inside_walls(const Domain& domain, const exact::Point& x) {
-    Vector d, size;
-    for (int k = 0; k < 3; ++k) {
-        d[k] = x[k] - domain.origin[k];
-        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
-    }
-    const auto f = domain.edges.fraction(d);
+    const Vector f = domain.fraction(x), size = sizes_of(domain, x);
     for (int j = 0; j < 3; ++j) {
         if (domain.periodic[j]) continue;
         const double error = domain.edges.fraction_error(j, size_for(domain.edges, j, size));
@@ -399,12 +401,7 @@ bool inside_walls(const Domain& domain, const exact::Point& x) {
 
 std::optional<exact::Shift> wrap(const Domain& domain, const exact::Point& x) {
     exact::Shift shift{};
-    Vector d, size;
-    for (int k = 0; k < 3; ++k) {
-        d[k] = x[k] - domain.origin[k];
-        size[k] = std::max(std::abs(x[k]), std::abs(domain.origin[k]));
-    }
-    const auto f = domain.edges.fraction(d);
+    const Vector f = domain.fraction(x), size = sizes_of(domain, x);
     for (int j = 0; j < 3; ++j) {
         if (!domain.periodic[j]) continue;
         const double whole = std::floor(f[j]);
