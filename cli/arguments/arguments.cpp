@@ -255,8 +255,14 @@ void read_source(const Typed& typed, Arguments& arguments) {
         if (!columns || (columns == copy && arguments.read.all_columns)) continue;
         if (random) throw bad_input(option + " goes with INPUT, not with --random");
         const bool list = option == "--values" || option == "--copy";
-        for (const std::string& column : list ? split_names(option, *columns) : std::vector<std::string>{*columns}) {
-            if (column.empty()) throw bad_input(option + " is empty: give the name or number of a column");
+        const auto names = list ? split_names(option, *columns) : std::vector<std::string>{*columns};
+        for (const std::string& column : names) {
+            if (column.empty()) {
+                const bool none = std::ranges::all_of(names, &std::string::empty);
+                throw bad_input(none ? option + " is empty: give the name or number of a column"
+                                     : option + " " + in_quotes(*columns) +
+                                           " holds an empty name: leave out a comma, or put the name between them");
+            }
             if (option == "--radii" && column == "covalent") {
                 arguments.covalent = arguments.read.species = true;
                 continue;

@@ -563,7 +563,11 @@ void CellBuilder::clip_far(double from) {
                                    at_.data(), distance);
         for (std::size_t i = begin; i < end; ++i) {
             if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
-            clip_by(static_cast<std::int32_t>(i), seeds_.x[i], seeds_.y[i], seeds_.z[i]);
+            const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
+            const double excess = seeds_.weights.empty() ? 0 : seeds_.weights[i] - weight_;
+            if (!seeds_.lift.exists() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess))
+                continue;
+            clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
             ++tests_;
         }
     }
@@ -581,6 +585,9 @@ void CellBuilder::push_far(const ImageNode& node) {
                                  seeds_.images->rounding_of_seeds());
     const double distance_squared = box_distance(images, {});
     if (distance_squared >= reach_squared()) return;
+    Box places = images;
+    for (std::size_t k = 0; k < 3; ++k) places.lower[k] += at_[k], places.upper[k] += at_[k];
+    if (seeds_.images->are_present(places)) return;  // clip_window() or clip_far() has tried them
     far_images_.push_back({distance_squared, node, images});
     std::push_heap(far_images_.begin(), far_images_.end(), farther_images);
 }

@@ -71,9 +71,22 @@ double SeedImages::reach(const exact::Point& seed) const {
 }
 
 bool SeedImages::is_present(const exact::Point& image) const {
-    const auto f = fraction(image);
-    for (int j = 0; j < 3; ++j)
-        if (domain_->periodic[j] && !(std::abs(f[j] - 0.5) < 0.5 + margin_[j] - 2 * error_[j])) return false;
+    return are_present({image, image});
+}
+
+bool SeedImages::are_present(const Box& images) const {
+    exact::Point middle, half;
+    for (std::size_t k = 0; k < 3; ++k) {
+        middle[k] = 0.5 * (images.lower[k] + images.upper[k]);
+        half[k] = images.upper[k] - middle[k];
+    }
+    const auto f = fraction(middle);
+    for (std::size_t j = 0; j < 3; ++j) {
+        double reach = 0;
+        for (std::size_t k = 0; k < 3; ++k) reach += std::abs(basis_->dual[j][k]) * half[k];
+        const double farthest = std::abs(f[j] - 0.5) + reach * (1 + fraction_slack);
+        if (domain_->periodic[j] && !(farthest < 0.5 + margin_[j] - 2 * error_[j])) return false;
+    }
     return true;
 }
 
