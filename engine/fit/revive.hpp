@@ -12,7 +12,9 @@ struct Revival {
     const Edges& edges;              // of the domain
     const Vector& targets;           // N volumes
     const Tessellation& before;      // the step; its neighbors are used
-    const Tessellation& after;       // with neighbors and centroids
+    const Tessellation& after;       // with neighbors
+    const Vector& volumes;           // N, after
+    std::span<const double> centroids;  // 3N, after; in cells that are not small
     const Vector& least;             // N volumes; a smaller cell is revived
     int dimensions = 3;              // see Problem
 };
