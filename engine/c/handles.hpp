@@ -14,6 +14,7 @@
 #include <type_traits>
 #include <vector>
 #include <votess/alpha.hpp>
+#include <votess/density.hpp>
 #include <votess/diagram.hpp>
 #include <votess/fit.hpp>
 #include <votess/groups.hpp>
@@ -67,6 +68,11 @@ struct votess_zones {
 
 struct votess_groups {
     votess::Groups groups;
+};
+
+struct votess_masses {
+    votess::Masses masses;
+    std::size_t dimensions;
 };
 
 struct votess_network {
@@ -143,6 +149,9 @@ template <typename Of>
     else
         return of.planar ? 2 : 3;
 }
+
+// Returns a density on a grid. Refuses NULL, unless the shape has no elements. The library checks the shape.
+[[nodiscard]] Density density_of(const double* values, const size_t shape[3]);
 
 template <typename Coordinate>
 std::span<const Coordinate> coordinates(const Coordinate* points, std::size_t count, const char* name = "points",

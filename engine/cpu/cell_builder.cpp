@@ -565,8 +565,7 @@ void CellBuilder::clip_far(double from) {
             if (distance[i - begin] < from || static_cast<std::int32_t>(i) == own_) continue;
             const exact::Point x{seeds_.x[i], seeds_.y[i], seeds_.z[i]};
             const double excess = seeds_.weights.empty() ? 0 : seeds_.weights[i] - weight_;
-            if (!seeds_.lift.exists() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess))
-                continue;
+            if (!seeds_.lift.exists() && !may_cut(seen_from(at_, {x, x}, place_rounding_), excess)) continue;
             clip_by(static_cast<std::int32_t>(i), x[0], x[1], x[2]);
             ++tests_;
         }

@@ -28,6 +28,7 @@ inline constexpr std::array support{
     Support{"count_tiny_faces", probed | subset | in_mesh | flat},
     Support{"delaunay", probed | subset | in_mesh},
     Support{"groups", probed | subset},
+    Support{"masses", probed | in_mesh},
     Support{"network", probed | subset | in_mesh},
     Support{"picture", probed | subset | in_rings},
     Support{"verify", probed},

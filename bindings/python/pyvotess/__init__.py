@@ -30,6 +30,7 @@ from .fit import FitError, FitSeconds, VolumeFit, fit_volumes
 from .fields.shapes import Shapes
 from .frames import Frame, read_frames
 from .groups import Groups
+from .masses import Masses
 from .mesh import Delaunay, Faces, Lists, NaturalCoordinates, Neighbors, Rows
 from .network import FreeSphere, IncludedSphere, Network
 from .pairs import Pairs
@@ -58,6 +59,7 @@ __all__ = [
     "Groups",
     "IncludedSphere",
     "Lists",
+    "Masses",
     "MeshQuality",
     "NaturalCoordinates",
     "Neighbors",

@@ -207,6 +207,8 @@ class FitOptions(ctypes.Structure):
         ("tolerance", c_double),
         ("normalize", c_int32),
         ("reserved", c_int32),
+        ("density", c_void_p),
+        ("density_shape", c_size_t * 3),
     ]
 
 
@@ -405,6 +407,9 @@ SIGNATURES: Dict[str, Tuple[Any, Tuple[Any, ...]]] = {
     "votess_groups_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_groups_free": (None, (_HANDLE,)),
     "votess_groups_array": _ARRAY,
+    "votess_masses_new": (c_int, (_HANDLE, c_void_p, c_size_t * 3, c_uint32, POINTER(_HANDLE))),
+    "votess_masses_free": (None, (_HANDLE,)),
+    "votess_masses_array": _ARRAY,
     "votess_network_new": (c_int, (_HANDLE, c_void_p, c_size_t, POINTER(_HANDLE))),
     "votess_network_free": (None, (_HANDLE,)),
     "votess_network_array": _ARRAY,

@@ -147,6 +147,20 @@ def as_one_each(values: Any, name: str, count: int, of: str) -> Float64Array:
     return array.astype(np.float64, copy=False)
 
 
+def as_density(density: Any, dimensions: int) -> Float64Array:
+    """Returns the values of a density on a grid, (nx, ny, nz) float64, in the plane (nx, ny)."""
+    array = as_float64_or_float32(density, "density").astype(np.float64, copy=False)
+    if array.ndim != dimensions or array.size == 0:
+        raise ValueError(
+            f"density has shape {array.shape}: it must be {'(nx, ny)' if dimensions == 2 else '(nx, ny, nz)'}, with x first"
+        )
+    wrong = np.argwhere(~((array >= 0) & (array < np.inf)))
+    if len(wrong):
+        index = tuple(int(i) for i in wrong[0])
+        raise ValueError(f"density{list(index)} is {array[index]}: it must be finite and not negative")
+    return array
+
+
 def as_labels(values: Any, name: str, count: int, of: str) -> npt.NDArray[np.int64]:
     """Returns (count,) int64, one whole number for each point."""
     array = as_array(values, name)

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from .export.image import Image
     from .fields.shapes import Shapes
     from .export.viewer import View
+    from .masses import Masses
 
 
 class Tessellation(SeedCells):
@@ -214,6 +215,26 @@ class Tessellation(SeedCells):
         array = as_labels(labels, "labels", len(self), "cells")
         arguments = (array.ctypes.data, len(array))
         return read_groups(Handle.made("groups", lib.votess_groups_new, self._handle().pointer, *arguments))
+
+    def masses(self, density: npt.ArrayLike, threads: int = 0) -> Masses:
+        """Returns masses, centers of mass and second moments of the cells under a density. Needs "faces" in want.
+
+        The integrals are exact up to rounding: the grid cuts the cells, nothing is sampled. :func:`fit_volumes` finds cells of
+        given masses.
+
+        density : (nx, ny, nz) array of numbers >= 0, in the plane (nx, ny): constant in the boxes of a grid over the domain, as
+            that of :meth:`Diagram.to_grid`, with x first. Turn an image whose rows run down by ``image[::-1].T``.
+        threads : as for :func:`tessellate`.
+
+        Raises ValueError in a mesh, and for cells that reach infinity.
+
+        >>> t.masses(np.arange(8).reshape(2, 2, 2)).masses.sum().round(6)
+        3.5
+        """
+        from .masses import masses_of
+
+        self._check_wanted("faces")
+        return masses_of(self, density, threads)
 
     def shapes(self, open: Optional[str] = None) -> Shapes:
         """Returns sphericity, aspect ratio and axes of each cell. Needs "faces" in want, but not in a mesh.

@@ -256,6 +256,13 @@ class Outputs:
         fit = vt.fit_volumes(self.kind.seeds, np.ones(COUNT), normalize=True, **given)
         return np.allclose(fit.tessellation.volumes, self.kind.size / COUNT)
 
+    def masses(self):
+        """The parts of the domain in the boxes of the grid have them too."""
+        t, values = self.run("neighbors,volumes" if self.kind.in_mesh else "faces"), np.random.default_rng(8).random((4,) * self.kind.dimensions)
+        masses = t.masses(values)
+        size = abs(np.linalg.det(t.cell)) if t.cell is not None else np.prod(t.box[1] - t.box[0])
+        return np.isclose(masses.masses.sum(), (self.diagram().to_grid(np.ones(COUNT), 4) * values).mean() * size)
+
     def locate(self):
         places = self.kind.places(40)
         return np.array_equal(self.diagram().locate(places), self.owners(places))

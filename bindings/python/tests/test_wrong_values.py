@@ -174,6 +174,7 @@ def calls():
         "Tessellation.pieces": (in_mesh.pieces, {}),
         "Tessellation.alpha_complex": (periodic.alpha_complex, {"replicate": 3}),
         "Tessellation.groups": (t.groups, {"labels": np.arange(N)}),
+        "Tessellation.masses": (t.masses, {"density": np.ones((2, 2, 2))}),
         "Tessellation.shapes": (t.shapes, {}),
         "Tessellation.mesh_quality": (t.mesh_quality, {}),
         "Tessellation.watershed": (t.watershed, {"values": EACH}),
