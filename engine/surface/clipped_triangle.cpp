@@ -48,7 +48,7 @@ bool ClippedTriangle::clip(std::int32_t triangle, std::int32_t seed, std::span<c
     corners_.clear();
     for (std::size_t i = 0; i < 3; ++i) corners_.push_back(corner(before(i), sides_[i]));
     lengthless_.clear();
-    bool is_done = near.size() + 1 == surface_.seeds();
+    bool is_done = near.size() + 1 == surface_.tree().size();
     for (const std::int32_t id : near) {
         if (!surface_.has_weights()) {
             double radius = 0;

@@ -152,7 +152,7 @@ private:
             for (const std::int32_t seed : surface_.tree().order())
                 if (near_at_[at(seed)] == wanted) seeds.push_back(seed);
         }
-        const std::size_t count = std::min(near_count, surface_.seeds() - 1), before = near_.size();
+        const std::size_t count = std::min(near_count, surface_.tree().size() - 1), before = near_.size();
         near_.resize(before + count * seeds.size());
         for (std::size_t i = 0; i < seeds.size(); ++i)
             near_at_[at(seeds[i])] = static_cast<std::int64_t>(before + count * i);
@@ -185,7 +185,7 @@ private:
 
     // Clips a round, and returns what lies beyond the sides.
     [[nodiscard]] std::vector<Pair> clip(const std::vector<Pair>& pairs) {
-        const std::size_t first = chunks_.size(), count = std::min(near_count, surface_.seeds() - 1);
+        const std::size_t first = chunks_.size(), count = std::min(near_count, surface_.tree().size() - 1);
         chunks_.resize(first + ceil_div(pairs.size(), pairs_per_task));
         pool_.run(chunks_.size() - first, [&](std::size_t index, unsigned worker) {
             Chunk& chunk = chunks_[first + index];

@@ -14,6 +14,15 @@ constexpr std::uint32_t leaf_seeds = 8;
 
 SeedTree::SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights) : order_(seeds.size()) {
     std::iota(order_.begin(), order_.end(), 0);
+    const auto seed = [&](std::int32_t i) -> const exact::Point& { return seeds[static_cast<std::size_t>(i)]; };
+    const auto weight = [&](std::int32_t i) { return weights.empty() ? 0 : weights[static_cast<std::size_t>(i)]; };
+    std::ranges::sort(order_, [&](std::int32_t i, std::int32_t j) {
+        if (seed(i) != seed(j)) return seed(i) < seed(j);
+        return weight(i) != weight(j) ? weight(i) > weight(j) : i < j;
+    });
+    order_.erase(
+        std::unique(order_.begin(), order_.end(), [&](std::int32_t i, std::int32_t j) { return seed(i) == seed(j); }),
+        order_.end());
     nodes_.push_back({{}, {}, 0, 0, static_cast<std::uint32_t>(order_.size()), 0});
     for (std::uint32_t at = 0; at < nodes_.size(); ++at) {
         if (at % 1024 == 0) check_stop();

@@ -21,8 +21,11 @@ public:
         std::uint32_t child;       // the first of two; 0 for a leaf
     };
 
-    // weights: may be empty.
+    // weights: may be empty. Of seeds at one place only that of the largest weight, or else of lowest index, is in the
+    // tree: the others have no cells.
     SeedTree(std::span<const exact::Point> seeds, std::span<const double> weights);
+
+    [[nodiscard]] std::size_t size() const { return order_.size(); }
 
     // The seeds, such that those of a box follow each other.
     [[nodiscard]] const std::vector<std::int32_t>& order() const { return order_; }
