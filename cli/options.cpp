@@ -125,9 +125,9 @@ Faces with two corners vanish, cells stay closed, and vertices on their
 walls. Reports edges that stay, since a cell would be none)",
          {.needs = Needs::cells}},
         {"--gap WIDTH",
-         R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance between
-pieces. The planes of each cell move inward by half of it; the surface of
-the mesh stays)",
+         R"(in .glb, .obj, .stl, .3mf, .geojson and --image: leave this distance
+between pieces. The planes of each cell move inward by half of it; the
+surface of the mesh stays)",
          {.with = "--mesh"}},
         {"--mesh-repair merge",
          R"(make vertices of the mesh at equal places one, as for .stl and .glb)",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "exact/integer/big_int.hpp"
 #include "exact/integer/rows.hpp"
@@ -12,7 +13,8 @@ namespace {
 
 using solid::unit;
 
-constexpr double place_rounding = 0x1p-43;   // of the size of the triangle and the distance of its seed
+constexpr double place_rounding = 0x1p-43;  // of the size of the triangle and the distance of its seed
+constexpr double weight_rounding = 0x1p-36;
 constexpr double search_rounding = 0x1p-46;  // of squares of lengths, and weights
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -190,43 +192,44 @@ ClippedTriangle::Weights ClippedTriangle::weights(Side in, Side out) const {
 }
 
 ClippedTriangle::Weights ClippedTriangle::exact_weights(Side in, Side out) const {
-    using exact::BigInt;
     exact::BitRange range;
     range.add(surface_.seed(seed_));
-    std::vector<exact::Plane> planes;
-    std::vector<Side> bisectors;
-    for (const Side side : {in, out})
-        if (side >= 0) bisectors.push_back(side);
-    std::ranges::sort(bisectors, {}, [&](Side side) { return ids_[at(side)]; });
-    for (const Side side : bisectors) {
-        planes.push_back(surface_.bisector(seed_, ids_[at(side)]));
-        range.add(planes.back());
-    }
     for (const auto& place : places_) range.add(place.x);
-    const int quantum = range.quantum();
-    std::vector<std::array<BigInt, 3>> values;
-    const exact::Plane origin = exact::Plane::bisector(surface_.seed(seed_));
-    for (const exact::Plane& plane : planes) {
-        const auto row = exact::wide_row<exact::widest>(surface_.seed(seed_), plane, quantum);
-        auto& of = values.emplace_back();
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto half = dot(row.n, exact::wide_difference<exact::widest>(places_[i].x, origin, quantum));
-            of[i] = BigInt(-(half + half) - row.s);
-        }
-    }
-    std::array<BigInt, 3> of;
-    if (values.size() == 2) {
-        of = cross(values[0], values[1]);
+    std::vector<std::int32_t> ids;
+    for (const Side side : {in, out})
+        if (side >= 0) ids.push_back(ids_[at(side)]);
+    std::ranges::sort(ids);
+    for (const std::int32_t id : ids) range.add(surface_.bisector(seed_, id));
+    std::array<exact::BigInt, 3> of;
+    const auto a = exact_values(ids[0], range);
+    if (ids.size() == 2) {
+        of = cross(a, exact_values(ids[1], range));
     } else {
         const std::size_t from = corner_of(std::min(in, out)), to = (from + 1) % 3;
-        of[from] = -values[0][to];
-        of[to] = values[0][from];
+        of[from] = -a[to];
+        of[to] = a[from];
     }
     const auto sum = static_cast<exact::Quad>(of[0] + of[1] + of[2]);
     Weights w{{}, unit};
     for (std::size_t i = 0; i < 3; ++i)
         if (of[i].sign() != 0) w.of[i] = static_cast<double>(static_cast<exact::Quad>(of[i]) / sum);
     return w;
+}
+
+// Returns the values of the bisector with a seed at the vertices, as integers.
+std::array<exact::BigInt, 3> ClippedTriangle::exact_values(std::int32_t id, const exact::BitRange& range) const {
+    const auto in_limbs = [&]<int W>(std::integral_constant<int, W>) {
+        const exact::Plane origin = exact::Plane::bisector(surface_.seed(seed_));
+        const auto row = exact::wide_row<W>(surface_.seed(seed_), surface_.bisector(seed_, id), range.quantum());
+        std::array<exact::BigInt, 3> values;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto half = dot(row.n, exact::wide_difference<W>(places_[i].x, origin, range.quantum()));
+            values[i] = exact::BigInt(-(half + half) - row.s);
+        }
+        return values;
+    };
+    if (range.span() <= exact::middle_bits - 10) return in_limbs(std::integral_constant<int, exact::middle>());
+    return in_limbs(std::integral_constant<int, exact::widest>());
 }
 
 ClippedTriangle::Corner ClippedTriangle::corner(Side in, Side out) const {
@@ -251,7 +254,9 @@ ClippedTriangle::Corner ClippedTriangle::corner(Side in, Side out) const {
 std::array<double, 2> ClippedTriangle::place(std::size_t i) const {
     const Side in = before(i), out = sides_[i];
     Weights w = weights(in, out);
-    if (!(w.error * size_ <= place_rounding * (size_ + length(corners_[i].x)))) w = exact_weights(in, out);
+    const bool is_sure =
+        w.error <= weight_rounding && w.error * size_ <= place_rounding * (size_ + length(corners_[i].x));
+    if (!is_sure) w = exact_weights(in, out);
     if (in >= 0 && out >= 0) return {w.of[1], w.of[2]};
     std::size_t from = corner_of(std::min(in, out)), to = (from + 1) % 3;
     if (triangle_->vertex[from] > triangle_->vertex[to]) std::swap(from, to);

@@ -8,7 +8,7 @@
 // balls around all corners that touch the seed are searched. Their places need only be good enough for that.
 //
 // Places of corners are weights of the triangle's vertices, in double with a bound on the error. Where it exceeds
-// `place_rounding`, weights are rounded from exact quotients.
+// `weight_rounding`, or that of the place `place_rounding`, weights are rounded from exact quotients.
 #pragma once
 
 #include <array>
@@ -16,6 +16,8 @@
 #include <span>
 #include <vector>
 
+#include "exact/integer/big_int.hpp"
+#include "exact/integer/rows.hpp"
 #include "solid/mesh_signs.hpp"
 #include "surface/surface.hpp"
 
@@ -64,6 +66,7 @@ private:
     [[nodiscard]] int sign_at(Side in, Side out, std::size_t b) const;
     [[nodiscard]] Weights weights(Side in, Side out) const;
     [[nodiscard]] Weights exact_weights(Side in, Side out) const;
+    [[nodiscard]] std::array<exact::BigInt, 3> exact_values(std::int32_t id, const exact::BitRange& range) const;
     [[nodiscard]] Corner corner(Side in, Side out) const;
     [[nodiscard]] Side before(std::size_t i) const { return sides_[i == 0 ? sides_.size() - 1 : i - 1]; }
 

@@ -26,7 +26,7 @@ struct SurfaceOptions {
 };
 
 // N cells on a surface of V vertices and T triangles.
-struct SurfaceCells {
+struct VOTESS_API SurfaceCells {
     std::vector<double> areas;          // N; they sum to the area of the surface
     std::vector<double> centroids;      // 3N, of the parts; NaN for a part without area
     std::vector<double> nearest;        // 3N: the place of the part nearest to its centroid; NaN likewise
@@ -59,7 +59,7 @@ struct SurfaceCells {
     // Returns the seeds at which the dual may differ from the surface (Edelsbrunner, Shah: Triangulating topological
     // spaces, 1997). Their part is no disk, or shares several curves or a closed one with a neighbor, or meets
     // two neighbors at several places. More seeds near them mend this. Seeds without a part are not among them.
-    [[nodiscard]] VOTESS_API std::vector<std::int32_t> faults() const;
+    [[nodiscard]] std::vector<std::int32_t> faults() const;
 };
 
 // Returns the parts of the cells of N points on a surface. TriangleMesh::merge and tolerance apply. Areas sum to that

@@ -37,7 +37,7 @@ from .pieces import Piece, Pieces
 from .rays import RayCells
 from .stats import MeshQuality, StageSeconds, Stats, VerifyReport
 from .stream import StreamResult, StreamRows, tessellate_stream
-from .surface import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
+from .surfaces import Remesh, SurfaceCells, SurfaceRelaxation, lloyd_on_surface, remesh, surface
 from .tessellation import Tessellation
 from .tessellator import DeviceInfo, Tessellator, devices, tessellate
 from .zones import Zones

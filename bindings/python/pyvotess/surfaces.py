@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import ctypes
+import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, List, Optional, Union
 
 import numpy as np
 
 from . import _c_api
-from ._arguments import as_count, as_flag, as_number
+from ._arguments import as_count, as_flag, as_number, as_path
 from ._call import Callbacks, Handle, Progress, raise_on_failure, showing
 from ._input import as_array, as_one_each, as_points
 from ._library import lib
@@ -110,6 +111,21 @@ class Remesh:
         across = np.linalg.norm(np.cross(a, b), axis=2)
         angles: Float64Array = np.degrees(np.arctan2(across, (a * b).sum(axis=2)))
         return angles
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes vertices and triangles to a file in .obj, whole or not at all.
+
+        >>> square, two = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], [(0, 1, 2), (0, 2, 3)]
+        >>> vt.remesh(square, two, 100).save("square.obj")
+        """
+        from .export.whole_file import whole_file
+
+        file = as_path(path, "path")
+        if not file.lower().endswith(".obj"):
+            raise ValueError(f"path is {file!r}: give a file in .obj")
+        with whole_file(file) as temporary, open(temporary, "w", encoding="ascii", newline="\n") as out:
+            out.writelines(f"v {x!r} {y!r} {z!r}\n" for x, y, z in self.vertices.tolist())
+            out.writelines(f"f {a} {b} {c}\n" for a, b, c in (self.triangles + 1).tolist())
 
     def __repr__(self) -> str:
         least = f", angles from {self.angles.min():.1f} degrees" if len(self.triangles) else ""
@@ -288,7 +304,6 @@ class _Features:
 
     def attract(self, cells: SurfaceCells) -> Float64Array:
         """Returns the places to which seeds move: corners, the middle of features in their cell, or ``nearest``."""
-        places = np.array(cells.nearest)
         sizes = np.diff(cells.polygon_offsets)
         polygon = np.repeat(np.arange(len(sizes)), sizes)
         after = np.arange(len(polygon)) + 1
@@ -296,6 +311,9 @@ class _Features:
         slot = np.where(cells.beyond < 0, -1 - cells.beyond, 0)
         edge = np.where(cells.beyond < 0, self.edge_of[cells.polygon_triangles[polygon], slot], -1)
         on = np.flatnonzero(self.is_feature[edge])
+        places = np.array(cells.nearest)
+        if len(on) == 0:
+            return places
         seed = cells.polygon_seeds[polygon[on]]
         a, b = cells.vertices[cells.corners[on]], cells.vertices[cells.corners[after[on]]]
         length = np.linalg.norm(b - a, axis=1) / self.counts[edge[on]]
