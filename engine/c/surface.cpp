@@ -16,9 +16,7 @@ struct votess_surface {
 votess_status votess_surface_new(const double* points, size_t count, const double* vertices, size_t vertex_count,
                                  const int32_t* triangles, size_t triangle_count, const votess_surface_options* options,
                                  votess_surface** out) {
-    return guarded([&] {
-        require(out, "out");
-        *out = nullptr;
+    return create(out, [&] {
         votess_surface_options all{};
         if (options != nullptr) {
             require_struct_size(options->struct_size, sizeof all, "surface_options.struct_size",
@@ -33,13 +31,10 @@ votess_status votess_surface_new(const double* points, size_t count, const doubl
         votess::SurfaceOptions given;
         if (all.weights != nullptr) given.weights = {all.weights, count};
         given.threads = all.threads;
-        if (all.progress != nullptr)
-            given.progress = [&all](double fraction) {
-                return call_back("progress", [&] { return all.progress(fraction, all.user) != 0; });
-            };
+        if (all.progress != nullptr) given.progress = watching(all.progress, all.user);
         votess::SurfaceCells cells = votess::surface_cells(coordinates(points, count), mesh, given);
         std::vector<std::int32_t> faults = cells.faults();
-        *out = new votess_surface{std::move(cells), std::move(faults)};
+        return votess_surface{std::move(cells), std::move(faults)};
     });
 }
 

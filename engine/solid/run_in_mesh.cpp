@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-#include "core/arithmetic.hpp"
+#include "core/box.hpp"
 #include "core/progress.hpp"
 #include "core/sum.hpp"
 #include "core/text.hpp"
@@ -641,10 +641,7 @@ void place_mesh(ClosedMesh& mesh, const Job& job) {
 Box default_box_around(const ClosedMesh& mesh, const Points& points) {
     std::vector<CellStatus> outside;
     Box bounds = check_points(points, {}, outside);
-    for (std::size_t k = 0; k < 3; ++k) {
-        bounds.lower[k] = std::min(bounds.lower[k], mesh.bounds().lower[k]);
-        bounds.upper[k] = std::max(bounds.upper[k], mesh.bounds().upper[k]);
-    }
+    include(bounds, mesh.bounds());
     return default_box(bounds, std::max<std::size_t>(points.count(), 1));
 }
 

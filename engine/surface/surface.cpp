@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "core/errors.hpp"
 #include "core/progress.hpp"
 #include "core/text.hpp"
 #include "exact/integer/big_int.hpp"
@@ -17,10 +18,6 @@ namespace {
 constexpr double thin = 1e-3;           // of the sine of an angle, below which areas are rounded from exact ones
 constexpr double max_weight = 0x1p500;  // scaled
 constexpr std::size_t max_seeds = 0x7fffffff;
-
-[[noreturn]] void refuse(const std::string& message) {
-    throw Error(ErrorCode::invalid_argument, message);
-}
 
 // Returns a value at a scale.
 double scaled(double value, double scale, const std::string& name) {

@@ -19,10 +19,7 @@ from .fields.lloyd import _as_mask, _share
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    BoolArray = npt.NDArray[np.bool_]
-    Float64Array = npt.NDArray[np.float64]
-    Int64Array = npt.NDArray[np.int64]
-    Int32Array = npt.NDArray[np.int32]
+    from ._types import BoolArray, Float64Array, Int32Array, Int64Array
 
 # A seed stays on a feature if its cell holds at least this much of it, in units of the cell's size.
 _LEAST_SHARE = 0.5
@@ -201,7 +198,7 @@ def surface(
             ctypes.byref(options), ctypes.byref(handle.pointer),
         )  # fmt: skip
     raise_on_failure(status)
-    return SurfaceCells(**{name: handle.array(name) for name in SurfaceCells.__dataclass_fields__})
+    return SurfaceCells(**handle.arrays(*SurfaceCells.__dataclass_fields__))
 
 
 def lloyd_on_surface(

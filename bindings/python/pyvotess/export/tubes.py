@@ -7,9 +7,7 @@ from typing import TYPE_CHECKING, Any, Dict
 import numpy as np
 
 if TYPE_CHECKING:
-    import numpy.typing as npt
-
-    Float64Array = npt.NDArray[np.float64]
+    from .._types import Float64Array
 
 SIDES = 6
 
