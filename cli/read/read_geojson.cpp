@@ -78,10 +78,13 @@ private:
         if (places.size() > 1 && places.front() == places.back()) places.pop_back();
         if (places.size() < 3)
             throw error(where + " has " + std::to_string(places.size()) + " places: give at least 3");
-        double area = 0;
+        long double area = 0;  // thin rings need the digits
         for (std::size_t i = 0; i < places.size(); ++i) {
             const auto &a = places[i], &b = places[(i + 1) % places.size()], &o = places[0];
-            area += (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+            const auto from = [&](const std::array<double, 2>& x, std::size_t k) {
+                return static_cast<long double>(x[k]) - o[k];
+            };
+            area += from(a, 0) * from(b, 1) - from(a, 1) * from(b, 0);
         }
         if ((area > 0) == is_hole) std::ranges::reverse(places);
         const auto first = static_cast<std::int32_t>(surface_.vertices.size() / 2);

@@ -1,5 +1,6 @@
 // A mesh of the plane is a set of closed rings of edges, with the domain on their left. In the sheet it is the prism
-// over it. The caps lie far above and below the sheet, so that no cell meets them.
+// over it. The caps lie far above and below the sheet, so that no cell meets them. Vertices at equal places are one,
+// and an edge with vertices on it is several: so parts of a cell that meet in one place alone are not connected.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +18,17 @@ public:
 
     // Returns vertices, V below and V above, and triangles: two for each edge, then the caps. Refers to the prism.
     [[nodiscard]] TriangleMesh view() const { return {vertices_, triangles_}; }
+    // Returns the edge as given of each edge.
+    [[nodiscard]] const std::vector<std::int32_t>& names() const { return names_; }
 
 private:
+    void merge_vertices();
+    void split_edges();
     void add_sides();
     void add_caps();
     void add_cap(const std::vector<std::int32_t>& ring, std::size_t begin, std::size_t end);
 
-    std::vector<std::int32_t> edges_;
+    std::vector<std::int32_t> edges_, names_;
     std::vector<double> vertices_;
     std::vector<std::int32_t> triangles_;
 };

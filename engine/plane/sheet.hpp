@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -54,7 +55,10 @@ public:
     // Faces that a cell of the sheet has and the cell of the plane has not.
     static constexpr std::uint32_t more_faces = 2;
     // Turns the result of the sheet into that of the plane.
-    void flatten(detail::Result& result) const { votess::flatten(result, thickness(), wanted_, list_walls_); }
+    void flatten(detail::Result& result) const {
+        votess::flatten(result, thickness(), wanted_, list_walls_);
+        if (prism_) result.mesh_edges = std::make_shared<const std::vector<std::int32_t>>(prism_->names());
+    }
 
     static constexpr std::int32_t below = -5, above = -6;
 

@@ -33,6 +33,8 @@ struct Result {
     bool is_subset = false;
     std::shared_ptr<const AllSeeds> all_seeds;           // of a subset
     std::shared_ptr<const solid::MeshCells> mesh_cells;  // of a run in a mesh: what pieces() reads
+    std::shared_ptr<const std::vector<std::int32_t>>
+        mesh_edges;  // in the plane: those given, of the edges in mesh_cells
     double least_face = 0;
     // The polygons that were dropped, each as one of its cells has it: those of face_vertices, one after the other.
     Buffer<std::int64_t> dropped_offsets;

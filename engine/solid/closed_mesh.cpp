@@ -264,7 +264,7 @@ void ClosedMesh::find_volume() {
     if (volume == 0) refuse("it encloses no volume");
     if (volume < 0)
         refuse("its triangles face inward, so that it encloses the volume " + number(volume_) +
-               ": reverse the vertices of each");
+               ": reverse the vertices of each, in the plane those of each edge");
 }
 
 // In two doubles. NaN if the digits do not suffice for a rounded sum.

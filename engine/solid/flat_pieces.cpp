@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -133,28 +134,36 @@ private:
 
 }  // namespace
 
-Pieces flat_pieces(const Pieces& prisms, double thickness) {
+Pieces flat_pieces(const Pieces& prisms, const MeshCells& cells, std::span<const std::int32_t> edges) {
+    const double thickness = 2 * cells.half_height / cells.scale;
+    // Returns the vertex of the mesh that ends an edge of an outline, if the next one lies on another edge there.
+    const auto mesh_vertex = [&](const OutlineEdge& edge,
+                                 const OutlineEdge& next) -> std::optional<std::array<double, 2>> {
+        if (edge.on_surface == 0 || next.on_surface == 0 || edge.source == next.source) return std::nullopt;
+        const auto& side = cells.mesh.given();
+        const std::int32_t v = side[2 * at(edge.source)][1];  // u v v' of the edge u v
+        if (side[2 * at(next.source)][0] != v) return std::nullopt;
+        const exact::Point& x = cells.mesh.vertex(v);
+        return std::array{x[0] / cells.scale, x[1] / cells.scale};
+    };
     Pieces flat;
     flat.indptr = flat.vertex_offsets = flat.triangle_offsets = {0};
-    std::vector<std::int32_t> number;
     const auto add = [&](std::size_t p) {
         PrismPiece piece(prisms, p);
         const std::vector<Ring> rings = piece.rings();
         if (rings.empty()) return;  // without an area, except for rounding
-        number.assign(at(prisms.vertex_offsets[p + 1] - prisms.vertex_offsets[p]), -1);
-        std::int32_t count = 0;
+        std::int32_t first = 0;     // vertex of the ring
         for (const Ring& ring : rings)
-            for (const OutlineEdge& edge : ring) {
-                for (const std::int32_t v : {edge.from, edge.to}) {
-                    if (number[at(v)] < 0) {
-                        number[at(v)] = count++;
-                        const auto x = piece.place(v);
-                        flat.vertices.insert(flat.vertices.end(), x.begin(), x.end());
-                    }
-                    flat.triangles.push_back(number[at(v)]);
-                }
+            for (std::size_t e = 0; e < ring.size(); ++e) {
+                const OutlineEdge &edge = ring[e], &before = ring[e > 0 ? e - 1 : ring.size() - 1];
+                const auto x = mesh_vertex(before, edge).value_or(piece.place(edge.from));
+                flat.vertices.insert(flat.vertices.end(), x.begin(), x.end());
+                const auto v = static_cast<std::int32_t>(e);
+                const std::int32_t next = e + 1 < ring.size() ? v + 1 : 0;
+                flat.triangles.insert(flat.triangles.end(), {first + v, first + next});
                 flat.on_surface.push_back(edge.on_surface);
-                flat.sources.push_back(edge.source);
+                flat.sources.push_back(edge.on_surface != 0 ? edges[at(edge.source)] : edge.source);
+                if (next == 0) first += static_cast<std::int32_t>(ring.size());
             }
         flat.vertex_offsets.push_back(static_cast<std::int64_t>(flat.vertices.size() / 2));
         flat.triangle_offsets.push_back(static_cast<std::int64_t>(flat.sources.size()));

@@ -120,7 +120,7 @@ Pieces pieces(const Tessellation& tessellation, const PieceOptions& options) {
     });
     Pieces all = no_pieces();
     for (Pieces& part : parts) append(std::exchange(part, {}), all);
-    if (result.planar) all = solid::flat_pieces(all, 2 * cells->half_height / cells->scale);
+    if (result.planar) all = solid::flat_pieces(all, *cells, *result.mesh_edges);
     for (std::size_t t = 0; t < all.sources.size(); ++t)
         if (all.on_surface[t] == 0) all.sources[t] = cells->name(all.sources[t]);
     return all;

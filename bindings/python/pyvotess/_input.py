@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, Iterator, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
@@ -207,6 +208,19 @@ def _rings_of(geometry: Any) -> Iterator[Tuple[Any, bool]]:
         raise ValueError(f"mesh holds a geometry of the type {shown(kind)}: give polygons")
 
 
+def _turns_left(ring: Float64Array) -> bool:
+    """Returns whether a ring of places runs counterclockwise. Fractions decide where rounding may."""
+    if not np.isfinite(ring).all():
+        return True  # refused later
+    size = np.abs(ring).max() or 1.0
+    x, y = (ring / size - ring[0] / size).T
+    terms = x * np.roll(y, -1) - y * np.roll(x, -1)
+    if abs(terms.sum()) > 1e-12 * np.abs(terms).sum() + 1e-13 * np.abs(np.diff(ring / size, axis=0)).sum():
+        return bool(terms.sum() > 0)
+    places = [(Fraction(a), Fraction(b)) for a, b in ring.tolist()]
+    return sum((a * d - b * c for (a, b), (c, d) in zip(places, places[1:] + places[:1])), Fraction(0)) > 0
+
+
 def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32]]:
     """Returns (V, 2) vertices and (E, 2) edges of GeoJSON: outlines run counterclockwise, holes clockwise."""
     vertices, edges, count = [], [], 0
@@ -214,6 +228,8 @@ def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32
         rings = list(_rings_of(geometry))
     except (AttributeError, KeyError, TypeError) as error:
         raise ValueError("mesh is not GeoJSON of polygons: give a geometry, a feature or a collection") from error
+    except RecursionError:
+        raise ValueError("mesh holds collections that lie in each other too deep") from None
     for number, (ring, is_hole) in enumerate(rings):
         places = as_float64_or_float32(ring, f"ring {number} of mesh").astype(np.float64)
         if places.ndim != 2 or places.shape[1] not in (2, 3):
@@ -223,9 +239,7 @@ def _mesh_of_polygons(geometry: Any) -> Tuple[Float64Array, npt.NDArray[np.int32
             places = places[:-1]
         if len(places) < 3:
             raise ValueError(f"ring {number} of mesh has {len(places)} places: give at least 3")
-        x, y = (places - places[0]).T
-        area = float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
-        if (area > 0) == is_hole:
+        if _turns_left(places) == is_hole:
             places = places[::-1]
         own = np.arange(len(places), dtype=np.int32)
         vertices.append(places)

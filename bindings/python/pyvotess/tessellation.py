@@ -355,6 +355,8 @@ class Tessellation(SeedCells):
         <pyvotess image of 200 x 150 pixels>
         """
         self._check_whole()
+        if self.planar and self.in_mesh:
+            raise ValueError("image() draws no polygons with holes: use plot(), or save t.pieces() as .geojson")
         from .export.image import image, png_path
 
         path = None if file is None else png_path(file, "file")

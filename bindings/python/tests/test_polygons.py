@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import pyvotess as vt
+from pyvotess._input import as_mesh
 
 CITY = {
     "type": "Polygon",
@@ -234,6 +235,40 @@ class Polygons(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "known for pieces of the plane are .geojson"):
                 pieces.save(Path(folder, "cells.obj"))
         self.assertEqual(pickle.loads(pickle.dumps(vt.Domain.mesh(CITY))), vt.Domain.mesh(CITY))
+
+    def test_parts_that_meet_in_one_place_are_two_pieces(self):
+        """A hole touches the outline in a vertex, or with one. The cell of seed 0 is x < 2."""
+        for outline in ([(0, 0), (4, 0), (4, 4), (0, 4)], [(0, 0), (4, 0), (4, 4), (0, 4), (0, 2)]):
+            for hole in ([(0, 2), (3, 1), (3, 3)], [(0, 2), (3, 3), (3, 1)]):
+                mesh = {"type": "Polygon", "coordinates": [outline, hole]}
+                t = vt.tessellate([(1, 2), (3, 2)], mesh=mesh)
+                pieces = t.pieces()
+                self.assertEqual(pieces.counts.tolist(), [2, 1])
+                self.assertTrue(set(pieces.sources[pieces.on_surface].tolist()) <= set(range(len(outline) + 3)))
+                for k in range(3):
+                    (ring,) = pieces.rings(k)
+                    self.assertEqual(len({tuple(place) for place in ring.tolist()}), len(ring))
+                    self.assertAlmostEqual(float(signed_area(exact(ring))), pieces.volumes[k], delta=1e-12)
+                self.assertTrue(t.verify())
+
+    def test_corners_of_polygons_keep_their_places(self):
+        outline = [(0.1, 0.3), (3.7, 0.2), (4.1, 2.9), (0.7, 3.3)]
+        pieces = vt.tessellate([(0.9, 0.9), (3.1, 1.7)], mesh={"type": "Polygon", "coordinates": [outline]}).pieces()
+        places = {tuple(place) for k in range(2) for place in pieces.rings(k)[0].tolist()}
+        self.assertTrue(set(outline) <= places)
+
+    def test_thin_and_large_rings_turn_as_they_are(self):
+        for scale in (1e-150, 1.0, 1e150):
+            for thin in (1.0, 2.0**-40, 2.0**-51):
+                ring = np.array([(1, 1), (2, 2), (2, 2 + thin)]) * scale
+                meshes = [as_mesh({"type": "Polygon", "coordinates": [way]}) for way in (ring, ring[::-1])]
+                for vertices, _ in meshes:
+                    self.assertGreater(signed_area(exact(vertices)), 0)
+        nested = {"type": "Polygon", "coordinates": [[(0, 0), (1, 0), (0, 1)]]}
+        for _ in range(5000):
+            nested = {"type": "GeometryCollection", "geometries": [nested]}
+        with self.assertRaisesRegex(ValueError, "too deep"):
+            as_mesh(nested)
 
     def test_fits_and_lloyd(self):
         random = np.random.default_rng(4)
