@@ -5,14 +5,16 @@
 
 #include "core/arithmetic.hpp"
 #include "cpu/cpu_clipper.hpp"
+#include "triangulate/power_sites.hpp"
 
 namespace votess::cpu {
 namespace {
 
 constexpr std::size_t block_cells = 64;
 constexpr std::size_t budget_growth = 8;  // from round to round of searches
-// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others.
-constexpr std::size_t triangulation_tests = 60;
+// Cost of a triangulation, in tests per seed: about 15 tests decided by exact arithmetic, 200 others. With weights all
+// are exact.
+constexpr std::size_t triangulation_tests = 60, weighted_tests = 150;
 constexpr std::size_t max_triangulated = 20'000'000;  // seeds; 300 bytes each
 constexpr std::size_t unlimited = std::numeric_limits<std::size_t>::max();
 
@@ -32,17 +34,19 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
     const std::size_t count = seeds_.size();
     const Domain& domain = *job_.domain;
     // Walls only cut the cells.
-    const bool has_delaunay =
-        !domain.is_periodic() && !domain.has_weights() && job_.beyond.empty() && count <= max_triangulated;
+    const bool has_delaunay = !domain.is_periodic() && job_.beyond.empty() && count <= max_triangulated;
+    const std::size_t cost = (domain.has_weights() ? weighted_tests : triangulation_tests) * count;
     std::vector<std::int32_t> hard = collect_hard();
     // Most of these cells have not been tried at all, so the first round allows as many tests as a block.
     std::size_t tests = SearchBudget::max_tests;
     for (; !hard.empty(); hard = collect_hard(), tests *= budget_growth) {
         if (tests >= 2 * count) tests = unlimited;
         // One of the two is always completed. Together they cost a few times as much as the cheaper one.
-        const bool many = hard.size() > triangulation_tests * count / std::min(tests, count);
+        const bool many = hard.size() > cost / std::min(tests, count);
         if (has_delaunay && (delaunay_ || many) && triangulate()) {
             clip_each(hard, out, [this](std::size_t seed, Worker& worker) {
+                // The search soon finds what hides a seed.
+                if (!seeds_.weights.empty() && delaunay_->is_hidden(seed)) return &worker.builder.build(seed);
                 delaunay_->neighbors(seed, worker.candidates, worker.marks);
                 return &worker.builder.build_from(seed, worker.candidates);
             });
@@ -53,7 +57,13 @@ void CpuClipper::clip_hard(ResultBuilder& out) {
 }
 
 bool CpuClipper::triangulate() {
-    if (!delaunay_) delaunay_.emplace(seeds_);
+    if (!delaunay_ && seeds_.weights.empty()) delaunay_.emplace(seeds_);
+    if (!delaunay_) {
+        std::vector<PowerSites::Site> sites;
+        for (std::size_t s = 0; s < seeds_.size(); ++s)
+            sites.push_back({{seeds_.x[s], seeds_.y[s], seeds_.z[s]}, {}, seeds_.weights[s]});
+        delaunay_.emplace(seeds_.size(), PowerSites(std::move(sites)));
+    }
     return delaunay_->valid();
 }
 

@@ -29,49 +29,15 @@ SeedImages::Base Parts::base_of(std::int32_t home) const {
                                     : seeds_.images->base(s);
 }
 
-// Members with weights, and images, for their triangulation: the predicates are those of the clipper.
-class Parts::MemberSites final : public Sites {
-public:
-    explicit MemberSites(const Parts& parts) {
-        const SortedSeeds& seeds = parts.seeds_;
-        lattice_ = seeds.images == nullptr ? nullptr : &seeds.images->domain().lattice;
-        for (const auto& [home, shift] : parts.members_) {
-            const auto& [point, moved] = parts.base_of(home);
-            const double weight = seeds.weights.empty() ? 0 : seeds.weights[static_cast<std::size_t>(home)];
-            sites_.push_back({point, difference(shift, difference({}, moved)), weight});
-        }
-        for (const exact::Point& point : {exact::Point{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
-            sites_.push_back({point, {}, 0});
+PowerSites Parts::sites_of_members() const {
+    std::vector<PowerSites::Site> sites;
+    for (const auto& [home, shift] : members_) {
+        const auto& [point, moved] = base_of(home);
+        const double weight = seeds_.weights.empty() ? 0 : seeds_.weights[static_cast<std::size_t>(home)];
+        sites.push_back({point, difference(shift, difference({}, moved)), weight});
     }
-    [[nodiscard]] int orient(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const override {
-        return exact::orientation(point_of(d), bisector(d, a), bisector(d, b), bisector(d, c));
-    }
-    [[nodiscard]] int insphere(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d,
-                               std::int32_t p) const override {
-        return exact::side_of_vertex(point_of(d), bisector(d, a), bisector(d, b), bisector(d, c), bisector(d, p));
-    }
-
-private:
-    struct Site {
-        exact::Point point;
-        exact::Shift shift;
-        double weight;
-    };
-    [[nodiscard]] const exact::Point& point_of(std::int32_t i) const {
-        return sites_[static_cast<std::size_t>(i)].point;
-    }
-    [[nodiscard]] exact::Plane bisector(std::int32_t from, std::int32_t to) const {
-        const Site &a = sites_[static_cast<std::size_t>(from)], &b = sites_[static_cast<std::size_t>(to)];
-        exact::Plane plane = lattice_ == nullptr
-                                 ? exact::Plane::bisector(b.point)
-                                 : exact::Plane::bisector(b.point, difference(b.shift, a.shift), *lattice_);
-        plane.power = exact::two_sum(a.weight, -b.weight);
-        return plane;
-    }
-
-    const exact::Lattice* lattice_;
-    std::vector<Site> sites_;
-};
+    return PowerSites(std::move(sites), seeds_.images == nullptr ? nullptr : &seeds_.images->domain().lattice);
+}
 
 // The bisector of a member and the probe, as the member sees it.
 exact::Plane Parts::guard_of(const Member& member) const {
@@ -146,7 +112,7 @@ void Parts::add_vertices_of(std::size_t k) {
 void Parts::triangulate() {
     triangulation_.reset();
     if (members_.size() < min_triangulated) return;
-    triangulation_.emplace(members_.size(), MemberSites(*this));
+    triangulation_.emplace(members_.size(), sites_of_members());
     if (!triangulation_->valid()) triangulation_.reset();
 }
 

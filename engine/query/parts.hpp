@@ -17,6 +17,7 @@
 #include "polytope/piece.hpp"
 #include "query/nearer_seeds.hpp"
 #include "triangulate/delaunay.hpp"
+#include "triangulate/power_sites.hpp"
 
 namespace votess::cpu {
 
@@ -40,8 +41,7 @@ public:
     [[nodiscard]] std::size_t clips() const { return clips_; }
 
 private:
-    class MemberSites;
-
+    [[nodiscard]] PowerSites sites_of_members() const;
     [[nodiscard]] SeedImages::Base base_of(std::int32_t home) const;
     [[nodiscard]] exact::Plane guard_of(const Member& member) const;
     [[nodiscard]] Cell& build(std::size_t k, std::span<const exact::Plane> guards);

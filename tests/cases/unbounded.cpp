@@ -458,6 +458,25 @@ TEST_SUITE("cases") {
     }
 
     // By rows in a box that ends far away: seeds in one plane or on one line have prisms and slabs as cells.
+    TEST_CASE("unbounded: periodic along some axes, seeds in a plane or nearly, and some beside it") {
+        using Vector = std::array<double, 3>;
+        for (int trial = 0; trial < 4; ++trial) {
+            CAPTURE(trial);
+            auto set = test::uniform(test::by_size(40, 20), static_cast<std::uint64_t>(trial));  // took 0.1 s each
+            for (double& x : set.points) x = std::floor(x * 0x1p30) * 0x1p-30;  // images of these are doubles
+            for (std::size_t i = static_cast<std::size_t>(trial) % 3; i < set.size(); ++i)
+                set.points[3 * i + 2] = trial < 2 ? 0.5 : 0.5 + std::floor(16 * set.points[3 * i + 2]) * 0x1p-30;
+            Options options = endless_options(votess::Box{{0, -inf, -inf}, {1, inf, inf}});
+            options.want.faces = options.want.counts = true;
+            std::array<Vector, 2> periods{{{1, 0, 0}, {}}};
+            options.periodic[0] = true;
+            if (trial % 2 == 0) options.box->lower[1] = 0, options.box->upper[1] = 1, periods[1] = {0, 1, 0};
+            options.periodic[1] = trial % 2 == 0;
+            const auto t = votess::tessellate(set.points, options);
+            CHECK(check_images(t, set.points, options, periods) == "");
+        }
+    }
+
     TEST_CASE("unbounded: seeds in a plane or on a line") {
         test::Random random(14);
         for (std::size_t trial = 0; trial < 18; trial += test::by_size(1, 5)) {

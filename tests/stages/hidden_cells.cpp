@@ -27,12 +27,12 @@ test::Coordinates uniform(std::size_t count) {
     return points;
 }
 
-// Searches the cells of seeds in the unit box. weight(i, x): of seed i at x.
+// Searches the cells of seeds in the unit box, or in one as long as that along z. weight(i, x): of seed i at x.
 template <class Weight>
-Tests search_all(const test::Coordinates& points, Weight weight) {
+Tests search_all(const test::Coordinates& points, Weight weight, double length = 1) {
     const std::size_t count = points.size() / 3;
     votess::Options options;
-    options.box = votess::Box{{0, 0, 0}, {1, 1, 1}};
+    options.box = votess::Box{{0, 0, length == 1 ? 0 : -length}, {1, 1, length}};
     std::vector<double> weights;
     for (std::size_t i = 0; i < count; ++i)
         weights.push_back(weight(i, std::array{points[3 * i], points[3 * i + 1], points[3 * i + 2]}));
@@ -93,6 +93,17 @@ TEST_SUITE("stages") {
                 if (i % 3 != 0) points[i] = 0.5 + 1e-6 * (points[i] - 0.5) / static_cast<double>(count);
             CAPTURE(count);
             CHECK(search_all(points, [](std::size_t, const auto&) { return 0.0; }).mean < 150);
+        }
+    }
+
+    TEST_CASE("long cells: seeds in a plane and one beside it, in a box whose ends are far") {
+        for (const std::size_t count : {std::size_t{250}, test::by_size(1000, 500)}) {
+            test::Coordinates points = uniform(count);
+            for (std::size_t i = 5; i < points.size(); i += 3) points[i] = 0.5;
+            CAPTURE(count);
+            // The cell beside the plane touches most others.
+            for (const double length : {0x1p60, 0x1p160})
+                CHECK(search_all(points, [](std::size_t, const auto&) { return 0.0; }, length).mean < 200);
         }
     }
 }
