@@ -62,7 +62,8 @@ struct Part {
 
 class Integrator {
 public:
-    Integrator(const Tessellation& t, const Frame& frame, std::span<const double> values, bool walls, Masses& out)
+    Integrator(const Tessellation& t, const Frame& frame, std::span<const double> values, bool flat, bool walls,
+               Masses& out)
         : t_(t),
           frame_(frame),
           values_(values),
@@ -71,7 +72,8 @@ public:
           polygons_(t, frame),
           slicer_(frame),
           size_(frame.cell_size()),
-          dimensions_(t.planar() ? 2 : 3) {
+          dimensions_(t.planar() ? 2 : 3),
+          flat_(flat) {
         for (std::size_t k = 0; k < 3; ++k) {
             Vector step{};
             step[k] = 1;
@@ -105,28 +107,35 @@ private:
         const std::span<const Vector> corners = polygons_.polygon(entry);
         const Vector area = area_of(corners);
         const bool has_mass = walls_ || t_.indices()[entry] >= 0;
-        if (!has_mass && area[0] == 0) return;
-        piece_.clear();
-        piece_.add_polygon(corners);
-        if (piece_.empty()) return;
+        if (corners.size() < 3 || (!has_mass && area[0] == 0)) return;
         Window window;
         std::array<bool, 3> between{};  // two layers of grid cells
         for (std::size_t k = 0; k < 3; ++k) {
-            window[k] = cover(frame_, piece_, place_, k);
-            const auto [least, largest] = piece_.extent(place_.along[k]);
-            between[k] = least == largest && least == static_cast<double>(window[k].first) - place_.at[k] &&
+            const auto [least, largest] = std::ranges::minmax(corners, {}, [k](const Vector& x) { return x[k]; });
+            if (flat_ && k == 2 && largest[k] - least[k] < 0.5) return;  // below or above the sheet
+            window[k] = frame_.cover(k, place_.at[k], least[k], largest[k]);
+            between[k] = least[k] == largest[k] && least[k] == static_cast<double>(window[k].first) - place_.at[k] &&
                          (frame_.axis(k).periodic || window[k].first > 0);
         }
         double sum = 0, all = 0;
-        slicer_.slice(piece_, place_, window, [&](const Cell& cell, const ConvexPiece& part) {
-            const std::span<const Vector> polygon = part.polygon(0);
-            if (has_mass) {
-                const double share = dot(area_of(polygon), area);
-                sum += share * mean_of_sides(cell, between);
-                all += share;
-            }
-            if (area[0] != 0) add_part(cell, polygon);
-        });
+        const auto add_share = [&](const Cell& cell, double share) {
+            sum += share * mean_of_sides(cell, between);
+            all += share;
+        };
+        if (flat_) {
+            slice_side(corners, window, [&](const Cell& cell, const Vector& from, const Vector& to, double share) {
+                if (has_mass) add_share(cell, share);
+                if (area[0] != 0) add_side(cell, from, to);
+            });
+        } else {
+            piece_.clear();
+            piece_.add_polygon(corners);
+            slicer_.slice(piece_, place_, window, [&](const Cell& cell, const ConvexPiece& part) {
+                const std::span<const Vector> polygon = part.polygon(0);
+                if (has_mass) add_share(cell, dot(area_of(polygon), area));
+                if (area[0] != 0) add_polygon(cell, polygon);
+            });
+        }
         if (!has_mass) return;
         const double mean = all > 0 ? sum / all : value_at_corner();
         out_.face_masses[entry] = mean * (t_.face_areas().empty() ? area_in_space(area) : t_.face_areas()[entry]);
@@ -153,18 +162,85 @@ private:
         return mean;
     }
 
-    void add_part(const Cell& cell, std::span<const Vector> corners) {
-        const double density = value(cell), low = static_cast<double>(cell[0]) - place_.at[0];
-        Part part{cell, {}};
-        const auto add_node = [&](double weight, const Vector& x) {
-            const double y = x[1], z = x[2], inside = x[0] - low;
-            volume_ += weight * x[0];
-            const Products terms{1, y, z, y * y, y * z, z * z};
-            for (std::size_t n = 0; n < 6; ++n) part.across[n] += weight * terms[n];
-            const double first = inside * (x[0] + low) / 2;
-            const double second = inside * (x[0] * x[0] + x[0] * low + low * low) / 3;
-            if (density > 0) moments_.add(density * weight, {inside, first, second}, y, z);
+    // Cuts the side of a prism: its lower edge is cut by the lines of the grid. Calls take(cell, from, to, share).
+    template <class Take>
+    void slice_side(std::span<const Vector> corners, const Window& window, const Take& take) const {
+        const auto height = [](const Vector& x) { return x[2]; };
+        const double middle = (std::ranges::min(corners, {}, height)[2] + std::ranges::max(corners, {}, height)[2]) / 2;
+        std::size_t first = 0;
+        while (first + 1 < corners.size() && !(corners[first][2] < middle &&
+                                               corners[(first + 1) % corners.size()][2] < middle))
+            ++first;
+        Vector a = corners[first], b = corners[(first + 1) % corners.size()];
+        a[2] = b[2] = middle;
+        Cell cell{0, 0, window[2].first};
+        std::array<std::int64_t, 2> step{}, end{};
+        for (std::size_t k = 0; k < 2; ++k) {
+            step[k] = b[k] < a[k] ? -1 : 1;
+            cell[k] = step[k] > 0 ? window[k].first : window[k].last;
+            end[k] = step[k] > 0 ? window[k].last : window[k].first;
+        }
+        // The share of the edge at which it leaves a cell along an axis.
+        const auto leaves = [&](std::size_t k) {
+            if (cell[k] == end[k]) return 1.0;
+            const double line = static_cast<double>(step[k] > 0 ? cell[k] + 1 : cell[k]) - place_.at[k];
+            return std::clamp((line - a[k]) / (b[k] - a[k]), 0.0, 1.0);
         };
+        std::array<double, 2> next{leaves(0), leaves(1)};
+        double done = 0;
+        Vector from = a;
+        while (true) {
+            const std::size_t k = next[1] < next[0] ? 1 : 0;
+            const bool last = cell[0] == end[0] && cell[1] == end[1];
+            const double share = last ? 1 : std::max(done, next[k]);
+            Vector to = b;
+            for (std::size_t i = 0; i < 2 && !last; ++i) to[i] = a[i] + share * (b[i] - a[i]);
+            if (share > done || last) take(cell, from, to, share - done);
+            if (last) return;
+            from = to;
+            done = share;
+            const std::size_t along = cell[k] == end[k] ? 1 - k : k;
+            cell[along] += step[along];
+            next[along] = leaves(along);
+        }
+    }
+
+    // Adds nodes of a part of a face. weight: of the normal's first component.
+    class Nodes {
+    public:
+        Nodes(Integrator& to, const Cell& cell)
+            : to_(to),
+              part_{cell, {}},
+              density_(to.value(cell)),
+              low_(static_cast<double>(cell[0]) - to.place_.at[0]) {}
+        void add(double weight, const Vector& x) {
+            const double y = x[1], z = x[2], inside = x[0] - low_;
+            to_.volume_ += weight * x[0];
+            const Products terms{1, y, z, y * y, y * z, z * z};
+            for (std::size_t n = 0; n < 6; ++n) part_.across[n] += weight * terms[n];
+            const double first = inside * (x[0] + low_) / 2;
+            const double second = inside * (x[0] * x[0] + x[0] * low_ + low_ * low_) / 3;
+            if (density_ > 0) to_.moments_.add(density_ * weight, {inside, first, second}, y, z);
+        }
+        void end() { to_.parts_.push_back(part_); }
+
+    private:
+        Integrator& to_;
+        Part part_;
+        double density_, low_;
+    };
+
+    // Two nodes of Gauss are exact for polynomials of degree 3.
+    void add_side(const Cell& cell, const Vector& from, const Vector& to) {
+        Nodes nodes(*this, cell);
+        for (const double share : {0.5 - std::sqrt(1.0 / 12), 0.5 + std::sqrt(1.0 / 12)})
+            nodes.add((to[1] - from[1]) / 2,
+                      {from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1]), from[2]});
+        nodes.end();
+    }
+
+    void add_polygon(const Cell& cell, std::span<const Vector> corners) {
+        Nodes nodes(*this, cell);
         for (std::size_t c = 1; c + 1 < corners.size(); ++c) {
             const Vector &a = corners[0], &b = corners[c], &d = corners[c + 1];
             const double area = ((b[1] - a[1]) * (d[2] - a[2]) - (b[2] - a[2]) * (d[1] - a[1])) / 2;
@@ -176,12 +252,12 @@ private:
                 r[k] = far_share * sum[k] + (near_share - far_share) * d[k];
                 sum[k] /= 3;
             }
-            add_node(center_weight * area, sum);
-            add_node(node_weight * area, p);
-            add_node(node_weight * area, q);
-            add_node(node_weight * area, r);
+            nodes.add(center_weight * area, sum);
+            nodes.add(node_weight * area, p);
+            nodes.add(node_weight * area, q);
+            nodes.add(node_weight * area, r);
         }
-        parts_.push_back(part);
+        nodes.end();
     }
 
     // Adds the grid cells between the parts of faces and the beginning of each row.
@@ -255,6 +331,7 @@ private:
     Slicer slicer_;
     Size size_;  // of a grid cell
     std::size_t dimensions_;
+    bool flat_;
     std::array<Vector, 3> edges_{};  // of a grid cell, in space
     Place place_;
     ConvexPiece piece_;  // a face
@@ -300,7 +377,7 @@ std::vector<double> checked_values(const Density& density, bool planar, const st
     return values;
 }
 
-Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values, ThreadPool& pool,
+Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const double> values, ThreadPool& pool, bool flat,
                  bool walls) {
     Masses out;
     out.masses.resize(t.size());
@@ -309,7 +386,7 @@ Masses masses_in(const Tessellation& t, const Frame& frame, std::span<const doub
     out.face_masses.resize(t.indices().size());
     std::vector<std::unique_ptr<Integrator>> workers;
     for (unsigned w = 0; w < pool.size(); ++w)
-        workers.push_back(std::make_unique<Integrator>(t, frame, values, walls, out));
+        workers.push_back(std::make_unique<Integrator>(t, frame, values, flat, walls, out));
     pool.run(ceil_div(t.size(), cells_of_task), [&](std::size_t task, unsigned worker) {
         check_stop();
         for (std::size_t seed = task * cells_of_task; seed < std::min(t.size(), (task + 1) * cells_of_task); ++seed)
@@ -335,7 +412,7 @@ Masses masses(const Tessellation& t, const Density& density, unsigned threads) {
     if (EndlessSides(region_of(t)).any())
         refuse("cells that reach infinity have no mass, give a box with ends: set " + option("box"));
     ThreadPool pool(threads);
-    return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, true);
+    return fields::masses_in(t, fields::Frame(t, density.shape), values, pool, t.planar(), true);
 }
 
 }  // namespace votess

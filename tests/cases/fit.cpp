@@ -180,6 +180,37 @@ TEST_SUITE("cases") {
         }
     }
 
+    TEST_CASE("fit: masses under an image, half of which is black, for any number of threads") {
+        Grains g = grains(400, false);
+        std::vector<double> flat, pixels(16 * 12);
+        for (std::size_t i = 0; i < 400; ++i) flat.insert(flat.end(), &g.points[3 * i], &g.points[3 * i] + 2);
+        for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = i / 12 < 8 ? 0 : 1 + static_cast<double>(i % 12);
+        const votess::Density image{{16, 12, 1}, pixels};
+        g.options.planar = true;
+        g.options.box = votess::Box{{0, 0, 0}, {1, 1, 0}};
+        g.options.want.faces = true;
+        FitOptions under;
+        under.normalize = true;
+        under.density = image;
+        g.options.threads = 1;
+        const votess::VolumeFit fit = votess::fit_volumes(flat, g.targets, g.options, under);
+        CHECK(fit.steps <= 25);
+        const votess::Masses of = votess::masses(fit.tessellation, image, 3);
+        double sum = 0;
+        for (const double pixel : pixels) sum += pixel / static_cast<double>(pixels.size());
+        for (std::size_t i = 0; i < 400; ++i) {
+            CHECK(std::abs(of.masses[i] / (g.targets[i] * sum) - 1) < 1.001e-9);
+            CHECK(of.centroids[2 * i] > 0.5);
+        }
+        g.options.threads = 3;
+        CHECK(std::ranges::equal(votess::fit_volumes(flat, g.targets, g.options, under).weights, fit.weights));
+        under.density = votess::Density{{16, 12, 2}, pixels};
+        std::string message;
+        CHECK(test::error_of([&] { (void)votess::fit_volumes(flat, g.targets, g.options, under); }, &message) ==
+              ErrorCode::invalid_argument);
+        CHECK(message.find("shape[2] = 2: give 1 in two dimensions") != std::string::npos);
+    }
+
     TEST_CASE("fit: dropped points have no goal") {
         Grains g = grains(300, false);
         g.options.box = votess::Box{{0, 0, 0}, {1, 1, 0.7}};

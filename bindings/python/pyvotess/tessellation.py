@@ -233,7 +233,8 @@ class Tessellation(SeedCells):
         """
         from .masses import masses_of
 
-        self._check_wanted("faces")
+        if not self.in_mesh:
+            self._check_wanted("faces")
         return masses_of(self, density, threads)
 
     def shapes(self, open: Optional[str] = None) -> Shapes:

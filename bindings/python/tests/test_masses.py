@@ -306,7 +306,7 @@ class BadInput(unittest.TestCase):
             vt.tessellate(points, mesh=CUBE).masses(ones)
         with self.assertRaisesRegex(ValueError, "infinity"):
             vt.tessellate(points, box="none", want="faces").masses(ones)
-        with self.assertRaisesRegex(ValueError, "faces"):
+        with self.assertRaisesRegex(AttributeError, "faces"):
             vt.tessellate(points, box=UNIT_BOX).masses(ones)
         with self.assertRaisesRegex(ValueError, "give the density as an array"):
             vt.lloyd(points, steps=1, density=lambda x: np.ones(len(x)), box=UNIT_BOX, volumes=np.ones(5))
