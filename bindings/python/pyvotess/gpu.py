@@ -99,7 +99,7 @@ for _name, (_result, _arguments) in SIGNATURES.items():
 def _as_dtype(dtype: Any) -> np.dtype[Any]:
     try:
         found: np.dtype[Any] = np.dtype(dtype)
-    except TypeError:
+    except (TypeError, ValueError):
         found = np.dtype(object)
     if dtype is None or found not in (np.float32, np.float64):
         raise ValueError(f"dtype is {shown(dtype)}: give float32 or float64")
