@@ -1,6 +1,6 @@
 """vt.gpu.Frames on a device of CUDA: with a driver of which only the functions are there, over the memory of lavapipe.
 
-Memory is exported and mapped for real. Semaphores, which lavapipe cannot export, and the GPU are simulated (fake_cuda.c).
+Memory is exported and mapped for real. Semaphores, which lavapipe cannot export, and the GPU are simulated (tests/support/fake_cuda.c).
 """
 
 import ctypes
@@ -71,7 +71,7 @@ class FakeDriver(unittest.TestCase):
         cls.folder = tempfile.TemporaryDirectory()
         cls.addClassCleanup(cls.folder.cleanup)
         library = os.path.join(cls.folder.name, "libfake.so")
-        source = pathlib.Path(__file__).with_name("fake_cuda.c")
+        source = pathlib.Path(__file__).resolve().parents[3] / "tests/support/fake_cuda.c"
         subprocess.run([os.environ.get("CC", "cc"), "-shared", "-fPIC", "-O1", "-o", library, str(source)], check=True)
         cls.fake = ctypes.CDLL(library)
         cls.fake.fake_option.argtypes = (ctypes.c_char_p, ctypes.c_int)
