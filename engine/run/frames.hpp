@@ -56,7 +56,7 @@ public:
     // Returns the cells of the last run, all of them: the CPU makes those that the device left.
     [[nodiscard]] detail::FrameRows resolve();
 
-    // Of frames with a UUID: see votess/frames.h.
+    // For frames with a UUID, see votess/frames.h.
     [[nodiscard]] ExportedArrays exported();
     void submit(std::uint32_t count, std::uint64_t after, std::uint64_t done);
     void signal(std::uint64_t value);

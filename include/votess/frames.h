@@ -27,8 +27,8 @@ typedef struct votess_frames_options {
     double largest_weight;
     double margin;        // width of the layer of images around a periodic box; 0: as suits uniform points
     uint32_t max_images;  // in that layer; 0: a quarter more than uniform points have
-    // For arrays in device memory that another API maps, see votess_frames_get_export: the type of points and weights,
-    // VOTESS_EXPORT_*; or 0. The device is then the one with this UUID, not that of the options.
+    // VOTESS_EXPORT_*: arrays are in device memory that another API maps, and points and weights have this type. See
+    // votess_frames_get_export. The device is then the one with the UUID, not that of the options. 0: in host memory.
     int32_t exported;
     uint8_t device_uuid[16];
 } votess_frames_options;

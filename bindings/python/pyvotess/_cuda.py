@@ -79,7 +79,7 @@ def _unsupported(message: str) -> VotessError:
 
 
 class Driver:
-    """The functions of the driver. Each raises VotessError with the driver's word for what failed."""
+    """The functions of the driver. Each raises VotessError with the driver's word for the failure."""
 
     def __init__(self) -> None:
         try:
@@ -248,7 +248,7 @@ class _Managed(ctypes.Structure):
 
 _Deleter = ctypes.CFUNCTYPE(None, POINTER(_Managed))
 _Managed._fields_ = [("tensor", _Tensor), ("context", c_void_p), ("deleter", _Deleter)]
-_exported: Dict[int, Any] = {}  # what capsules refer to, by address
+_exported: Dict[int, Any] = {}  # memory of capsules, by address
 _KDL_CUDA, _CODES = 2, {"i": 0, "u": 1, "f": 2}
 
 
@@ -324,7 +324,7 @@ def as_ordinal(device: str) -> int:
 
 
 def as_stream(stream: Any) -> int:
-    """Returns the handle of a stream: an integer, or what has one as PyTorch's and CuPy's streams."""
+    """Returns the handle of a stream: an integer, or an object of PyTorch or CuPy that has one."""
     for name in ("cuda_stream", "ptr"):
         stream = getattr(stream, name, stream)
     return as_count(stream, "stream", 64)

@@ -362,8 +362,8 @@ void ExportedFrames::record_order(vulkan::Commands& commands, std::uint32_t coun
     commands.barrier();
 }
 
-// Submits a batch without commands. What is submitted later begins when the semaphore has the first value, and the
-// second value follows all that was submitted before; 0: none.
+// Submits a batch without commands. Later submissions begin when the semaphore has the first value. It gets the second
+// value after all earlier ones. 0: none.
 void ExportedFrames::batch(std::uint64_t wait_value, std::uint64_t signal_value) {
     VkTimelineSemaphoreSubmitInfo values{};
     values.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
@@ -446,7 +446,7 @@ std::size_t ExportedFrames::resolve_as() {
     vulkan::Commands& commands = *flights_[next_flight_];
     for (auto& flight : flights_) flight->wait();
     const votess::vulkan::BufferSizes& sizes = plan_.sizes();
-    // Down: the points and what the host does not see.
+    // Down: the points, and outputs that the host does not see.
     const vulkan::Buffer points = memory_.buffer(sizes.seeds, vulkan::MemoryKind::download, "points");
     vulkan::Buffer weights;
     if (sizes.weights > 0) weights = memory_.buffer(sizes.weights, vulkan::MemoryKind::download, "weights");
